@@ -1,13 +1,13 @@
-// Values ↔ bytes, for snapshots: one function of a type's fields serves both ways, so that they cannot
-// differ.
+// Binary serialisation for snapshots: one `Fields` function of a type both writes and reads it, so the two
+// cannot differ.
 //
 //   template <class Archive> void Fields(Archive& a, Robot& r) { a(r.name, r.speed, r.steps); }
 //   ByteWriter w;  w(robot);  std::string bytes = w.Take();
 //   ByteReader r(bytes);  r(robot);  if (!r.AtEnd()) …  // damaged
 //
-// Integers are varints (signed ones zigzag), texts and lists have their length in front. A reader never reads
-// beyond its bytes, nor allocates more than they could hold: what does not fit makes it !ok(), and values are
-// then unspecified. Values; any thread.
+// Integers are varints (signed ones zigzag); texts and lists begin with their length. A reader never reads
+// past the end of its bytes and never allocates more than they can hold. After damage the reader is !ok(),
+// and the values are unspecified. Values; any thread.
 #ifndef DOCENT_GRAPH_BASE_ARCHIVE_H_
 #define DOCENT_GRAPH_BASE_ARCHIVE_H_
 
@@ -65,7 +65,7 @@ class ByteWriter {
     bytes_.append(text);
   }
   size_t size() const { return bytes_.size(); }
-  // About so many bytes will be written.
+  // Reserves space for about `bytes` more bytes.
   void Reserve(size_t bytes) { bytes_.reserve(bytes); }
   std::string Take() { return std::move(bytes_); }
 
@@ -127,7 +127,7 @@ class ByteReader {
   explicit ByteReader(std::string_view bytes) : left_(bytes) {}
 
   bool ok() const { return ok_; }
-  // Everything was read, and it was right.
+  // True if all bytes were read without an error.
   bool AtEnd() const { return ok_ && left_.empty(); }
   void Fail() {
     ok_ = false;
@@ -160,7 +160,7 @@ class ByteReader {
     left_.remove_prefix(size);
     return text;
   }
-  // The length of a list each of whose values takes at least one byte.
+  // Reads the length of a list whose elements take at least one byte each.
   size_t Count() {
     const uint64_t count = Varint();
     if (count <= left_.size()) return count;

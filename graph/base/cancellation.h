@@ -1,5 +1,5 @@
-// A long evaluation polls a Cancellation; whoever wants it to end sets it, or its deadline passes, or it has made more
-// steps than it was allowed. Steps are rows looked at by joins: unlike time, they are about the same on every machine.
+// Stop signal that a long evaluation polls: cancelled, past its deadline, or out of steps. A step is one row
+// that a join looks at; unlike time, the number of steps hardly depends on the machine.
 #ifndef DOCENT_GRAPH_BASE_CANCELLATION_H_
 #define DOCENT_GRAPH_BASE_CANCELLATION_H_
 
@@ -15,7 +15,7 @@
 
 namespace docent {
 
-// `Cancel` may be called from any thread; all else from the evaluating one.
+// `Cancel` may be called from any thread, all other functions only from the evaluating thread.
 class Cancellation {
  public:
   using SteadyTime = std::chrono::steady_clock::time_point;
@@ -26,33 +26,33 @@ class Cancellation {
   Cancellation(const Cancellation&) = delete;
   Cancellation& operator=(const Cancellation&) = delete;
 
-  // `look` is called where the clock is looked at, by whoever shares processors among evaluations; null: nothing is.
+  // `look` runs whenever the clock is read: the query scheduler shares processors by it. Null: none.
   void OnLook(std::function<void(const Cancellation&)> look) { look_ = std::move(look); }
 
   void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  // From now on so many steps, as the limits steps_per_turn and steps_per_fact say; any number where this is not called.
+  // Allows this many steps (limits steps_per_turn, steps_per_fact). Without this call: no limit.
   void AllowSteps(uint64_t steps) {
     steps_ = static_cast<int64_t>(steps);
     steps_left_ = steps_;
   }
-  // So many were made. The next Check tells where they were too many.
+  // Counts `steps` as done. The next Check reports an error if they were too many.
   void Spend(uint64_t steps) { steps_left_ -= static_cast<int64_t>(steps); }
 
   bool CanSpend(uint64_t steps) const { return steps_left_ >= static_cast<int64_t>(steps); }
   int64_t steps_left() const { return steps_left_; }
-  // So many more are allowed.
+  // Allows `steps` more steps.
   void Lend(uint64_t steps) {
     if (steps_ != 0) steps_left_ += static_cast<int64_t>(steps);
   }
 
-  // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps. Reads the steady
-  // clock at every 1024th call, so it may stand in an inner loop.
+  // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps.
+  // Reads the steady clock only at every 1024th call, so an inner loop may call it.
   absl::Status Check() {
     const bool ended = cancelled_.load(std::memory_order_relaxed) || expired_ || steps_left_ < 0;
     return ended || (++polls_ & 1023) == 0 ? CheckNow() : absl::OkStatus();
   }
-  // The same, reading the clock at once.
+  // The same, but reads the clock at each call.
   absl::Status CheckNow() {
     if (look_) look_(*this);
     if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
@@ -62,18 +62,18 @@ class Cancellation {
     expired_ = true;
     return Expired();
   }
-  // Whether it was cancelled or the deadline has passed.
+  // True if it was cancelled or the deadline has passed.
   bool IsOver() const {
     return cancelled_.load(std::memory_order_relaxed) ||
            (timeout_.count() != 0 && std::chrono::steady_clock::now() >= deadline_);
   }
-  // Until the deadline; a very long time where there is none.
+  // Time until the deadline; a year if there is no deadline.
   std::chrono::milliseconds Left() const {
     if (timeout_.count() == 0) return std::chrono::hours(24 * 365);
     return std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ -
                                                                  std::chrono::steady_clock::now());
   }
-  // Whether half of the time is over: who can give a part of the answer stops then.
+  // True if half of the time is over. An evaluation that can return a partial answer stops then.
   bool HalfIsOver() const {
     return timeout_.count() != 0 && std::chrono::steady_clock::now() + timeout_ / 2 > deadline_;
   }

@@ -1,5 +1,5 @@
-// Files that come with Docent's programs: scenarios, ontologies. No path of the machine that built them is compiled in.
-// Any thread.
+// Lookup of the files that come with Docent's programs: scenarios, ontologies. No path of the build machine
+// is compiled in. Any thread.
 #ifndef DOCENT_GRAPH_BASE_DATA_FILES_H_
 #define DOCENT_GRAPH_BASE_DATA_FILES_H_
 
@@ -9,10 +9,10 @@
 
 namespace docent {
 
-// The path of `name`, which is given as in the source tree ("ontology/docent.ttl"). Looked for in the folder that the
-// environment variable DOCENT_DATA_DIR names, and there alone where it is set; else in ../share/docent from the program's
-// folder, as it is installed, and then in the folders above the program's, as it is built in build/PRESET/bin.
-// NOT_FOUND says where it was looked for.
+// The path of `name`, a path relative to the source tree ("ontology/docent.ttl"). If the environment variable
+// DOCENT_DATA_DIR is set, only that folder is searched. Otherwise the search starts in ../share/docent beside
+// the program's folder (installed), then in the folders above the program's (built in build/PRESET/bin).
+// NOT_FOUND lists the places searched.
 absl::StatusOr<std::string> FindDataFile(const std::string& name);
 
 // The same for a program in the folder `program_folder`.

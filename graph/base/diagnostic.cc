@@ -24,8 +24,8 @@ bool IsContinuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
 }
 
-// The part of a long line around `column` (from 1, in code points), with "…" where something is left out, and
-// where the column is in it. A line may hold a literal of a megabyte.
+// The part of a long line around `column` (from 1, in code points), with "…" where text is left out, and the
+// position of the column in it. A line may hold a literal of a megabyte.
 struct Excerpt {
   std::string text;
   int column;
@@ -46,7 +46,7 @@ Excerpt ExcerptOf(std::string_view line, int column) {
   return excerpt;
 }
 
-// Length of the character at `at` of what may be no UTF-8 (RFC 3629, section 4); 0 if none begins there.
+// Length of the character at `at`; 0 if no valid UTF-8 character (RFC 3629, section 4) begins there.
 size_t CharacterAt(std::string_view text, size_t at) {
   const auto byte = [&](size_t i) {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u;
@@ -65,7 +65,7 @@ size_t CharacterAt(std::string_view text, size_t at) {
   return overlong || surrogate || beyond ? 0 : length;
 }
 
-// The text as a terminal and an HTTP client can take it: U+FFFD for bytes that are no UTF-8 and for control characters.
+// The text made safe for terminals and HTTP clients: U+FFFD replaces invalid UTF-8 and control characters.
 std::string Printable(std::string_view text) {
   std::string out;
   for (size_t i = 0; i < text.size();) {

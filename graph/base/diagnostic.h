@@ -1,7 +1,7 @@
 // Diagnostics: mistakes in a text that a person wrote (Turtle, SPARQL, rules, CAWL, RSEL), with their places.
 //
-// A parser collects every Diagnostic it finds and never dies at the first; `Render` prints them all with the
-// source line and a caret. Values; any thread.
+// A parser collects every Diagnostic it finds and does not stop at the first; `Render` prints them all with
+// the source line and a caret. Values; any thread.
 #ifndef DOCENT_GRAPH_BASE_DIAGNOSTIC_H_
 #define DOCENT_GRAPH_BASE_DIAGNOSTIC_H_
 
@@ -13,8 +13,8 @@
 
 namespace docent {
 
-// A place in a text. Lines and columns count from 1; column counts Unicode code points. `offset` and `length`
-// are bytes in the text, so that an editor can point at what a change must touch.
+// A place in a text. Lines and columns count from 1; a column counts Unicode code points. `offset` and
+// `length` are bytes in the text; an editor uses them to mark the text.
 struct SourceSpan {
   int line = 0;  // 0: no place known
   int column = 0;

@@ -1,4 +1,4 @@
-// The limits of reading documents beyond those of limits.h, whose rules hold here; apart, because only readers include them.
+// Limits of document readers beyond those of limits.h, whose rules hold here; separate, since few include it.
 #ifndef DOCENT_GRAPH_BASE_DOCUMENT_LIMITS_H_
 #define DOCENT_GRAPH_BASE_DOCUMENT_LIMITS_H_
 

@@ -1,5 +1,5 @@
-// FNV-1a, 64 bits (Fowler, Noll, Vo): a fingerprint that is the same in every process and every version, not a defence
-// against chosen texts. A text in parts: the fingerprint of what went before is the basis of the next. Any thread.
+// FNV-1a, 64 bits (Fowler, Noll, Vo): a fingerprint, the same in every process; no defence against chosen
+// texts. For a text in parts, the fingerprint of the part before is the basis of the next. Any thread.
 #ifndef DOCENT_GRAPH_BASE_FINGERPRINT_H_
 #define DOCENT_GRAPH_BASE_FINGERPRINT_H_
 

@@ -14,7 +14,7 @@ namespace {
 constexpr int kGzipWindow = 15 + 16;  // zlib's largest window, and only gzip
 constexpr size_t kPiece = 64u << 10;
 
-// Ends the stream with its scope.
+// Frees the stream at the end of the scope.
 struct Inflater {
   Inflater() { ready = inflateInit2(&stream, kGzipWindow) == Z_OK; }
   ~Inflater() {

@@ -1,4 +1,4 @@
-// gzip (RFC 1952): texts that files and HTTP requests bring packed. Any thread.
+// gzip (RFC 1952): packs and unpacks the texts of files and HTTP requests. Any thread.
 #ifndef DOCENT_GRAPH_BASE_GZIP_H_
 #define DOCENT_GRAPH_BASE_GZIP_H_
 
@@ -9,16 +9,16 @@
 
 namespace docent {
 
-// Whether the bytes begin as a gzip file does.
+// True if the bytes begin with the gzip signature.
 inline bool IsGzip(std::string_view bytes) {
   return bytes.starts_with("\x1F\x8B\x08");
 }
 
-// The unpacked bytes of all members. INVALID_ARGUMENT: it is damaged, or cut. RESOURCE_EXHAUSTED naming `limit_name`: more
-// than `most_bytes` came out, of which no more is unpacked.
+// The unpacked bytes of all members. INVALID_ARGUMENT: the data is damaged or truncated. RESOURCE_EXHAUSTED
+// naming `limit_name`: the data unpacks to more than `most_bytes`; unpacking stops there.
 absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name);
 
-// For tests and for what we write ourselves.
+// Packs `bytes`: for tests and for our own output.
 std::string Gzip(std::string_view bytes);
 
 }  // namespace docent

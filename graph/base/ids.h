@@ -1,4 +1,4 @@
-// Strong id types: what crosses a folder border is never a bare string or integer. Values; any thread.
+// Strong id types: no bare string or integer crosses a folder border as an id. Values; any thread.
 #ifndef DOCENT_GRAPH_BASE_IDS_H_
 #define DOCENT_GRAPH_BASE_IDS_H_
 
@@ -31,7 +31,7 @@ class NameOf {
 using RunId = NameOf<struct RunIdTag>;
 // A robot: the IRI of the robot in the graph.
 using RobotId = NameOf<struct RobotIdTag>;
-// One command to one robot: run/node/iteration/invoke/step/attempt@time (design: adapters drop repeats by it).
+// One command to one robot: run/node/iteration/invoke/step/attempt@time (adapters drop repeated ids).
 using CommandId = NameOf<struct CommandIdTag>;
 
 // The number of a published graph version = the offset of the log record that made it. 0: the empty graph.

@@ -1,5 +1,5 @@
-// Every queue, loop, query, message and document has a named limit, and all of them stand here.
-// An error at a limit says its name and value. Each is tested at the limit and one past it.
+// The named limits of every queue, loop, query, message and document. An error at a limit gives its name and
+// value. Each limit is tested at its value and one past it.
 #ifndef DOCENT_GRAPH_BASE_LIMITS_H_
 #define DOCENT_GRAPH_BASE_LIMITS_H_
 
@@ -10,21 +10,21 @@ namespace docent {
 
 struct Limits {
   // door
-  size_t inbox_batches = 65536;      // batches that wait; beyond: RESOURCE_EXHAUSTED
-  size_t inbox_bytes = 256u << 20;   // text of all batches that wait; one batch may exceed it when none waits
-  size_t batch_operations = 100000;  // facts, readings and reports in one Assert batch
-  size_t batch_bytes = 16u << 20;    // text of one Assert batch
-  size_t load_operations = 20000000;       // facts in one load (files, ontologies)
-  size_t term_bytes = 1u << 20;            // text of one term
+  size_t inbox_batches = 65536;       // waiting batches; beyond: RESOURCE_EXHAUSTED
+  size_t inbox_bytes = 256u << 20;    // text of all waiting batches; one batch may exceed it when none waits
+  size_t batch_operations = 100000;   // facts, readings and reports in one Assert batch
+  size_t batch_bytes = 16u << 20;     // text of one Assert batch
+  size_t load_operations = 20000000;  // facts in one load (files, ontologies)
+  size_t term_bytes = 1u << 20;       // text of one term
   size_t request_ids_remembered = 100000;  // newest request ids that are kept to recognise repeats
 
   // turn
   int engine_rounds_per_turn = 64;     // rounds of store, rules, conditions and engine until a turn is quiet
   int rule_rounds = 10000;             // rounds of a rule set until it makes nothing new
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
-  // Both together limit a turn: steps_per_turn + steps_per_fact * facts of the graph, with those that the turn tells and without
-  // those that it infers. A step takes about 10 ns (graph/base/step_costs.h). A turn that the log has is not refused by them:
-  // what was decided stands.
+  // The two limits together bound a turn: steps_per_turn + steps_per_fact * facts of the graph. These facts
+  // include the facts that the turn asserts, but not those that it infers. A step takes about 10 ns
+  // (graph/base/step_costs.h). Replay of a logged turn is never refused by them: recorded decisions stand.
   uint64_t steps_per_turn = 250000000;  // steps of rules and conditions in one turn: about two seconds
   uint64_t steps_per_fact = 100;        // steps for each fact of the graph, in addition to steps_per_turn
   size_t turns_per_commit = 4096;       // turns that share one fdatasync
@@ -34,19 +34,19 @@ struct Limits {
   size_t snapshot_records = 200000;  // turns after which another snapshot is taken
   size_t snapshot_log_bytes =
       256u << 20;             // log records after which another snapshot is taken, whatever their number
-  size_t snapshots_kept = 4;  // snapshots: the two newest, and others that lie far apart, for as-of queries
+  size_t snapshots_kept = 4;  // snapshots: the two newest, and others spread over time, for as-of queries
   size_t log_bytes_kept =
       size_t{8} << 30;  // log, about; older records are deleted, but none after the oldest snapshot
   size_t history_bytes = 32u << 20;    // memory of past graph versions that are kept for as-of queries
   size_t as_of_records = 1000000;      // records replayed to answer one as-of query
-  size_t as_of_open = 2;               // past graphs made from the log that are in memory at the same time
+  size_t as_of_open = 2;               // past graphs rebuilt from the log that are in memory at the same time
   size_t disk_free_bytes = 16u << 20;  // free space on the log's disk below which /healthz reports it
 
   // queries
   int query_timeout_ms = 30000;  // time of one query; a client may ask for less
   int queries_running =
       4;                   // queries evaluated at the same time; one that waits for its client does not count
-  int queries_open = 256;  // queries begun and not ended, including those that wait for a client or a place
+  int queries_open = 256;  // queries begun and not ended, including those that wait for a client or a worker
   int queries_short = 2;  // queries evaluated in addition, each for query_short_ms: short ones pass long ones
   int query_short_ms = 50;                        // time after which a query no longer counts as short
   size_t queries_waiting = 1024;                  // queries that wait to begin; beyond: RESOURCE_EXHAUSTED
@@ -93,10 +93,10 @@ struct Limits {
   size_t stream_bytes =
       4u << 20;  // messages made for one gRPC client and not sent yet; one message may exceed it
   size_t streams_bytes =
-      256u << 20;  // such messages of all clients together; beyond, the largest streams are cut
+      256u << 20;  // unsent messages of all clients together; beyond, the largest streams are closed
   int slow_client_ms =
-      10000;  // time in which a gRPC client takes nothing of a full stream, after which it loses it
-  int crowded_client_ms = 500;  // the same time, while others wait for its place
+      10000;  // time in which a gRPC client reads nothing from a full stream, after which it is closed
+  int crowded_client_ms = 500;  // the same time, while other clients wait
 
   // workflow
   int default_step_timeout_ms = 300000;  // time of an invocation that has no ext:timeout of its own
@@ -106,7 +106,7 @@ struct Limits {
   int node_iterations = 10000;     // times that one node is entered in one run
   int subflow_nesting = 32;        // runs inside each other
 
-  // Of a turn on a graph with so many facts.
+  // The limit of steps for a turn on a graph with `facts` facts.
   uint64_t StepsOfTurn(size_t facts) const { return steps_per_turn + steps_per_fact * facts; }
 };
 

@@ -1,4 +1,4 @@
-// Memory accounting: a limit for each piece of work (MemoryUse) and one for all of them together (MemoryBudget).
+// Memory accounting: a limit for each task (MemoryUse) and one for all tasks together (MemoryBudget).
 #ifndef DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
 #define DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
 
@@ -14,13 +14,13 @@
 
 namespace docent {
 
-// What several pieces of work keep together, whatever threads they run on. Thread-safe.
+// Memory that several tasks hold together, on any threads. Thread-safe.
 class MemoryBudget {
  public:
   // `limit_name`: as in Limits.
   MemoryBudget(std::string_view limit_name, size_t limit) : limit_name_(limit_name), limit_(limit) {}
 
-  // False, and nothing is taken, if that were beyond the limit.
+  // Reserves `bytes`. False, and nothing is reserved, if that exceeds the limit.
   bool Take(size_t bytes) {
     size_t taken = taken_.load(std::memory_order_relaxed);
     do {
@@ -32,7 +32,7 @@ class MemoryBudget {
   bool HasRoom(size_t bytes) const { return bytes <= limit_ && taken() <= limit_ - bytes; }
   size_t taken() const { return taken_.load(std::memory_order_relaxed); }
 
-  // An overload: others hold too much now.
+  // Overload error: the tasks together hold too much at the moment.
   absl::Status Refusal() const {
     return OverloadError("too much is in work at the same time: the limit " + limit_name_ + " = " +
                          std::to_string(limit_) + " is reached; try again later");
@@ -44,17 +44,17 @@ class MemoryBudget {
   std::atomic<size_t> taken_{0};
 };
 
-// What one piece of work keeps. One thread.
+// Memory that one task holds. One thread.
 class MemoryUse {
  public:
-  // `all` counts what this one keeps beyond kFree; null: nobody does. Must outlive it.
+  // `all` counts the part beyond kFree; null: no shared budget. `all` must outlive this object.
   explicit MemoryUse(size_t limit, MemoryBudget* all = nullptr)
       : limit_(limit), all_(all), granted_(all == nullptr ? limit : std::min(limit, kFree)) {}
   ~MemoryUse() { GiveBack(taken_); }
   MemoryUse(const MemoryUse&) = delete;
   MemoryUse& operator=(const MemoryUse&) = delete;
 
-  // False if that is beyond one of the limits; it is counted all the same.
+  // Counts `bytes`. False if that exceeds one of the limits; the bytes are counted all the same.
   bool Add(size_t bytes) {
     used_ += bytes;
     return used_ <= granted_ || Extend();
@@ -63,7 +63,7 @@ class MemoryUse {
     used_ -= bytes;
     if (taken_ != 0 && granted_ > used_ + kSlack) GiveBack(granted_ - used_ - kStep);
   }
-  // Whether so much more could be added now.
+  // True if `bytes` more would fit now.
   bool HasRoom(size_t bytes) const {
     if (bytes > limit_ || used_ > limit_ - bytes) return false;
     return used_ + bytes <= granted_ || all_->HasRoom(used_ + bytes - granted_);
@@ -72,22 +72,22 @@ class MemoryUse {
     used_ = 0;
     GiveBack(taken_);
   }
-  // True if so much more would leave half of the memory free: for what is kept only to be quicker.
+  // True if `bytes` more would leave half of the memory free: for caches.
   bool MayKeep(size_t bytes) const {
     if (bytes >= limit_ / 2 || used_ + bytes >= limit_ / 2) return false;
     return used_ + bytes <= granted_ || all_->HasRoom(2 * bytes);
   }
   size_t used() const { return used_; }
 
-  // After Add, or HasRoom of `more`, was false: `own` if the limit of this piece of work is the cause, else that of all.
+  // The error after a false Add or HasRoom(`more`): `own` for this task's limit, else the budget's.
   absl::Status Refusal(absl::Status own, size_t more = 0) const {
     return more > limit_ || used_ > limit_ - more ? std::move(own) : all_->Refusal();
   }
 
  private:
   static constexpr size_t kFree = 256u << 10;
-  static constexpr size_t kStep = 1u << 20;   // taken at once
-  static constexpr size_t kSlack = 8u << 20;  // taken and not used, before some is given back
+  static constexpr size_t kStep = 1u << 20;   // reserved at once
+  static constexpr size_t kSlack = 8u << 20;  // reserved and unused, before some is given back
 
   bool Extend() {
     if (used_ > limit_) return false;
@@ -111,8 +111,8 @@ class MemoryUse {
 
   const size_t limit_;
   MemoryBudget* const all_;
-  size_t granted_;    // without asking `all_`
-  size_t taken_ = 0;  // from `all_`
+  size_t granted_;    // usable without a further reservation
+  size_t taken_ = 0;  // reserved from `all_`
   size_t used_ = 0;
 };
 

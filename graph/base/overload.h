@@ -1,5 +1,5 @@
-// The two kinds of RESOURCE_EXHAUSTED: a request that is beyond one of its own limits, which it will meet again, and an
-// overload, which may pass: too much other work, a full disk. Pure functions.
+// The two kinds of RESOURCE_EXHAUSTED. A request that exceeds one of its own limits fails again when
+// repeated. An overload may pass: too much other work, a full disk. Pure functions.
 #ifndef DOCENT_GRAPH_BASE_OVERLOAD_H_
 #define DOCENT_GRAPH_BASE_OVERLOAD_H_
 
@@ -9,11 +9,11 @@
 
 namespace docent {
 
-// RESOURCE_EXHAUSTED that may pass.
+// RESOURCE_EXHAUSTED marked as an overload.
 absl::Status OverloadError(std::string_view message);
 bool IsOverload(const absl::Status& status);
 
-// As `status` with another message, as where a place is put before it.
+// `status` with another message, for example with a place in front. The kind stays the same.
 absl::Status WithMessage(const absl::Status& status, std::string_view message);
 
 }  // namespace docent

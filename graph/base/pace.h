@@ -1,5 +1,5 @@
-// Throttle for long background work: it takes a third of a core at most. nice(2) is not enough,
-// since priorities count only among the threads of one core.
+// Throttle for long background work: the work takes at most a third of a core. nice(2) is not enough, since
+// priorities count only among the threads of one core.
 #ifndef DOCENT_GRAPH_BASE_PACE_H_
 #define DOCENT_GRAPH_BASE_PACE_H_
 
@@ -13,8 +13,8 @@ namespace docent {
 
 class Pace {
  public:
-  // The thread that works calls it between two small pieces, of a microsecond or so; after about a millisecond of them it
-  // sleeps twice as long.
+  // The working thread calls Rest between two small pieces of work of about a microsecond. After about a
+  // millisecond of work Rest sleeps twice as long as the work took, at most 10 ms.
   void Rest() {
     if (++pieces_ % kPiecesALook != 0 || hurry_) return;
     const Clock::duration worked = Clock::now() - since_;
@@ -22,7 +22,7 @@ class Pace {
     std::this_thread::sleep_for(std::min<Clock::duration>(2 * worked, std::chrono::milliseconds(10)));
     since_ = Clock::now();
   }
-  // Somebody waits after all: no rest from now on. Any thread.
+  // No further rests: another thread waits for the result. Any thread.
   void Hurry() { hurry_ = true; }
 
  private:

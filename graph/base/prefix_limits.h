@@ -1,4 +1,4 @@
-// How many prefixes of documents the server remembers, by which clients name IRIs for people.
+// Limits of the prefixes that the server remembers from documents; clients use them to print short names.
 #ifndef DOCENT_GRAPH_BASE_PREFIX_LIMITS_H_
 #define DOCENT_GRAPH_BASE_PREFIX_LIMITS_H_
 

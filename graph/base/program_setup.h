@@ -4,17 +4,17 @@
 
 #include "absl/synchronization/mutex.h"
 
-// Read by jemalloc, where the program is linked with it. It gives back within a second what nobody needs any more, from a
-// thread of its own: without one it does so only while more is asked for, and a server that is idle after a large load
-// keeps what the load needed.
+// Read by jemalloc, if the program is linked with it. A background thread of jemalloc returns unused memory
+// within a second. Without that thread, memory is returned only during allocations, so a server that is idle
+// after a large load would keep the memory of the load.
 extern "C" {
 [[gnu::used]] inline const char* malloc_conf = "background_thread:true,dirty_decay_ms:1000";
 }
 
 namespace docent {
 
-// Debian's Abseil is built for debugging: each lock, gRPC's too, looks for circles in the order of locks. Our debug
-// builds leave it at that; others do without.
+// Debian's Abseil is built for debugging: each lock, also gRPC's, is checked for deadlock cycles. Debug
+// builds keep the check; other builds turn it off.
 inline void SetMutexChecks() {
 #ifdef NDEBUG
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);

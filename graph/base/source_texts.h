@@ -1,5 +1,5 @@
-// The texts that diagnostics speak of, by the names that they have there. Where a mistake lies between several documents
-// (rules of two sets that negate each other), each diagnostic is shown with the line of its own. One thread.
+// Source texts by file name, for rendering diagnostics. A mistake may involve several documents (rules of two
+// sets that negate each other); each diagnostic is then shown with its own source line. One thread.
 #ifndef DOCENT_GRAPH_BASE_SOURCE_TEXTS_H_
 #define DOCENT_GRAPH_BASE_SOURCE_TEXTS_H_
 
@@ -15,10 +15,10 @@ namespace docent {
 
 class SourceTexts {
  public:
-  // In the place of one of that name. `text` must outlive this.
+  // Adds a text, or replaces the text of that name. `text` must outlive this object.
   void Put(std::string file, std::string_view text) { texts_.insert_or_assign(std::move(file), text); }
 
-  // As docent::Render and ToStatus. Line and caret are left out where the file is not known here.
+  // As docent::Render and ToStatus. Line and caret are left out if the file is not known here.
   std::string Render(const Diagnostics& diagnostics) const {
     std::string out;
     for (const Diagnostic& d : diagnostics) {

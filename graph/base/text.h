@@ -1,5 +1,5 @@
-// std::string_view beside Abseil: Debian's Abseil has its own absl::string_view, to which std::string_view
-// does not convert by itself, so absl::StrCat cannot take one. Values; any thread.
+// Conversions between std::string_view and Abseil. Debian's Abseil has its own absl::string_view, to which
+// std::string_view does not convert implicitly, so absl::StrCat cannot take one. Values; any thread.
 #ifndef DOCENT_GRAPH_BASE_TEXT_H_
 #define DOCENT_GRAPH_BASE_TEXT_H_
 
@@ -15,18 +15,18 @@ namespace docent {
 inline absl::string_view ToAbsl(std::string_view text) {
   return absl::string_view(text.data(), text.size());
 }
-// And back.
+// The reverse conversion.
 inline std::string_view FromAbsl(absl::string_view text) {
   return std::string_view(text.data(), text.size());
 }
 
-// *out = text, of a text that is no part of *out. Quicker where the text before was as long, as names of one kind often are.
+// *out = text, which is no part of *out. Faster if the old text is as long, as names of one kind often are.
 inline void Overwrite(std::string* out, std::string_view text) {
   if (out->size() != text.size()) out->resize(text.size());
   std::copy(text.begin(), text.end(), out->begin());
 }
 
-// The pieces one after the other: absl::StrCat for std::string_view, std::string and literals (numbers not).
+// Concatenates the pieces: absl::StrCat for std::string_view, std::string and literals (not for numbers).
 template <typename... Pieces>
 std::string Concat(const Pieces&... pieces) {
   std::string out;

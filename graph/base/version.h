@@ -9,9 +9,9 @@ namespace docent {
 // "0.1.0".
 std::string_view Version();
 
-// For people: "0.1.0 (commit 86ed301b2c4d)", with ", changed" where the tree had changes that are not committed; "0.1.0"
-// where the commit is not known. Defined in the library docent_commit, which the programs alone link, so that a new commit
-// compiles one small file and nothing else.
+// For people: "0.1.0 (commit 86ed301b2c4d)", followed by ", changed" if the tree had uncommitted changes;
+// "0.1.0" if the commit is not known. Defined in the library docent_commit, which only the programs link: a
+// new commit recompiles one small file.
 std::string_view VersionWithCommit();
 
 }  // namespace docent

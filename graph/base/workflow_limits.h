@@ -1,5 +1,5 @@
-// The limits of what CAWL and RSEL documents say. As limits.h, whose rules hold here; apart, because few include it. They
-// cannot be set: what one server takes, every other one takes.
+// Limits of the content of CAWL and RSEL documents. The rules of limits.h hold here; a separate header,
+// because few files include it. They cannot be configured: all servers accept the same documents.
 #ifndef DOCENT_GRAPH_BASE_WORKFLOW_LIMITS_H_
 #define DOCENT_GRAPH_BASE_WORKFLOW_LIMITS_H_
 
@@ -9,7 +9,7 @@ namespace docent {
 
 struct WorkflowLimits {
   size_t condition_alternatives =
-      256;  // alternatives of a context, case or expression when its `or`s are carried outside
+      256;  // alternatives of a context, case or expression after its `or`s are moved to the top
   size_t condition_parts = 10000;  // constraints and events in these alternatives together
   size_t name_bytes = 256;         // name of a workflow, flow, node, process, operation and the like
 };

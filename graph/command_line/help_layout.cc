@@ -27,7 +27,8 @@ size_t Columns() {
   return columns == 0 ? kUsualColumns : std::max(columns, kLeastColumns);
 }
 
-// "{union,strict}" of "TEXT:{union,strict}"; else what stands before the colon, which is CLI11's name of a check.
+// "{union,strict}" of "TEXT:{union,strict}"; else the text before the colon, which is CLI11's name of a
+// check.
 std::string ValueName(const CLI::Option* option) {
   const std::string type = option->get_type_name();
   const size_t choices = type.find(":{");

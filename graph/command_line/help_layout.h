@@ -21,7 +21,7 @@ class HelpLayout : public CLI::Formatter {
   std::string make_option_desc(const CLI::Option* option) const override;
 
  private:
-  // Broken at blanks into lines of at most the columns that are left beside `indent`.
+  // `text` wrapped at spaces into lines that fit beside `indent`.
   std::string Wrapped(const std::string& text, size_t indent) const;
 
   size_t columns_;

@@ -16,12 +16,12 @@
 namespace docent {
 namespace {
 
-// The command that was given, as far as it was understood, and how it is called: "docent ontology list".
+// The given command, as far as it was parsed, and its full name: "docent ontology list".
 struct GivenCommand {
   const CLI::App* app;
   std::string name;
 
-  // The command below it that was given; false: there is none.
+  // Descends to the given subcommand; false: there is none.
   bool Descend() {
     if (app->get_subcommands().empty()) return false;
     app = app->get_subcommands().front();
@@ -30,7 +30,7 @@ struct GivenCommand {
   }
 };
 
-// The first level at which words are left over, or the last one.
+// The first command level with unparsed words, or the deepest one.
 GivenCommand Understood(const CLI::App& app) {
   GivenCommand given{&app, app.get_name()};
   while (given.app->remaining().empty() && given.Descend()) {
@@ -59,8 +59,8 @@ std::string WrongOption(const GivenCommand& given, const std::string& argument) 
          (nearest.empty() ? "`" + given.name + " --help` lists them" : "did you mean " + nearest + "?");
 }
 
-// What is wrong with the arguments and what to do about it. CLI11 says of a word that is no command only that a command is
-// missing, and of an option that there is none that it was not expected.
+// Error text for wrong arguments, with what to do. CLI11's own messages are too general: for an unknown
+// command it only says that a command is missing, for an unknown option that it was not expected.
 std::string WhatIsWrong(const CLI::App& app, const std::string& error) {
   const GivenCommand given = Understood(app);
   const std::vector<std::string> left = Left(given);
@@ -82,7 +82,8 @@ std::string WhatIsWrong(const CLI::App& app, const std::string& error) {
 void PrepareStandardStreams() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) continue;
-    // The lowest free number is this one. What is only open for reading refuses what is written, as a closed one does.
+    // The lowest free number is this one. Opened read-only for output, so that writes fail as on a closed
+    // descriptor.
     (void)!open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
   signal(SIGPIPE, SIG_DFL);
@@ -93,7 +94,7 @@ std::optional<int> ParseArguments(CLI::App* app, std::vector<std::string> argume
   try {
     app->parse(arguments);
   } catch (const CLI::ParseError& error) {
-    const bool help = error.get_exit_code() == 0;  // or the version
+    const bool help = error.get_exit_code() == 0;  // --help or --version
     if (help && Left(Understood(*app)).empty()) return EndOutput(*app, app->exit(error));
     std::cerr << WhatIsWrong(*app, error.what()) << "\n";
     return kExitBad;

@@ -24,7 +24,7 @@ struct Mark {
   uint64_t crc;
 };
 
-// Who holds the lock wrote its process id into the lock file.
+// The process that holds the lock wrote its process id into the lock file.
 std::string Holder(int fd) {
   char text[32] = {};
   const ssize_t read = pread(fd, text, sizeof(text) - 1, 0);
@@ -63,7 +63,7 @@ absl::Status SyncPath(const std::string& path) {
 absl::Status MakeFolders(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  std::vector<fs::path> above;  // of each that is made
+  std::vector<fs::path> above;  // the parent of each folder that is made
   for (fs::path at = fs::absolute(path, error); !fs::exists(at, error) && at.has_relative_path();
        at = at.parent_path())
     above.push_back(at.parent_path());
@@ -72,7 +72,7 @@ absl::Status MakeFolders(const std::string& path) {
   for (const fs::path& folder : above) {
     const absl::Status synced = SyncPath(folder);
     if (!synced.ok() && !absl::IsPermissionDenied(synced))
-      return synced;  // what may not be read cannot be synced
+      return synced;  // a folder without read permission cannot be synced
   }
   return absl::OkStatus();
 }
@@ -114,7 +114,7 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
     return absl::FailedPreconditionError(absl::StrCat(what, ": it is in use by ", Holder(folder.lock_.fd()),
                                                       "; stop that one or choose another folder"));
   }
-  // For the next one's message only: that it may not fit on a full disk does no harm.
+  // Only for the error message of the next process: a full disk may keep it from being written, without harm.
   const std::string pid = absl::StrCat(getpid(), "\n");
   if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0)
     errno = 0;
@@ -155,7 +155,7 @@ absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& 
   if (!file.valid()) return FileError(errno, absl::StrCat("cannot read ", path));
   Mark mark;
   const ssize_t got = pread(file.fd(), &mark, sizeof(mark), 0);
-  // Of a log that has no record yet; and a file system may leave zeros of what was not on the disk when the power went.
+  // The log has no record yet; or a file system left zeros after a power cut.
   const bool unset = got == 0 || (got == sizeof(mark) && mark.offset == 0 && mark.crc == 0);
   if (unset) return std::optional<uint64_t>();
   if (got == sizeof(mark) && mark.crc == Crc32c().Add(mark.offset).value()) return std::optional(mark.offset);

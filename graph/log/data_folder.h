@@ -1,9 +1,10 @@
-// The folder in which a server keeps its log: made if absent, checked, and held by one process at a time.
+// The folder in which a server keeps its log: created if absent, checked, and locked by one process at a
+// time.
 //
 // It also holds the *head mark*: a file of a few bytes that is overwritten, without a sync, after each
-// commit. If the database later ends before the mark, acknowledged records have been lost (a damaged
-// write-ahead log looks to SQLite like one that was cut off by a crash, and it drops the rest without a
-// word). After a power cut the mark may be older than the database, never newer. One thread at a time.
+// commit. If the database later ends before the mark, acknowledged records have been lost. (To SQLite a
+// damaged write-ahead log looks like one that a crash cut off, and it drops the rest silently.) After a power
+// cut the mark may be older than the database, never newer. One thread at a time.
 #ifndef DOCENT_GRAPH_LOG_DATA_FOLDER_H_
 #define DOCENT_GRAPH_LOG_DATA_FOLDER_H_
 
@@ -35,23 +36,23 @@ class FileHandle {
   int fd_ = -1;
 };
 
-// The file or folder that lies under a path: another one in its place, also a copy, is not equal.
+// The identity of the file or folder under a path: another file in its place, even a copy, is not equal.
 struct FileIdentity {
   dev_t device = 0;
   ino_t inode = 0;
   friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
 };
-// nullopt: there is nothing.
+// nullopt: the path does not exist.
 std::optional<FileIdentity> IdentityOf(const std::string& path);
 
 class DataFolder {
  public:
-  // Makes `path` (with parents) if absent and takes its lock; nothing else is made. Errors, each one line:
+  // Creates `path` (with parents) if absent and takes its lock; creates nothing else. Errors, each one line:
   // INVALID_ARGUMENT (not a folder), PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in
-  // use, by which process).
+  // use; names the process).
   static absl::StatusOr<DataFolder> Open(const std::string& path);
 
-  // Whether a process holds the lock of the folder `path`.
+  // True if a process holds the lock of the folder `path`.
   static bool InUse(const std::string& path);
 
   const std::string& path() const { return path_; }
@@ -62,17 +63,17 @@ class DataFolder {
   static absl::StatusOr<std::optional<uint64_t>> ReadMark(const std::string& path);
   static absl::Status WriteMark(const std::string& path, uint64_t offset);
 
-  // Remembers which file lies under `name`, for CheckPlace. Before other threads have the folder.
+  // Remembers the identity of the file `name`, for CheckPlace. Call it before other threads use the folder.
   void Watch(const std::string& name);
-  // Whether the folder, its lock and the watched files still lie where they were opened. UNAVAILABLE: they were deleted,
-  // moved or replaced, and what is written into them now would not be found by the next start. Any thread.
+  // Checks that the folder, its lock and the watched files are still in place. UNAVAILABLE: they were
+  // deleted, moved or replaced, and the next start would not find what is written into them now. Any thread.
   absl::Status CheckPlace() const;
 
-  // Opens the mark to be set, made if absent: once the log is known to be whole.
+  // Opens the mark for writing, created if absent. Call it once the log is known to be whole.
   absl::Status OpenMark();
-  // Best effort: a mark that cannot be written only loses the check.
+  // Best effort: if the mark cannot be written, only the check is lost.
   void SetHeadMark(uint64_t offset);
-  // A lasting mark, for an orderly end.
+  // Syncs the mark, for an orderly shutdown.
   void SyncHeadMark();
 
  private:
@@ -85,10 +86,10 @@ class DataFolder {
 // The status of errno value `error` while doing `what`: as SqliteError.
 absl::Status FileError(int error, const std::string& what);
 
-// Waits until what was written to a file, or the names in a folder, would outlast a power cut.
+// Syncs a file, or the names in a folder, so that it survives a power cut.
 absl::Status SyncPath(const std::string& path);
 
-// Makes a folder and those above it that are not there, to outlast a power cut.
+// Creates a folder and its missing parents, durably.
 absl::Status MakeFolders(const std::string& path);
 
 }  // namespace docent::log

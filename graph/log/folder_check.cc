@@ -26,7 +26,7 @@ namespace {
 
 constexpr uint64_t kRecordsPerProgress = 10000;
 
-// Errors that say what is in the folder, not that it could not be read.
+// True for errors about the content of the folder, false for errors of reading it.
 bool IsDamage(const absl::Status& status) {
   return absl::IsDataLoss(status);
 }
@@ -40,7 +40,7 @@ class FolderChecker {
     report_.database = absl::StrCat(folder_, "/", SqliteLog::kFileName);
     const absl::Status found = FindLog(folder_);
     if (!found.ok() && !IsDamage(found)) return found;
-    // What is there before the log is looked at, the log must reach to, even if a server goes on meanwhile.
+    // The log must reach the marks that exist before it is read, even if a server goes on meanwhile.
     const absl::StatusOr<std::vector<uint64_t>> snapshots = SnapshotFiles(folder_, SIZE_MAX).Offsets();
     if (!snapshots.ok()) return snapshots.status();
     of_interest_ = *snapshots;
@@ -88,7 +88,7 @@ class FolderChecker {
     if (!db.ok()) return Judge(db.status());
     db_ = *std::move(db);
     const std::string what = absl::StrCat("cannot read the log ", report_.database);
-    // One picture of it, whatever a server appends meanwhile.
+    // One consistent view, even if a server appends meanwhile.
     absl::Status status = Execute(db_.get(), "BEGIN", what);
     if (status.ok()) status = CheckFormat(db_.get(), report_.database);
     if (!status.ok()) return Judge(status);
@@ -106,7 +106,7 @@ class FolderChecker {
     return status.ok() ? status : Judge(status);
   }
 
-  // Damage of SQLite's own structure that reading all records has not met.
+  // Finds damage of SQLite's own structure that reading all records does not touch.
   absl::Status CheckPages() {
     absl::StatusOr<Statement> check = Statement::Prepare(db_.get(), "PRAGMA integrity_check(20)");
     if (!check.ok()) return check.status();
@@ -160,7 +160,7 @@ class FolderChecker {
     Fault(absl::StrCat(report_.database, ": offset ", offset, ": ", what));
   }
 
-  // The hash of the record, if it is whole. `previous`: of the one before, if that was whole.
+  // The hash of the record, if it is whole. `previous`: the hash of the record before, if that was whole.
   std::optional<ChainHash> CheckRecord(Statement& row, uint64_t offset,
                                        const std::optional<ChainHash>& previous) {
     ChainHash stated;
@@ -226,7 +226,7 @@ class FolderChecker {
     const uint64_t offset = snapshot.content.offset;
     if (!head_ || offset < head_->base_offset) return true;  // of no use, but not wrong
     if (offset > head_->offset) {
-      if (!std::binary_search(of_interest_.begin(), of_interest_.end(), offset)) return false;  // taken since
+      if (!std::binary_search(of_interest_.begin(), of_interest_.end(), offset)) return false;  // taken later
       Fault(absl::StrCat(files.Path(offset), ": it is of offset ", offset, " but the log ends at ",
                          head_->offset));
       return false;
@@ -234,7 +234,7 @@ class FolderChecker {
     std::optional<ChainHash> hash;
     if (offset == head_->base_offset) hash = head_->base_hash;
     if (const auto it = hashes_.find(offset); it != hashes_.end()) hash = it->second;
-    if (!hash || *hash == snapshot.chain) return true;  // without a hash, the record itself was found wrong
+    if (!hash || *hash == snapshot.chain) return true;  // no hash: the record itself was found to be wrong
     Fault(absl::StrCat(files.Path(offset), ": it is not of this log"));
     return false;
   }
@@ -244,9 +244,9 @@ class FolderChecker {
   FolderReport report_;
   DatabaseHandle db_;
   std::optional<HeadRow> head_;
-  std::optional<uint64_t> mark_;          // as it was before the log was looked at
-  std::vector<uint64_t> of_interest_;     // offsets of the snapshots that were there then
-  std::map<uint64_t, ChainHash> hashes_;  // of those records
+  std::optional<uint64_t> mark_;          // as it was before the log was read
+  std::vector<uint64_t> of_interest_;     // offsets of the snapshots at that time
+  std::map<uint64_t, ChainHash> hashes_;  // of these records
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Read-only check of a data folder: every record's checksum, the chain through all of
-// them, the head, the head mark, and every snapshot's checksum and place in the chain. A server may be using
-// it. Any thread; it takes as long as reading everything does.
+// Read-only check of a data folder: every record's checksum, the chain through all records, the head, the
+// head mark, and every snapshot's checksum and place in the chain. A server may use the folder meanwhile. Any
+// thread; takes as long as reading everything.
 #ifndef DOCENT_GRAPH_LOG_FOLDER_CHECK_H_
 #define DOCENT_GRAPH_LOG_FOLDER_CHECK_H_
 
@@ -16,20 +16,20 @@ namespace docent::log {
 
 struct FolderReport {
   std::string database;             // the log's file
-  uint64_t first = 0;               // offset of the first record that is there
-  uint64_t last = 0;                // of the last
+  uint64_t first = 0;               // offset of the oldest record
+  uint64_t last = 0;                // offset of the newest record
   std::vector<uint64_t> snapshots;  // offsets of the good ones, ascending
-  // Everything that is wrong, each with its file and offset; no more than kFaultsKept.
+  // All faults, each with its file and offset; at most kFaultsKept.
   std::vector<std::string> faults;
   std::vector<std::string> passed_over;  // CopyNewestSnapshot: what is wrong with newer snapshots
-  // The state cannot be made: a fault lies where it is needed.
+  // False if the state cannot be rebuilt: a fault lies in a part that it needs.
   bool sound() const { return faults.empty(); }
 };
 inline constexpr size_t kFaultsKept = 100;
 
-// A log that is gone (graph/log/log_end.h) is a fault. NOT_FOUND, INVALID_ARGUMENT (no Docent data
-// folder), PERMISSION_DENIED, FAILED_PRECONDITION (a newer format): it could not be looked at.
-// `progress(done, all)` counts records; may be null.
+// A missing log (graph/log/log_end.h) is a fault. Errors mean that the folder could not be checked:
+// NOT_FOUND, INVALID_ARGUMENT (no Docent data folder), PERMISSION_DENIED, FAILED_PRECONDITION (a newer
+// format). `progress(done, all)` counts records; may be null.
 absl::StatusOr<FolderReport> CheckFolder(const std::string& folder,
                                          const std::function<void(uint64_t, uint64_t)>& progress);
 

@@ -24,10 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A snapshot that the server drops between the copy of the log and its own makes another attempt needed.
+// If the server drops a snapshot between the copy of the log and the copy of the snapshot, another attempt is
+// needed.
 constexpr int kAttempts = 3;
 
-// SQLite's online backup in one step: all pages of one moment, the write-ahead log's among them.
+// SQLite's online backup in one step: all pages of one moment, with those of the write-ahead log.
 absl::Status CopyDatabase(const std::string& from, const std::string& to) {
   absl::StatusOr<DatabaseHandle> source = OpenReadOnly(from);
   if (!source.ok()) return source.status();
@@ -69,7 +70,7 @@ absl::StatusOr<HeadRow> HeadOf(const std::string& database) {
   return ReadHead(db->get());
 }
 
-// Syncs what is in the folder `to`, but for the snapshots, and checks all of it.
+// Syncs the content of the folder `to` (snapshots are synced already), and checks all of it.
 absl::StatusOr<FolderReport> Complete(const std::string& to, uint64_t end) {
   absl::Status status = DataFolder::WriteMark(absl::StrCat(to, "/", DataFolder::kMarkName), end);
   if (!status.ok()) return status;
@@ -98,7 +99,7 @@ absl::Status MakeAnew(const std::string& path) {
   return MakeFolders(path);
 }
 
-// The newest that is whole.
+// The newest undamaged snapshot.
 absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder,
                                                        std::vector<std::string>* passed_over) {
   const SnapshotFiles files(folder, SIZE_MAX);
@@ -122,14 +123,14 @@ absl::StatusOr<FolderReport> BeginAfter(const SnapshotFiles::Snapshot& snapshot,
   {
     absl::StatusOr<DatabaseHandle> db = OpenConnection(database);
     if (!db.ok()) return db.status();
-    // As a log of which all records were trimmed away.
+    // As a log whose records were all trimmed away.
     status = PrepareSchema(db->get(), database, {offset, 0, snapshot.chain, offset, snapshot.chain});
   }
   if (!status.ok()) return status;
   return Complete(to, offset);
 }
 
-// Has `make` fill a folder from what is in `from`; it gets the name `to` once it is whole.
+// Runs `make`, which fills a folder with the content of `from`; renames the folder to `to` once it is whole.
 absl::StatusOr<FolderReport> MakeWhole(
     const std::string& from, const std::string& to,
     const std::function<absl::StatusOr<FolderReport>(const std::string& unfinished)>& make) {

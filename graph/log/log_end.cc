@@ -62,7 +62,7 @@ absl::Status FindLog(const std::string& folder) {
     return absl::InvalidArgumentError(
         absl::StrCat("cannot use the data folder ", folder, ": it is not a folder"));
   }
-  // An empty file is what a start leaves that did not get to make the log.
+  // A start that ends before it creates the log leaves an empty file.
   const uint64_t bytes = std::filesystem::file_size(absl::StrCat(folder, "/", SqliteLog::kFileName), error);
   if (!error && bytes > 0) return absl::OkStatus();
   if (absl::Status status = Check(folder, std::nullopt); !status.ok()) return status;

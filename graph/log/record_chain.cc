@@ -38,12 +38,13 @@ std::array<char, 8> LittleEndian(uint64_t value) {
   return bytes;
 }
 
-// A failure inside OpenSSL means that memory ran out or the library is broken; there is no log to go on with then.
+// Ends the process: a failure inside OpenSSL means no memory or a broken library, and no log can be written
+// then.
 void Require(bool ok) {
   if (!ok) std::abort();
 }
 
-// Looked up once: EVP_sha256() is looked up by OpenSSL 3 each time that it is used (crypto(7), "Explicit fetching").
+// Fetched once: OpenSSL 3 repeats the lookup at each use of EVP_sha256() (crypto(7), "Explicit fetching").
 const EVP_MD* Sha256Algorithm() {
   static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   Require(algorithm != nullptr);
@@ -76,7 +77,7 @@ void BeginRecord(EVP_MD_CTX* context, uint64_t offset, uint64_t epoch, const Cha
   Add(context, epoch);
 }
 
-// One context a thread, used again for every record.
+// One context for each thread, reused for every record.
 EVP_MD_CTX* ThreadContext() {
   struct Free {
     void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }

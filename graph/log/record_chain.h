@@ -29,14 +29,14 @@ class Crc32c {
   uint32_t state_ = 0xFFFFFFFFu;
 };
 
-// The CRC kept beside a record: over its offset, epoch, the previous record's hash and its data.
+// The CRC stored with a record: over its offset, epoch, the previous record's hash and its data.
 uint32_t RecordCrc(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data);
 
 // The hash of a record: SHA-256 over the previous record's hash, its own offset, epoch and data. Record 1 has
 // a previous hash of 32 zero bytes.
 ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data);
 
-// The same of data that comes in pieces. One thread.
+// The same hash, for data in pieces. One thread.
 class RecordHasher {
  public:
   RecordHasher(uint64_t offset, uint64_t epoch, const ChainHash& previous);

@@ -15,7 +15,7 @@
 namespace docent::log {
 namespace {
 
-// The enums' values are written as they are: their order is part of the log's format. New values go to the
+// Enum values are written as numbers: their order is part of the log's format. New values are added at the
 // end.
 static_assert(static_cast<int>(TermKind::kLiteral) == record::TermEntry::LITERAL);
 static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
@@ -24,7 +24,7 @@ static_assert(static_cast<int>(Document::Action::kRemove) == 1);
 static_assert(static_cast<int>(CommandReport::Outcome::kRefused) == 7);
 static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
 
-// An arena whose first block lies on the stack: most records need no other.
+// An arena whose first block lies on the stack: most records need no further block.
 class RecordArena {
  public:
   RecordArena() : arena_(Options(&first_)) {}
@@ -42,7 +42,7 @@ class RecordArena {
   google::protobuf::Arena arena_;
 };
 
-// Gives each distinct term of a record its number. The terms must outlive the table.
+// Numbers the distinct terms of a record. The terms must outlive the table.
 class TermTable {
  public:
   explicit TermTable(record::Turn* turn) : turn_(turn) {}
@@ -50,7 +50,7 @@ class TermTable {
   uint32_t Number(const Term& term) {
     if (term == Term{}) return 0;
     if (const uint32_t known = Find(term); known > 0) return known;
-    // The datatype first: a term refers only to terms before it.
+    // The datatype comes first: a term refers only to terms before it.
     const uint32_t datatype = term.datatype.empty() ? 0 : NumberOfDatatype(term.datatype);
     record::TermEntry* entry = turn_->add_terms();
     entry->set_kind(static_cast<record::TermEntry::Kind>(term.kind));
@@ -79,7 +79,7 @@ class TermTable {
     bool operator()(const Term* a, const Term* b) const { return *a == *b; }
   };
 
-  // 0: not known.
+  // 0: no such term.
   uint32_t Find(const Term& term) const {
     if (numbers_.empty()) {
       for (const auto& [known, number] : few_) {
@@ -106,11 +106,11 @@ class TermTable {
     return datatypes_[iri] = Number(term);
   }
 
-  static constexpr size_t kFew = 8;  // terms that are compared one by one more quickly than by hash
+  static constexpr size_t kFew = 8;  // up to this many terms, comparing each is faster than hashing
 
   record::Turn* turn_;
   absl::InlinedVector<std::pair<const Term*, uint32_t>, kFew> few_;
-  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;  // all, once there are more
+  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;  // all terms, beyond kFew
   absl::flat_hash_map<std::string, uint32_t> datatypes_;
   std::deque<Term> owned_;  // datatypes as terms
 };
@@ -181,7 +181,7 @@ void EncodeDecisions(const TurnRecord& record, TermTable* terms, record::Turn* t
   }
 }
 
-// Reads one parsed message. The first thing that does not fit ends up in `status`; what is returned then is
+// Reads one parsed message. The first error is kept in `status`; later return values are then
 // unused.
 class Decoder {
  public:

@@ -25,7 +25,7 @@ struct Header {
   char magic[8];
   uint64_t offset;
   uint64_t length;
-  ChainHash chain;  // the log's at the offset
+  ChainHash chain;  // the log's chain hash at the offset
   ChainHash hash;   // SHA-256 of the fields above and of the content
 };
 
@@ -52,9 +52,9 @@ absl::StatusOr<size_t> ReadAll(int fd, char* to, size_t size, const std::string&
   return done;
 }
 
-// Hashes the content, writes it, and has the disk take it, a piece after the other: an append to the log, which syncs on
-// the same disk, then waits for a piece at most, not for a whole snapshot, and others have the core meanwhile. Not
-// durable before an fsync.
+// Hashes and writes the content piece by piece, and waits for the disk after each piece. An append to the
+// log, which syncs on the same disk, then waits for one piece at most, and other threads get the core in
+// between. Not durable before an fsync.
 absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, const std::string& what) {
   constexpr size_t kPiece = 1 << 20;
   for (; !data.empty(); data.remove_prefix(std::min(kPiece, data.size()))) {
@@ -62,8 +62,8 @@ absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, 
     hasher->Add(piece);
     const absl::Status status = WriteAll(fd, piece, what);
     if (!status.ok()) return status;
-    // All pages that are not with the disk yet: the last piece's. An error must be told here, since fsync tells each
-    // error once; where the system has no such call, fsync does all.
+    // Waits for all pages not yet on disk: those of the last piece. Errors must be reported here, because
+    // fsync reports each error only once. On systems without this call, fsync does all the work.
     constexpr unsigned kAndWait =
         SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER;
     if (sync_file_range(fd, 0, 0, kAndWait) != 0 && errno != ENOSYS) return FileError(errno, what);
@@ -71,7 +71,7 @@ absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, 
   return absl::OkStatus();
 }
 
-// The header's hash is known, and so the header is written, when the rest is there.
+// Writes the header last: its hash is known only after the content.
 absl::Status WriteSynced(const std::string& path, Header header, std::string_view data,
                          const std::string& what) {
   FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));

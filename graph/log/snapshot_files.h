@@ -1,7 +1,7 @@
-// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset, length, the log's
-// chain hash at that offset, SHA-256 of all that and of the content), written to a temporary file, synced and
-// renamed: a snapshot is there whole or not at all.
-// One thread at a time.
+// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset,
+// length, the log's chain hash at that offset, SHA-256 of these and the content). A snapshot is
+// written to a temporary file, synced and renamed, so it exists whole or not at all. One thread at a
+// time.
 #ifndef DOCENT_GRAPH_LOG_SNAPSHOT_FILES_H_
 #define DOCENT_GRAPH_LOG_SNAPSHOT_FILES_H_
 
@@ -20,9 +20,9 @@ namespace docent::log {
 
 class SnapshotFiles {
  public:
-  // The newest snapshots, always kept: the second is for the case that the first is damaged.
+  // The newest snapshots, always kept: the second serves if the first is damaged.
   static constexpr size_t kNewestKept = 2;
-  // What was being written when the server ended.
+  // The temporary file; it remains if the server ends while it writes a snapshot.
   static constexpr char kUnfinished[] = "unfinished-snapshot";
 
   // `kept`: how many snapshots stay, at least kNewestKept.
@@ -30,21 +30,21 @@ class SnapshotFiles {
 
   struct Snapshot {
     LogSnapshot content;
-    ChainHash chain{};  // the log's hash at its offset
+    ChainHash chain{};  // the log's chain hash at its offset
   };
 
   // As ContextLog::SnapshotPut and SnapshotGet; `chain` is the log's hash at `offset`.
   absl::Status Put(uint64_t offset, const ChainHash& chain, std::string_view data);
   absl::StatusOr<std::optional<Snapshot>> Get(uint64_t at_most) const;
-  // Removes those before `offset`, but never the two newest.
+  // Removes the snapshots before `offset`, but never the two newest.
   absl::Status DropBefore(uint64_t offset);
 
   std::string Path(uint64_t offset) const;
-  // Offsets of the snapshots that are there, ascending.
+  // Offsets of the existing snapshots, ascending.
   absl::StatusOr<std::vector<uint64_t>> Offsets() const;
 
  private:
-  // Drops the one whose absence leaves the shortest gap, until no more than `kept_` are there.
+  // Drops the snapshot whose removal leaves the shortest gap, until at most `kept_` remain.
   absl::Status Thin();
 
   std::string folder_;

@@ -21,7 +21,7 @@ bool HasNoRoom(sqlite3* db, int code) {
 }  // namespace
 
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
-  // A full disk keeps the index of the write-ahead log from being made, which SQLite calls an I/O error.
+  // On a full disk SQLite cannot create the index of the write-ahead log and reports an I/O error.
   if (HasNoRoom(db, code)) {
     return OverloadError(
         absl::StrCat(what, ": ", sqlite3_errstr(SQLITE_FULL), "; make room on the disk of the data folder"));
@@ -49,7 +49,7 @@ absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
 }
 
 void CreateDatabaseFile(const std::string& path) {
-  // Only a new file is opened: to close one that SQLite has open would drop its locks.
+  // Opens only a new file: closing a file that SQLite has open would drop its locks.
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0640);
   if (fd >= 0) close(fd);
 }
@@ -62,7 +62,7 @@ absl::Status Execute(sqlite3* db, const std::string& sql, const std::string& wha
 absl::StatusOr<Statement> Statement::Prepare(sqlite3* db, const char* sql) {
   sqlite3_stmt* raw = nullptr;
   const int code = sqlite3_prepare_v3(db, sql, -1, SQLITE_PREPARE_PERSISTENT, &raw, nullptr);
-  // The tables are made by us: a statement that does not compile means that the schema is not what we wrote.
+  // Docent creates the tables: a statement that does not compile means that the schema is not ours.
   if (code == SQLITE_ERROR) {
     return absl::DataLossError(absl::StrCat("the log's tables are damaged: ", sqlite3_errmsg(db)));
   }

@@ -23,20 +23,20 @@ using DatabaseHandle = std::unique_ptr<sqlite3, CloseDatabase>;
 // damaged file, PERMISSION_DENIED, UNAVAILABLE for I/O errors and locks, else INTERNAL.
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what);
 
-// Makes the file of a new database, which others than its owner and group cannot read; SQLite would let everybody. One that
-// is there stays as it is. What fails shows when the database is opened.
+// Creates the file of a new database, readable only by its owner and group (SQLite would let all users read
+// it). An existing file stays as it is. Errors appear when the database is opened.
 void CreateDatabaseFile(const std::string& path);
 
 // Runs statements without results ("PRAGMA …; CREATE …").
 absl::Status Execute(sqlite3* db, const std::string& sql, const std::string& what);
 
-// A prepared statement that is used again and again. One thread at a time.
+// A prepared statement for repeated use. One thread at a time.
 class Statement {
  public:
   Statement() = default;
   static absl::StatusOr<Statement> Prepare(sqlite3* db, const char* sql);
 
-  // Parameters count from 1. Bytes are not copied: they must stay until Reset.
+  // Parameters count from 1. Bytes are not copied: they must stay valid until Reset.
   Statement& Bind(int index, uint64_t value);
   Statement& Bind(int index, std::string_view bytes);
 

@@ -63,7 +63,7 @@ absl::Status SqliteLog::Prepare() {
       {&commit_, writer_.get(), "COMMIT"},
       {&insert_, writer_.get(),
        "INSERT INTO ctxlog(seq, epoch, crc, prev_hash, data) VALUES(?1, ?2, ?3, ?4, ?5)"},
-      // A stale epoch or head is refused by the database itself: no row matches then.
+      // The database itself refuses a stale epoch or head: no row matches then.
       {&store_head_, writer_.get(),
        "UPDATE head SET seq=?1, epoch=?2, hash=?3, base_seq=?4, base_hash=?5, crc=?6 WHERE seq=?7 AND "
        "epoch=?8"},
@@ -79,7 +79,8 @@ absl::Status SqliteLog::Prepare() {
   return absl::OkStatus();
 }
 
-// The head row and the last record must agree with each other, and with what lies beside the log.
+// The head row and the last record must agree with each other, and with the mark and snapshots beside the
+// log.
 absl::Status SqliteLog::CheckEnd() {
   absl::MutexLock lock(&read_mutex_);
   const absl::StatusOr<HeadRow> head = ReadHead(reader_.get());
@@ -220,7 +221,7 @@ absl::StatusOr<SqliteLog::Verified> SqliteLog::At(uint64_t offset, const HeadRow
     status = Damaged(offset, "a column is of the wrong type");
   }
   if (status.ok()) {
-    // The record's own statement of what came before it: its checksum covers it.
+    // The previous record's hash as stored in this record: its checksum covers it.
     std::memcpy(verified.hash.data(), select_.Bytes(3).data(), verified.hash.size());
     status = TakeRow(select_, &verified).status();
   }
@@ -234,7 +235,7 @@ absl::StatusOr<std::vector<LogEntry>> SqliteLog::Read(uint64_t from, size_t max)
   while (true) {
     const HeadRow head = CurrentHead();
     absl::StatusOr<std::vector<LogEntry>> entries = ReadUpTo(head, from, max);
-    // Trimming goes on beside us: what looks damaged may only be gone.
+    // Another thread may trim meanwhile: records that look damaged may only be trimmed away.
     if (entries.ok() || CurrentHead().base_offset == head.base_offset) return entries;
   }
 }

@@ -12,7 +12,7 @@
 namespace docent::log {
 namespace {
 
-// The value of a statement that gives one integer.
+// The value of a statement that returns one integer.
 absl::StatusOr<uint64_t> OneInteger(sqlite3* db, const char* sql) {
   absl::StatusOr<Statement> statement = Statement::Prepare(db, sql);
   if (!statement.ok()) return statement.status();
@@ -44,7 +44,7 @@ absl::Status MakeTables(sqlite3* db, const HeadRow& start) {
   return status;
 }
 
-// What a file says of itself.
+// The format marks of a database file.
 struct Marks {
   uint64_t tables = 0;
   uint64_t application = 0;
@@ -72,14 +72,14 @@ absl::StatusOr<DatabaseHandle> OpenToRead(const std::string& name, int flags) {
   return db;
 }
 
-// Whether nothing is in a write-ahead log beside the database file `path`, and no server runs.
+// True if no write-ahead log beside the database file `path` holds data, and no server runs.
 bool IsAllOfTheLog(const std::string& path) {
   std::error_code absent;
   const uint64_t bytes = std::filesystem::file_size(absl::StrCat(path, "-wal"), absent);
   return (absent || bytes == 0) && !DataFolder::InUse(std::filesystem::path(path).parent_path().string());
 }
 
-// The name by which SQLite opens a file that nobody changes (https://www.sqlite.org/uri.html).
+// The URI by which SQLite opens a file that no process changes (https://www.sqlite.org/uri.html).
 std::string AsImmutable(const std::string& path) {
   return absl::StrCat("file:", path.starts_with('/') ? "//" : "",
                       absl::StrReplaceAll(path, {{"%", "%25"}, {"?", "%3f"}, {"#", "%23"}}), "?immutable=1");
@@ -103,9 +103,9 @@ absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path) {
   const std::string what = absl::StrCat("cannot read the log ", path);
   const absl::Status read = Execute(db->get(), "PRAGMA schema_version", what);
   const bool no_room = absl::IsResourceExhausted(read);
-  if (!no_room && !absl::IsPermissionDenied(read)) return db;  // damage is found by who reads on
-  // SQLite reads beside a write-ahead log only if it can make an index of that in a file. Where there is
-  // none, and nobody who would begin one, the database file is all.
+  if (!no_room && !absl::IsPermissionDenied(read)) return db;  // later reads find the damage
+  // SQLite reads beside a write-ahead log only if it can create an index file for that log. If there is no
+  // such log and no process would begin one, the database file is complete.
   if (IsAllOfTheLog(path)) return OpenToRead(AsImmutable(path), SQLITE_OPEN_URI);
   if (no_room) return read;
   return absl::PermissionDeniedError(absl::StrCat(
@@ -116,7 +116,7 @@ absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path) {
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
   CreateDatabaseFile(path);
   sqlite3* raw = nullptr;
-  // Each connection is guarded by a mutex of ours.
+  // A mutex of ours guards each connection.
   const int code = sqlite3_open_v2(path.c_str(), &raw,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   DatabaseHandle db(raw);
@@ -124,7 +124,7 @@ absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
   if (code != SQLITE_OK) return SqliteError(raw, code, what);
   sqlite3_extended_result_codes(raw, 1);
   sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-  sqlite3_busy_timeout(raw, 10000);  // ms; only our own connections compete, for moments
+  sqlite3_busy_timeout(raw, 10000);  // ms; only our own connections compete, briefly
   const absl::Status status =
       Execute(raw,
               "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0;"

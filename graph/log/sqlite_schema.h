@@ -1,11 +1,11 @@
 // The log's database file: tables, format number, settings. Only graph/log includes this.
 //
-//   ctxlog(seq, epoch, crc, prev_hash, data)   one row a record
+//   ctxlog(seq, epoch, crc, prev_hash, data)           one row a record
 //   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the
-//   hash of the
-//        newest record, and offset and hash of the last record that was trimmed away (0 and zeros: none)
+//   hash
+//        of the newest record, and offset and hash of the last trimmed record (0 and zeros: none)
 //
-// The format number is the file's user_version, and its application_id says that it is a Docent log.
+// The format number is the file's user_version; its application_id marks it as a Docent log.
 #ifndef DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_
 #define DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_
 
@@ -33,18 +33,18 @@ struct HeadRow {
   uint32_t Crc() const;
 };
 
-// A connection that only reads, beside another process that may write. Nothing is carried over. A folder on a
-// full or read-only disk can be read if its server ended in order; else the error says what to do.
+// A read-only connection, beside another process that may write. It runs no checkpoint. A folder on a full or
+// read-only disk can be read if its server shut down in order; else the error says what to do.
 absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path);
 // A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);
 
-// Makes the tables in an empty file, for a log that begins after `start`, or checks those of an existing one.
+// Creates the tables in an empty file, for a log that begins after `start`, or checks the existing tables.
 // FAILED_PRECONDITION for a newer format, INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS
 // for a damaged one.
 absl::Status PrepareSchema(sqlite3* db, const std::string& path, const HeadRow& start = {});
 
-// Whether it is a log of a format that this version reads, as PrepareSchema says.
+// OK if it is a log of a format that this version reads; errors as PrepareSchema.
 absl::Status CheckFormat(sqlite3* db, const std::string& path);
 
 // Reads and verifies the head row.

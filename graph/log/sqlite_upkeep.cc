@@ -1,4 +1,4 @@
-// The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the
+// Upkeep of SqliteLog's files: trimming, and checkpoints of the write-ahead log into the
 // database.
 #include <pthread.h>
 
@@ -126,8 +126,8 @@ void SqliteLog::WaitForCheckpoint() {
     return stopping_ || wal_pages_ < next_checkpoint_pages_ + 3 * options_.restart_pages;
   };
   absl::MutexLock lock(&head_mutex_);
-  // The time limit is for a disk on which the checkpoint hangs: then appends go on, slowly, as long as it
-  // lets them.
+  // The timeout is for a disk on which the checkpoint hangs: appends then go on slowly, as long as the disk
+  // takes them.
   head_mutex_.AwaitWithTimeout(absl::Condition(&near), absl::Seconds(1));
 }
 
@@ -141,7 +141,7 @@ LogUpkeep SqliteLog::Upkeep() {
 void SqliteLog::CarryOver() {
   const int code =
       sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
-  // Where another connection carries it over, that is as good.
+  // A checkpoint by another connection is as good.
   const int kind = code & 0xff;
   if (kind == SQLITE_OK || kind == SQLITE_BUSY || kind == SQLITE_LOCKED) return;
   absl::MutexLock lock(&head_mutex_);
@@ -159,13 +159,13 @@ void SqliteLog::CheckpointLoop() {
       head_mutex_.Await(absl::Condition(&due));
       if (stopping_) return;
     }
-    // Beside the appends. Only a write-ahead log that was carried over to its end starts again from the
-    // beginning instead of growing: where appends go on and on, they wait for that when it is long. An error (a
-    // full disk) leaves the records where they are, as durable as before.
+    // Runs beside the appends. Only a fully checkpointed write-ahead log restarts from the beginning instead
+    // of growing, so continuous appends wait for that when the log is long. After an error (a full disk) the
+    // records stay where they are, as durable as before.
     CarryOver();
-    // The append that is under way counts its pages first. So the next checkpoint begins while
-    // some are not carried over, and no append starts the write-ahead log again beside its beginning: there
-    // SQLite before 3.51.3 may lose records (https://www.sqlite.org/wal.html#walresetbug).
+    // The append under way counts its pages first. The next checkpoint then begins while some pages are not
+    // checkpointed, and no append restarts the write-ahead log at that moment: SQLite before 3.51.3 may lose
+    // records then (https://www.sqlite.org/wal.html#walresetbug).
     absl::MutexLock append_lock(&append_mutex_);
     {
       absl::MutexLock lock(&head_mutex_);
@@ -175,7 +175,7 @@ void SqliteLog::CheckpointLoop() {
     CarryOver();
     absl::MutexLock lock(&head_mutex_);
     next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
-    next_restart_pages_ = wal_pages_ + options_.restart_pages;  // if it is not whole: another process reads
+    next_restart_pages_ = wal_pages_ + options_.restart_pages;  // incomplete if another process reads
   }
 }
 

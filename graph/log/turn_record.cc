@@ -7,8 +7,7 @@
 namespace docent::log {
 namespace {
 
-constexpr size_t kDifferencesShown =
-    5;  // one wrong decision shifts all that follow: the first few tell the story
+constexpr size_t kDifferencesShown = 5;  // one wrong decision shifts all later ones: the first few are enough
 
 template <typename Entry>
 size_t Compare(const char* what, const std::vector<Entry>& recorded, const std::vector<Entry>& derived,

@@ -1,8 +1,8 @@
-// One record of the log: the input of a turn and its decisions. Inferred facts are not in it; they are
-// derived again.
+// One record of the log: the input of a turn and its decisions. Inferred facts are not recorded; replay
+// derives them.
 //
-// Replay feeds `batch` to the same stages, derives transitions and commands anew, and compares them with
-// those recorded (DecisionDifference). Under the same `engine_version` a difference is an error; after an
+// Replay runs `batch` through the same stages, derives transitions and commands, and compares them with the
+// recorded ones (DecisionDifference). Under the same `engine_version` a difference is an error; after an
 // upgrade the recorded decisions stand. Values; any thread.
 #ifndef DOCENT_GRAPH_LOG_TURN_RECORD_H_
 #define DOCENT_GRAPH_LOG_TURN_RECORD_H_
@@ -22,19 +22,19 @@
 namespace docent::log {
 
 struct TurnRecord {
-  uint64_t offset = 0;         // place in the log, from 1; given by the log, not stored in the record's bytes
+  uint64_t offset = 0;         // place in the log, from 1; assigned by the log, not stored in the bytes
   TimeMicros time_us = 0;      // the turn's time
-  std::string engine_version;  // of the code that decided
+  std::string engine_version;  // version of the code that decided
   WriteBatch batch;
-  std::vector<Transition> transitions;  // in the order in which they were decided
+  std::vector<Transition> transitions;  // in the order of the decisions
   std::vector<RobotCommand> commands;   // likewise
 
   friend bool operator==(const TurnRecord&, const TurnRecord&) = default;
 };
 
 // nullopt if both records hold the same transitions and commands in the same order. Otherwise a text for the
-// error message: for each of the first few places that differ one line "recorded: …" and one line "derived:
-// …". Inputs, times and engine versions are not compared.
+// error message: one line "recorded: …" and one line "derived: …" for each of the first few differences.
+// Inputs, times and engine versions are not compared.
 std::optional<std::string> DecisionDifference(const TurnRecord& recorded, const TurnRecord& derived);
 
 // For people, on one line: "BoothGuide-1/Move2Booth waiting → running (because …)".

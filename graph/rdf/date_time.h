@@ -1,4 +1,4 @@
-// A time of the server's clock as an xsd:dateTime. Any thread.
+// Conversion of a server time to an xsd:dateTime. Any thread.
 #ifndef DOCENT_GRAPH_RDF_DATE_TIME_H_
 #define DOCENT_GRAPH_RDF_DATE_TIME_H_
 

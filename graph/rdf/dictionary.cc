@@ -34,7 +34,7 @@ struct Entry {
 };
 static_assert(sizeof(Entry) == 16);
 
-// What an entry is found by: its datatype as the number that Entry has, or its language tag as text, in any case.
+// Lookup key of an entry: its datatype as Entry::qualifier, or its language tag as text, in any case.
 struct EntryKey {
   Tag tag = Tag::kNone;
   std::string_view text;
@@ -53,8 +53,8 @@ struct EntryKey {
   }
 };
 
-// Memory of so many zeros, which large allocations are made of only when they are written: nobody waits for megabytes of them
-// at once. To be freed with std::free.
+// Zeroed memory that the system provides only when it is written, so that no caller waits for megabytes at
+// once. To be freed with std::free.
 template <typename T>
 T* Zeroed(uint64_t count) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -63,8 +63,8 @@ T* Zeroed(uint64_t count) {
   return static_cast<T*>(memory);
 }
 
-// Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a reader
-// may look at any index that it learnt through a synchronising operation (a published version, the hash
+// Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a
+// reader may read any index that it got through a synchronising operation (a published version, the hash
 // table).
 class EntryArray {
  public:
@@ -108,9 +108,9 @@ class EntryArray {
 // Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a
 // slot also give its place, so growing reads no entry. The writer publishes a slot after its entry.
 //
-// A full table is followed by one twice as large, and each insert then moves a few slots over: nobody waits for a
-// table to be copied. Meanwhile readers look into both; the old ones are kept, since a reader may be in them (all
-// together they are no larger than the newest).
+// A full table is followed by one twice as large, and each insert then moves a few slots over: no caller
+// waits for a copy of the whole table. Meanwhile readers look into both. Old tables are kept, since a reader
+// may still use them (together they are no larger than the newest).
 class HashTable {
  public:
   HashTable() { current_.store(NewTable(kFirstSlots, nullptr), std::memory_order_release); }
@@ -119,7 +119,7 @@ class HashTable {
   std::optional<uint64_t> Find(uint32_t hash, Matches matches) const {
     const Table* table = current_.load(std::memory_order_acquire);
     while (table != nullptr) {
-      // Before this one is looked at: if all was moved by then, it is seen here.
+      // Loaded before the search of this table: if the move is complete by then, the search sees all slots.
       const Table* older = table->older.load(std::memory_order_acquire);
       for (uint64_t i = hash & table->mask;; i = (i + 1) & table->mask) {
         const uint64_t slot = table->Slot(i).load(std::memory_order_acquire);
@@ -131,7 +131,7 @@ class HashTable {
     return std::nullopt;
   }
 
-  // Writer.
+  // Writer thread only.
   void Insert(uint32_t hash, uint64_t index) {
     Table* table = tables_.back().get();
     if ((count_ + 1) * 3 > (table->mask + 1) * 2) {
@@ -149,7 +149,7 @@ class HashTable {
  private:
   static constexpr uint64_t kFirstSlots = 4096;
   static constexpr uint64_t kIndexMask = 0xFFFFFFFF;
-  // Slots that an insert moves. All are moved long before the larger table is full, which two would be enough for.
+  // Slots moved by one insert. Two would be enough to finish the move before the larger table is full.
   static constexpr uint64_t kStep = 16;
 
   struct Table {
@@ -159,7 +159,7 @@ class HashTable {
 
     const uint64_t mask;
     const std::unique_ptr<uint64_t, decltype(&std::free)> slots;
-    std::atomic<const Table*> older;  // that slots are still moved from; null: all are here
+    std::atomic<const Table*> older;  // table whose slots are still being moved; null: none
   };
 
   Table* NewTable(uint64_t slot_count, const Table* older) {
@@ -198,7 +198,7 @@ class TextArena {
       size_t block = text.size() > kBlock / 4 ? text.size() : kBlock;
       blocks_.push_back(std::make_unique<char[]>(block));
       *allocated += block;
-      if (block != kBlock) {  // a long text gets its own block; the one in use stays in use
+      if (block != kBlock) {  // a long text gets its own block; the current block stays current
         std::memcpy(blocks_.back().get(), text.data(), text.size());
         return blocks_.back().get();
       }
@@ -219,14 +219,14 @@ class TextArena {
   size_t left_ = 0;
 };
 
-// Above every index that a dictionary of the writer gives (Entry::qualifier has 29 bits).
+// Above every index that the writer's dictionary gives (Entry::qualifier has 29 bits).
 constexpr uint64_t kOverBase = uint64_t{1} << 29;
 
 }  // namespace
 
 struct Dictionary::Impl {
   const Dictionary* base = nullptr;
-  uint64_t base_size = 0;  // entries that `base` had; later ones do not count
+  uint64_t base_size = 0;  // number of entries that `base` had; later ones do not count
   uint64_t first = 0;      // the id of entry 0
   EntryArray entries;
   HashTable table;
@@ -234,7 +234,7 @@ struct Dictionary::Impl {
   std::atomic<uint64_t> count{0};
   std::atomic<size_t> allocated{0};
 
-  // Whose entry an id is.
+  // The dictionary that owns the entry of `id`.
   const Impl& OwnerOf(uint64_t id) const { return id < first ? *base->impl_ : *this; }
   const Entry& At(uint64_t id) const { return entries[id - first]; }
 

@@ -22,13 +22,13 @@ namespace docent {
 class Dictionary {
  public:
   Dictionary();
-  // A dictionary over `base`, which must outlive it: it knows the terms that `base` has now, under the same
-  // ids, and keeps those that are new to itself, under ids that `base` never gives. For work beside the
-  // writer that has to intern (a SPARQL Update that reads what it wrote). One thread; the base goes on
-  // growing.
+  // A dictionary over `base`, which must outlive it: it knows the terms that `base` has now, under the
+  // same ids, and keeps new terms itself, under ids that `base` never gives. For work beside the writer
+  // that interns terms (a SPARQL Update that reads what it wrote). One thread; the base may grow
+  // meanwhile.
   explicit Dictionary(const Dictionary* base);
-  // Knows from now on what the base has learnt meanwhile, too: only while this one keeps no terms of its own, so that
-  // no term has two ids. The thread of this one.
+  // Makes the terms known that the base has learnt since. Call it only while this dictionary has no terms of
+  // its own, so that no term gets two ids. Same thread as the other calls.
   void FollowBase();
   ~Dictionary();
   Dictionary(const Dictionary&) = delete;
@@ -37,33 +37,33 @@ class Dictionary {
   // The id of `term`, made if new. Writer thread only. Inline literals make no entry.
   TermId Intern(const Term& term);
   TermId InternIri(std::string_view iri);
-  // The id of `term` if it is known (or inline). A term whose id this thread has already seen, in a version
-  // or by another thread's word, is found. Any thread.
+  // The id of `term` if it is known (or inline). Finds every term whose id this thread has already seen, in a
+  // version or from another thread. Any thread.
   std::optional<TermId> Find(const Term& term) const;
   std::optional<TermId> FindIri(std::string_view iri) const;
   // The term of `id`, which this dictionary gave, or which is inline. Any thread.
   Term Decode(TermId id) const;
-  // The same into *out, whose memory is used again: quicker for many.
+  // Decodes into *out and reuses its memory: faster for many terms.
   void DecodeTo(TermId id, Term* out) const;
   // The lexical form of a dictionary entry without a copy; the view lives as long as the dictionary.
   // Requires id.InDictionary(). Any thread.
   std::string_view Lexical(TermId id) const;
 
   // The datatype IRI of any literal id, inline ones included (rdf:langString with a language); empty for IRIs
-  // and blank nodes. The language tag, or empty. Both without a copy, as Lexical. Any thread.
+  // and blank nodes. Below: the language tag, or empty. Both without a copy, as Lexical. Any thread.
   std::string_view Datatype(TermId id) const;
   std::string_view Language(TermId id) const;
 
-  // Of a literal with an entry, all its texts at once; the datatype is empty for a plain string and with a language.
+  // All texts of a literal with an entry; the datatype is empty for a plain string and with a language.
   // Requires the tag kLiteral. Without a copy, as Lexical. Any thread.
   struct LiteralView {
     std::string_view lexical, datatype, language;
   };
   LiteralView Literal(TermId id) const;
 
-  // The entries as they are kept, for snapshots: entry number `index` < size() is the term of payload `index`.
-  // A literal's `qualifier` is 0 for a plain string, else 1 + the number of another entry: its datatype, or with
-  // `is_language` its language tag. Of a dictionary without a base. Any thread.
+  // The stored entries, for snapshots: entry number `index` < size() is the term of payload `index`. A
+  // literal's `qualifier` is 0 for a plain string, else 1 + the number of another entry: its datatype, or
+  // with `is_language` its language tag. Only for a dictionary without a base. Any thread.
   struct EntryView {
     TermId::Tag tag = TermId::Tag::kNone;
     std::string_view text;
@@ -79,7 +79,7 @@ class Dictionary {
 
  private:
   struct Impl;
-  // The id in the base, if it knew the term when this dictionary was made.
+  // The id in the base, if the base knew the term when this dictionary was made.
   std::optional<TermId> FindInBase(const Term& term) const;
   std::unique_ptr<Impl> impl_;
 };

@@ -21,8 +21,8 @@ bool IsHex(char c) {
   return absl::ascii_isxdigit(static_cast<unsigned char>(c));
 }
 
-// General category Cc, the line and paragraph separators, and what turns the direction of the text after it (Unicode
-// Bidirectional Algorithm, section 2).
+// True for general category Cc, line and paragraph separators, and characters that change the direction of
+// the text after them (Unicode Bidirectional Algorithm, section 2).
 bool IsControl(char32_t c) {
   return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x2028 || c == 0x2029 || (c >= 0x202A && c <= 0x202E) ||
          (c >= 0x2066 && c <= 0x2069);

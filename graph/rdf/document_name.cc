@@ -12,9 +12,10 @@
 namespace docent {
 namespace {
 
-constexpr char32_t kCareOf = 0x2105;  // looks like a percent sign, and may stand anywhere in a label
+constexpr char32_t kCareOf = 0x2105;  // resembles a percent sign, and is allowed anywhere in a label
 
-// The name with `escape` and two hexadecimal digits for each byte of a character that `may_stand(c, at)` does not let be.
+// Escapes each byte of a character for which `may_stand(c, at)` is false: `escape` and two hexadecimal
+// digits.
 template <typename MayStand>
 std::string Escaped(std::string_view name, char32_t escape, const MayStand& may_stand) {
   std::string out;

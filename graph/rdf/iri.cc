@@ -6,7 +6,7 @@
 namespace docent {
 namespace {
 
-// The parts of RFC 3986 appendix B, as views; `has_` tells an empty part from an absent one.
+// The parts of RFC 3986 appendix B, as views; `has_…` tells an empty part from an absent one.
 struct IriParts {
   std::string_view scheme;
   std::string_view authority;

@@ -15,7 +15,7 @@ bool IsForbidden(std::string_view iri) {
   return std::any_of(iri.begin(), iri.end(), [](unsigned char c) { return IsForbiddenInIri(c); });
 }
 
-// Whether "prefix:" can be declared in Turtle.
+// True if "prefix:" can be declared in Turtle.
 bool IsPrefix(std::string_view prefix) {
   if (FindInvalidUtf8(prefix)) return false;
   const std::string declared = Concat(prefix, ":");
@@ -24,7 +24,7 @@ bool IsPrefix(std::string_view prefix) {
   return scanner.ReadPrefix(&read) && read == prefix && scanner.AtEnd();
 }
 
-// Where the literal that begins at the quote `at` ends, past its closing quote.
+// The end of the literal that begins at the quote `at`, past its closing quote.
 size_t EndOfQuotes(std::string_view text, size_t at) {
   for (++at; at < text.size() && text[at] != '"'; ++at) {
     if (text[at] == '\\') ++at;

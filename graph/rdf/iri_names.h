@@ -1,5 +1,5 @@
-// Short names of IRIs for people: prefixed names as Turtle and SPARQL write them, so that what is printed can be pasted into
-// a query. Value; any thread.
+// Short names of IRIs for people: prefixed names as in Turtle and SPARQL, so that printed names can be pasted
+// into a query. Value; any thread.
 #ifndef DOCENT_GRAPH_RDF_IRI_NAMES_H_
 #define DOCENT_GRAPH_RDF_IRI_NAMES_H_
 
@@ -12,7 +12,7 @@
 
 namespace docent {
 
-// Whether `prefix:local` is a prefixed name that reads back as it stands here, without escapes.
+// True if `prefix:local` is a prefixed name that parses back unchanged, without escapes.
 bool IsPrefixedName(std::string_view prefix, std::string_view local);
 
 class IriNames {
@@ -22,15 +22,15 @@ class IriNames {
   // With the well-known prefixes of vocabulary.h.
   static const IriNames& WellKnown();
 
-  // `prefix` without ':'. Nothing happens if the name is taken, or if the prefix could not be declared.
+  // `prefix` without ':'. Ignored if the prefix is taken or is not a valid prefix.
   void Add(std::string_view prefix, std::string_view name_space);
   const std::vector<std::pair<std::string, std::string>>& prefixes() const { return prefixes_; }
 
-  // The IRI by the prefix with the longest namespace; in <> where no prefix gives a valid name.
+  // The IRI with the prefix of the longest matching namespace; in <> if no prefix gives a valid name.
   std::string Iri(std::string_view iri) const;
-  // A term in the way of Turtle: numbers and truth values bare, other literals with quotes and escapes.
+  // A term in Turtle syntax: numbers and booleans bare, other literals with quotes and escapes.
   std::string Show(const Term& term) const;
-  // A text for people in which every <iri> outside of quotes that has a name is replaced by it.
+  // Replaces every <iri> outside quotes by its short name, if it has one. For texts for people.
   std::string InText(std::string_view text) const;
 
  private:

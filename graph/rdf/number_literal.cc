@@ -36,7 +36,7 @@ void SkipSign(std::string_view text, size_t* at) {
   if (*at < text.size() && (text[*at] == '+' || text[*at] == '-')) ++*at;
 }
 
-// [+-]? digits, with a point and an exponent where they may stand.
+// [+-]? digits, with a point and an exponent where allowed.
 bool IsWellFormed(std::string_view text, bool point, bool exponent) {
   size_t at = 0;
   SkipSign(text, &at);

@@ -1,4 +1,4 @@
-// Literals as measured numbers. Any thread.
+// Numeric values of literals. Any thread.
 #ifndef DOCENT_GRAPH_RDF_NUMBER_LITERAL_H_
 #define DOCENT_GRAPH_RDF_NUMBER_LITERAL_H_
 
@@ -8,11 +8,11 @@
 
 namespace docent {
 
-// Whether the literal's datatype is one of XML Schema's numbers: decimal, double, float, integer and what is derived from it.
+// True for XML Schema's numeric datatypes: decimal, double, float, integer and types derived from it.
 bool IsNumberLiteral(const Term& term);
 
-// Its value if it is a number literal of a form that XML Schema knows (1.1 Part 2, sections 3.3.3 to 3.3.5 and 3.4.13 on) and
-// finite, also as a double. "NaN", "INF" and "1e400" have none.
+// The value of a number literal in a valid form (XML Schema 1.1 Part 2, sections 3.3.3 to 3.3.5 and 3.4.13
+// on) whose value is finite as a double. nullopt for "NaN", "INF" and "1e400".
 std::optional<double> FiniteNumber(const Term& term);
 
 }  // namespace docent

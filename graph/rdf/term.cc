@@ -27,8 +27,8 @@ int KindRank(TermKind kind) {
   return 3;
 }
 
-// N-Triples section 3, STRING_LITERAL_QUOTE: these four must be escaped; the other controls are escaped so
-// that a line stays a line on every terminal.
+// N-Triples section 3, STRING_LITERAL_QUOTE: these four must be escaped. Other control characters are escaped
+// as well, so that a line stays one line on every terminal.
 void AppendEscapedString(std::string_view text, std::string* out) {
   for (char c : text) {
     switch (c) {
@@ -57,7 +57,7 @@ void AppendEscapedString(std::string_view text, std::string* out) {
   }
 }
 
-// N-Triples section 3, IRIREF: what may not stand in <> is written as a UCHAR.
+// N-Triples section 3, IRIREF: characters that are not allowed in <> are written as a UCHAR.
 void AppendIri(std::string_view iri, std::string* out) {
   *out += '<';
   for (char c : iri) {

@@ -1,5 +1,5 @@
-// An RDF 1.1 term as text (RDF 1.1 Concepts, section 3). What crosses the network, the log and parsers;
-// inside the store a term is a TermId (graph/rdf/term_id.h). Values; any thread.
+// An RDF 1.1 term as text (RDF 1.1 Concepts, section 3), for the network, the log and parsers; inside the
+// store a term is a TermId (graph/rdf/term_id.h). Values; any thread.
 #ifndef DOCENT_GRAPH_RDF_TERM_H_
 #define DOCENT_GRAPH_RDF_TERM_H_
 
@@ -11,7 +11,7 @@ namespace docent {
 
 enum class TermKind : uint8_t { kIri, kBlank, kLiteral };
 
-// A language tag with its ASCII letters in lower case: what it is compared by.
+// A language tag with its ASCII letters in lower case, the form for comparison.
 std::string LowerLanguage(std::string_view tag);
 bool SameLanguage(std::string_view a, std::string_view b);
 
@@ -40,8 +40,8 @@ struct Term {
     return a.kind == b.kind && a.lexical == b.lexical && a.datatype == b.datatype &&
            SameLanguage(a.language, b.language);
   }
-  // Blank nodes < IRIs < literals, then by text: a total order that does not depend on ids
-  // (SPARQL 1.1 section 15.1 orders the kinds so). "First in term order" in CAWL means this.
+  // Blank nodes < IRIs < literals, then by text: a total order that does not depend on ids (the order of
+  // kinds is that of SPARQL 1.1 section 15.1). "First in term order" in CAWL means this.
   friend bool operator<(const Term& a, const Term& b);
   template <typename H>
   friend H AbslHashValue(H h, const Term& t) {

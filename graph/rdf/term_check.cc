@@ -18,7 +18,7 @@ absl::Status Wrong(std::string message) {
   return absl::InvalidArgumentError(message);
 }
 
-// The text as shown in a message: not more than its beginning, and only if it can be shown.
+// The beginning of the text for a message, or a placeholder if it cannot be shown.
 std::string Shown(std::string_view text) {
   constexpr size_t kShown = 80;
   if (FindInvalidUtf8(text)) return "(not UTF-8)";

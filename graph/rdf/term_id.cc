@@ -56,7 +56,7 @@ std::optional<TermId> EncodeInteger(std::string_view text) {
   return value ? InlineIntegerId(*value) : std::nullopt;
 }
 
-// What follows writes lexical forms at `out`, and returns their end; there is room in an InlineBuffer.
+// The functions below write lexical forms at `out` and return their end; an InlineBuffer is large enough.
 char* WriteDecimal(InlineDecimalValue value, char* out) {
   const uint64_t mantissa = static_cast<uint64_t>(value.mantissa);
   if (value.mantissa < 0) *out++ = '-';
@@ -74,7 +74,7 @@ char* WriteDecimal(InlineDecimalValue value, char* out) {
   return end + 1;
 }
 
-// Of a text that WriteDecimal writes, with a mantissa in [-limit, limit).
+// Parses a text that WriteDecimal would write, with a mantissa in [-limit, limit).
 std::optional<InlineDecimalValue> ParsePlain(std::string_view text, int64_t limit, int64_t max_scale) {
   std::array<char, 40> digits;
   size_t count = 0;
@@ -220,8 +220,8 @@ Civil CivilFromDays(int64_t days) {
   return {year_of_era + era * 400 + (month <= 2), month, day};
 }
 
-// The number written in `text[at, at+width)`, -1 if a character there is not a digit. Requires that they
-// exist.
+// The number in `text[at, at+width)`; -1 if a character there is not a digit. Requires that the range lies
+// inside the text.
 int Digits(std::string_view text, size_t at, size_t width) {
   int value = 0;
   for (size_t i = at; i < at + width; ++i) {
@@ -274,8 +274,8 @@ std::optional<LocalTime> ParseLocalTime(std::string_view text) {
       *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us, digits};
 }
 
-// Payload of kZonedDateTime: 51 bits of microseconds since kZonedStart on the clock of the zone, 7 bits of quarters of
-// an hour beyond -14:00, 2 bits of a third of the digits after the second's point.
+// Payload of kZonedDateTime: 51 bits of microseconds since kZonedStart in local time of the zone, 7 bits of
+// quarters of an hour beyond -14:00, 2 bits: a third of the number of fraction digits of the second.
 std::optional<TermId> EncodeZonedDateTime(std::string_view text) {
   if (text.size() < 25) return std::nullopt;
   const std::string_view offset = text.substr(text.size() - 6);

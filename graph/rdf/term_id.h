@@ -1,10 +1,10 @@
-// A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value itself.
+// A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value
+// itself.
 //
-// Integers, decimals, doubles, floats, booleans, dates and date-times are held in the id *only when decoding
-// gives back exactly the text that came in*; "01" or "+1" need the dictionary, "1.50" does not (its scale is
-// kept). So a stream of poses and times, as programs usually write them, does not grow the dictionary. Equal terms have
-// equal ids within one Dictionary.
-// Values; any thread.
+// Integers, decimals, doubles, floats, booleans, dates and date-times are held in the id *only
+// if decoding returns exactly the original text*; "01" or "+1" need the dictionary, "1.50" does
+// not (its scale is kept). A stream of poses and times in the usual notation therefore does not
+// grow the dictionary. Equal terms have equal ids within one Dictionary. Values; any thread.
 #ifndef DOCENT_GRAPH_RDF_TERM_ID_H_
 #define DOCENT_GRAPH_RDF_TERM_ID_H_
 
@@ -58,7 +58,7 @@ class TermId {
   constexpr bool IsNone() const { return bits_ == 0; }
   constexpr bool IsIri() const { return tag() == Tag::kIri; }
   constexpr bool IsBlank() const { return tag() == Tag::kBlank; }
-  // Literal, whether in the dictionary or in the id. Local ids need their query's table and are not covered.
+  // True for a literal, in the dictionary or inline. Local ids need their query's table and are not covered.
   constexpr bool IsLiteral() const { return tag() >= Tag::kLiteral && tag() <= Tag::kZonedDateTime; }
   constexpr bool InDictionary() const { return tag() >= Tag::kIri && tag() <= Tag::kLiteral; }
 
@@ -75,16 +75,16 @@ class TermId {
 
 // The id of a literal that fits into an id; nullopt if it needs the dictionary.
 std::optional<TermId> InlineLiteral(const Term& term);
-// The term of an id with an inline tag (kInteger … kZonedDateTime), exactly as it came in.
+// The term of an id with an inline tag (kInteger … kZonedDateTime), with exactly the original text.
 Term DecodeInline(TermId id);
 void DecodeInlineTo(TermId id, Term* out);
-// Its lexical form alone, written into `buffer`, which the result views.
+// The lexical form alone, written into `buffer`; the result is a view of it.
 using InlineBuffer = std::array<char, 64>;
 std::string_view WriteInlineText(TermId id, InlineBuffer* buffer);
 // The IRI of the datatype of an id with an inline tag.
 std::string_view InlineDatatype(TermId id);
 
-// The value of an inline id without its text, for evaluation. Each requires the tag that it names.
+// The value of an inline id without its text, for evaluation. Each function requires the tag in its comment.
 constexpr int64_t InlineInteger(TermId id) {
   return static_cast<int64_t>(id.bits() << 4) >> 4;
 }  // kInteger
@@ -103,10 +103,10 @@ struct InlineDecimalValue {
 constexpr InlineDecimalValue InlineDecimal(TermId id) {
   return {static_cast<int64_t>(id.bits() << 4) >> 9, static_cast<int>(id.bits() & 31)};
 }
-// The other way: the id of the literal that is written with exactly these digits; nullopt if it needs the dictionary.
+// The reverse: the id of the literal with exactly this canonical text; nullopt if it needs the dictionary.
 std::optional<TermId> InlineIntegerId(int64_t value);
 std::optional<TermId> InlineDecimalId(InlineDecimalValue value);
-// kDate (its first instant), kDateTime and kZonedDateTime: what the clock of its zone shows, as if that were UTC.
+// kDate (its first instant), kDateTime and kZonedDateTime: the zone's local time, read as if it were UTC.
 struct InlineTimeValue {
   TimeMicros local_us;
   std::optional<int> zone_minutes;

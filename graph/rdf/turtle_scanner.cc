@@ -87,7 +87,7 @@ bool TurtleScanner::Take(char c) {
 }
 
 bool TurtleScanner::TakeKeyword(std::string_view word, bool any_case) {
-  if ((Peek() | 0x20) != (word[0] | 0x20)) return false;  // what most are
+  if ((Peek() | 0x20) != (word[0] | 0x20)) return false;  // the common case
   std::string_view next = text_.substr(position_, word.size());
   bool same =
       any_case ? absl::AsciiStrToLower(ToAbsl(next)) == absl::AsciiStrToLower(ToAbsl(word)) : next == word;
@@ -97,7 +97,7 @@ bool TurtleScanner::TakeKeyword(std::string_view word, bool any_case) {
     size_t at = after;
     char32_t c = NextCodePoint(text_, &at);
     if (IsNameChar(c) || c == ':') return false;
-    // A dot goes on with a name only if more of the name follows.
+    // A dot continues a name only if more of the name follows.
     if (c == '.' && at < text_.size() && IsNameChar(NextCodePoint(text_, &at))) return false;
   }
   position_ = after;

@@ -1,8 +1,8 @@
-// The terminals of Turtle, TriG, N-Triples and N-Quads (RDF 1.1 Turtle section 6.5, N-Triples section 7).
-// Included only by .cc files of this folder. One thread.
+// Scanner of the terminals of Turtle, TriG, N-Triples and N-Quads (RDF 1.1 Turtle section 6.5, N-Triples
+// section 7). Included only by .cc files of this folder. One thread.
 //
-// Each reading function stands at its terminal's first character, moves past the terminal and returns true;
-// or returns false, having put place, message and hint into failure().
+// Each reading function starts at its terminal's first character. It moves past the terminal and returns
+// true; or it stores place, message and hint in failure() and returns false.
 #ifndef DOCENT_GRAPH_RDF_TURTLE_SCANNER_H_
 #define DOCENT_GRAPH_RDF_TURTLE_SCANNER_H_
 
@@ -31,7 +31,7 @@ class TurtleScanner {
 
   size_t position() const { return position_; }
   bool AtEnd() const { return position_ >= text_.size(); }
-  // The character `ahead` places further, 0 past the end.
+  // The character `ahead` bytes further, 0 past the end.
   char Peek(size_t ahead = 0) const {
     return position_ + ahead < text_.size() ? text_[position_ + ahead] : '\0';
   }
@@ -39,14 +39,14 @@ class TurtleScanner {
   void SkipSpace();
   // White space, ends of lines and comments between statements.
   void SkipLines();
-  // If `c` comes next: moves past it.
+  // Moves past `c` if it is the next character.
   bool Take(char c);
-  // If `word` comes next, in any case, and no name goes on after it: moves past it.
+  // Moves past `word` if it is next and no name continues after it. `any_case`: case is ignored.
   bool TakeKeyword(std::string_view word, bool any_case);
   // As TakeKeyword, but a colon may follow ("@prefix:<…>." declares the empty prefix).
   bool TakeDirective(std::string_view word);
-  // Moves to where another statement may begin after a mistake: past the next "." before white space, or the
-  // line.
+  // Moves to where another statement may begin after a mistake: past the next "." before white space, or past
+  // the line.
   void SkipToNextStatement();
   void SkipAll() { position_ = text_.size(); }
 
@@ -54,7 +54,7 @@ class TurtleScanner {
   bool ReadIri(std::string* iri);
   // prefix:local with its escapes decoded. `prefix` is a part of the text.
   bool ReadPrefixedName(std::string_view* prefix, std::string* local);
-  // prefix: as in a declaration.
+  // prefix: of a declaration.
   bool ReadPrefix(std::string_view* prefix);
   // _:label, without the "_:".
   bool ReadBlankLabel(std::string_view* label);
@@ -64,10 +64,10 @@ class TurtleScanner {
   bool ReadLanguage(std::string_view* tag);
   // A number and the IRI of its datatype.
   bool ReadNumber(std::string_view* lexical, std::string_view* datatype);
-  // Whether a number begins here.
+  // True if a number begins here.
   bool AtNumber() const;
 
-  // Returns false, for `return Fail(…)`. What comes next is named in "…, found X" where `name_found` says so.
+  // Sets failure() and returns false: `return Fail(…)`. `name_found`: the message ends with "…, found X".
   bool Fail(std::string message, std::string hint = "", bool name_found = false);
   bool FailAt(size_t offset, size_t length, std::string message, std::string hint = "");
   const Failure& failure() const { return failure_; }

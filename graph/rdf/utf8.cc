@@ -34,7 +34,7 @@ std::optional<size_t> FindInvalidUtf8(std::string_view text) {
       if ((static_cast<unsigned char>(text[i + static_cast<size_t>(k)]) & 0xC0) != 0x80) return i;
     }
     if (length > 2) {
-      // RFC 3629 section 4: what the second byte may be after these leads.
+      // RFC 3629 section 4: the allowed second bytes after these leads.
       unsigned char second = static_cast<unsigned char>(text[i + 1]);
       if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
           (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F)) {

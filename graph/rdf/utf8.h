@@ -10,10 +10,10 @@
 namespace docent {
 
 // The offset of the first byte that is not part of well-formed UTF-8 (overlong forms, surrogates and numbers
-// past U+10FFFF are not); nullopt if all is.
+// past U+10FFFF are not well-formed); nullopt if all is.
 std::optional<size_t> FindInvalidUtf8(std::string_view text);
 
-// The code point at `*at`, which moves past it. Requires well-formed text and *at < text.size().
+// The code point at `*at`; moves `*at` past it. Requires well-formed text and *at < text.size().
 char32_t NextCodePoint(std::string_view text, size_t* at);
 
 // Appends `c`, a Unicode scalar value.

@@ -1,4 +1,4 @@
-// IRIs that the code knows, each beside the standard or ontology module that defines it.
+// IRI constants, grouped by the standard or ontology module that defines them.
 #ifndef DOCENT_GRAPH_RDF_VOCABULARY_H_
 #define DOCENT_GRAPH_RDF_VOCABULARY_H_
 

@@ -79,7 +79,7 @@ std::vector<QuadOperation> BufferedStore::Operations() const {
   operations.reserve(changes_.size());
   for (const auto& [quad, kind] : changes_) operations.push_back({kind, quad});
   std::sort(operations.begin(), operations.end(), [](const QuadOperation& a, const QuadOperation& b) {
-    return TripleOrder(a.quad, b.quad);  // the same for the same changes, whatever the hash
+    return TripleOrder(a.quad, b.quad);  // an order that does not depend on the hash
   });
   return operations;
 }

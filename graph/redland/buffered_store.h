@@ -1,4 +1,4 @@
-// A transaction over a store: changes are kept here until Commit, and show in what is found meanwhile.
+// A transaction over a store: changes are kept here until Commit; Find already sees them.
 #ifndef DOCENT_GRAPH_REDLAND_BUFFERED_STORE_H_
 #define DOCENT_GRAPH_REDLAND_BUFFERED_STORE_H_
 
@@ -15,19 +15,19 @@ class BufferedStore final : public QuadStore {
   // `base` must outlive it.
   explicit BufferedStore(QuadStore* base) : base_(*base) {}
 
-  // As the base would answer if the changes had been made. With changes under way an answer is collected
-  // whole.
+  // Answers as the base would after the changes. With pending changes the whole answer is collected
+  // first.
   absl::StatusOr<std::unique_ptr<QuadStream>> Find(const QuadQuery& query) override;
   absl::StatusOr<uint64_t> Size() override;
   absl::StatusOr<std::vector<Term>> Graphs() override;
-  // Keeps the changes; nothing is checked before Commit.
+  // Keeps the changes; they are not checked before Commit.
   absl::Status Apply(std::vector<QuadOperation> operations) override;
 
-  // Quads whose last change is kept here.
+  // Number of quads with a pending change.
   size_t changes() const { return changes_.size(); }
-  // The kept changes, ordered by quad.
+  // The pending changes, ordered by quad.
   std::vector<QuadOperation> Operations() const;
-  // Brings all changes to the base at once. Whatever it answers, none are kept afterwards: they are made, or
+  // Applies all changes to the base at once. Afterwards none are pending: they were applied, or
   // refused.
   absl::Status Commit();
 
@@ -40,7 +40,7 @@ class BufferedStore final : public QuadStore {
     }
   };
   QuadStore& base_;
-  absl::flat_hash_map<TermQuad, QuadOperation::Kind, HashQuad> changes_;  // the last of each quad
+  absl::flat_hash_map<TermQuad, QuadOperation::Kind, HashQuad> changes_;  // the last change of each quad
 };
 
 }  // namespace docent::redland

@@ -15,11 +15,11 @@
 namespace docent::redland {
 namespace {
 
-// A server that is being restarted is waited for this long.
+// Retries while a server restarts.
 constexpr int kAttempts = 10;
 constexpr absl::Duration kPause = absl::Milliseconds(500);
 
-// Whether a quad of a graph can have these terms at all.
+// False if no quad of a graph can have these terms.
 bool CanMatch(const QuadQuery& query, size_t term_bytes) {
   for (const auto* term : {&query.subject, &query.predicate, &query.object, &query.graph}) {
     if (*term && !CheckTerm(**term, term_bytes).ok()) return false;
@@ -28,7 +28,8 @@ bool CanMatch(const QuadQuery& query, size_t term_bytes) {
          !(query.graph && !query.graph->IsIri());
 }
 
-// SELECT ?s ?p ?o ?g for the query; a given term is written, and not selected but for the blank nodes.
+// SELECT ?s ?p ?o ?g for the query; a given term is written into the pattern and not selected (blank nodes
+// are).
 std::string SelectText(const QuadQuery& query) {
   std::string filter;
   const auto place = [&filter](const std::optional<Term>& term, const char* variable) {
@@ -48,9 +49,9 @@ ClientStore::ClientStore(std::string address, std::string session, const Limits&
     : address_(std::move(address)), session_(std::move(session)), limits_(limits) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(limits.grpc_message_bytes));
-  // A server that is back is noticed while a change is still sent again.
+  // Short enough to notice a restarted server while a change is still being retried.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // this long one attempt to connect may take
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // time limit of one attempt to connect
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
   stub_ = v1::Context::NewStub(
       grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments));

@@ -1,11 +1,11 @@
-// A quad store that is a running server's graph, over gRPC.
+// A quad store over gRPC: the graph of a running server.
 //
 // Each Find is one query on one version of the graph, fetched whole: a connection that breaks is an error,
 // never a short answer. Each Apply is one Assert with an id of its own, so that a repeat after a lost answer
-// is not applied twice; it is acknowledged when the server says that it is durable.
+// is not applied twice; it succeeds when the server reports the change as durable.
 //
-// A blank node cannot be named in a query: a Find with one fetches what matches otherwise and has a blank
-// node there, and picks out the one that is meant.
+// A blank node cannot be named in a query: a Find with a blank node fetches the quads that match otherwise
+// and have a blank node there, and selects the right one.
 #ifndef DOCENT_GRAPH_REDLAND_CLIENT_STORE_H_
 #define DOCENT_GRAPH_REDLAND_CLIENT_STORE_H_
 
@@ -23,8 +23,8 @@ namespace docent::redland {
 
 class ClientStore final : public QuadStore {
  public:
-  // `address`: HOST:PORT of a server's gRPC. `session`: a text that no other client uses, from which request
-  // ids are made. UNAVAILABLE, in one line, where no server answers.
+  // `address`: HOST:PORT of a server's gRPC. `session`: a text that no other client uses, the base of request
+  // ids. UNAVAILABLE, in one line, if no server answers.
   static absl::StatusOr<std::unique_ptr<ClientStore>> Open(const std::string& address,
                                                            const std::string& session,
                                                            const Limits& limits = {});
@@ -32,13 +32,13 @@ class ClientStore final : public QuadStore {
   absl::StatusOr<std::unique_ptr<QuadStream>> Find(const QuadQuery& query) override;
   absl::StatusOr<uint64_t> Size() override;
   absl::StatusOr<std::vector<Term>> Graphs() override;
-  // As QuadStore. UNAVAILABLE where the server did not acknowledge the change although it was asked several
-  // times; the message says that it may hold it.
+  // As QuadStore. UNAVAILABLE if the server did not acknowledge the change after several attempts; the
+  // message says that the server may have applied it.
   absl::Status Apply(std::vector<QuadOperation> operations) override;
 
-  // The revision that answered last.
+  // The revision of the last answer.
   Revision revision() const { return revision_; }
-  // As Find, and not more than `max` quads: RESOURCE_EXHAUSTED naming `limit_name` beyond.
+  // As Find, but with at most `max` quads: RESOURCE_EXHAUSTED naming `limit_name` beyond.
   absl::StatusOr<std::vector<TermQuad>> FindAtMost(const QuadQuery& query, size_t max,
                                                    const std::string& limit_name);
 

@@ -1,5 +1,5 @@
-// Interface behind a Redland storage: quads that can be found and changed. Terms are text,
-// so that a server's graph and one in this process look the same. One thread at a time, as librdf's objects.
+// Interface behind a Redland storage: finding and changing quads. Terms are text, so that a server's graph
+// and one in this process look the same. One thread at a time, as librdf's objects.
 #ifndef DOCENT_GRAPH_REDLAND_QUAD_STORE_H_
 #define DOCENT_GRAPH_REDLAND_QUAD_STORE_H_
 
@@ -15,7 +15,7 @@
 
 namespace docent::redland {
 
-// Quads that have these terms; nullopt matches any. The default graph is docent:default here, never an empty
+// Quads with these terms; nullopt matches any. The default graph is docent:default here, never an empty
 // term.
 struct QuadQuery {
   std::optional<Term> subject;
@@ -29,7 +29,7 @@ struct QuadQuery {
   }
 };
 
-// The answer to one query, as of when it was asked: later changes do not show.
+// The answer to one query, as of the time of the query: later changes are not visible.
 class QuadStream {
  public:
   virtual ~QuadStream() = default;
@@ -41,25 +41,25 @@ class QuadStore {
  public:
   virtual ~QuadStore() = default;
 
-  // A triple that stands in several graphs comes once for each, one after the other. An answer is whole or an
-  // error: UNAVAILABLE, DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED naming the limit.
+  // A triple in several graphs comes once for each, one after the other. An answer is whole or an error:
+  // UNAVAILABLE, DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED naming the limit.
   virtual absl::StatusOr<std::unique_ptr<QuadStream>> Find(const QuadQuery& query) = 0;
-  // Quads in all graphs.
+  // Number of quads in all graphs.
   virtual absl::StatusOr<uint64_t> Size() = 0;
-  // The graphs that hold a quad, in term order; docent:default is one of them.
+  // The graphs with at least one quad, in term order, including docent:default.
   virtual absl::StatusOr<std::vector<Term>> Graphs() = 0;
 
-  // All of the operations or none; OK once they are as durable as this store makes them and visible to Find.
-  // A quad stands in at most one operation. INVALID_ARGUMENT names the operation and what is wrong with it;
+  // Applies all of the operations or none; OK once they are as durable as this store makes them and visible
+  // to Find. A quad is in at most one operation. INVALID_ARGUMENT names the operation and its fault;
   // FAILED_PRECONDITION: the store is read only, or its rules refuse the change.
   virtual absl::Status Apply(std::vector<QuadOperation> operations) = 0;
 };
 
 // The quads of `quads` as a stream.
 std::unique_ptr<QuadStream> StreamOf(std::vector<TermQuad> quads);
-// Subject, predicate, object, graph, each in term order.
+// Order by subject, predicate, object, graph, each in term order.
 bool TripleOrder(const TermQuad& a, const TermQuad& b);
-// Sorts by it, which brings the copies of each triple together.
+// Sorts by TripleOrder, which brings the copies of each triple together.
 void SortByTriple(std::vector<TermQuad>* quads);
 
 }  // namespace docent::redland

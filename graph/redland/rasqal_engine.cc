@@ -18,8 +18,8 @@
 namespace docent::redland {
 namespace {
 
-// Rasqal cannot be told to stop: what it reads ends for it once the evaluation must end, and its answer is
-// then thrown away.
+// Rasqal cannot be cancelled: once the evaluation must end, its input ends, and its answer is thrown
+// away.
 struct Brake {
   Cancellation* cancellation;
   absl::Status status;
@@ -91,7 +91,7 @@ absl::Status ReadTriples(librdf_query_results* results, const Limits& limits, Br
     if (brake->Pressed()) return brake->status;
     if (answer->triples.size() == limits.rasqal_rows) return TooManyRows(limits.rasqal_rows);
     TermQuad triple = FromStatement(librdf_stream_get_object(stream.get()), Term::Iri(""));
-    // Rasqal makes a triple anew for each solution; a graph has it once.
+    // Rasqal makes a triple once for each solution; a graph has it once.
     if (seen.emplace(triple.subject, triple.predicate, triple.object).second) {
       answer->triples.push_back(std::move(triple));
     }
@@ -114,8 +114,8 @@ absl::StatusOr<RasqalAnswer> RunRasqal(const sparql::Query& query, const Diction
                                        GraphVersionPtr version, Cancellation* cancellation,
                                        const Limits& limits) {
   if (absl::Status status = CheckForRasqal(query, limits); !status.ok()) return status;
-  // Printed from the algebra: prefixes are resolved, and VALUES has its long form, which Rasqal reads
-  // rightly.
+  // The query is printed from the algebra: prefixes are resolved, and VALUES has its long form, which Rasqal
+  // reads correctly.
   const std::string text = sparql::PrintQuery(query);
 
   const RedlandWorld world;

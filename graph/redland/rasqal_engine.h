@@ -1,7 +1,7 @@
-// A SPARQL query answered by Rasqal through the storage `docent`, over one graph version: the second engine,
-// for comparing. Joins are done in textual order and answers are kept whole.
-// It runs in the client's process, on a copy of the graph: Rasqal cannot be cancelled and has open memory faults, so
-// the server is not put at risk.
+// The second query engine, for comparison: Rasqal answers a SPARQL query through the storage `docent`, over
+// one graph version. Joins are done in textual order, and answers are kept whole.
+// It runs in the client's process, on a copy of the graph: Rasqal cannot be cancelled and has open memory
+// faults, which must not put the server at risk.
 #ifndef DOCENT_GRAPH_REDLAND_RASQAL_ENGINE_H_
 #define DOCENT_GRAPH_REDLAND_RASQAL_ENGINE_H_
 
@@ -30,9 +30,9 @@ struct RasqalAnswer {
 // The default graph is the union of all graphs, each triple once.
 //
 // UNIMPLEMENTED, RESOURCE_EXHAUSTED: see CheckForRasqal; RESOURCE_EXHAUSTED naming rasqal_rows;
-// DEADLINE_EXCEEDED and CANCELLED by `cancellation`, which is looked at for each triple that Rasqal reads and
-// each row (a part that reads nothing, a long sort, is not interrupted); INVALID_ARGUMENT with what Rasqal
-// says of the query. Any thread; `cancellation` may be null.
+// DEADLINE_EXCEEDED and CANCELLED by `cancellation`, which is polled for each triple that Rasqal reads and
+// each row (a part that reads nothing, such as a long sort, is not interrupted); INVALID_ARGUMENT with
+// Rasqal's own message about the query. Any thread; `cancellation` may be null.
 absl::StatusOr<RasqalAnswer> RunRasqal(const sparql::Query& query, const Dictionary& dictionary,
                                        GraphVersionPtr version, Cancellation* cancellation,
                                        const Limits& limits = {});

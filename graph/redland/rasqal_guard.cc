@@ -47,7 +47,7 @@ absl::Status CheckNode(const Algebra& node) {
   return status;
 }
 
-// `optionals`: how many OPTIONAL this node stands in.
+// `optionals`: number of OPTIONAL around this node.
 absl::Status Check(const Algebra& node, int optionals, const Limits& limits) {
   if (absl::Status status = CheckNode(node); !status.ok()) return status;
   if (optionals > limits.rasqal_optional_nesting) {

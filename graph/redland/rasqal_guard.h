@@ -1,8 +1,8 @@
-// Filter of queries for Rasqal 0.9.33: refuses constructs that it does not know or does not execute, those that it
-// is known to answer wrongly without an error, and those whose preparation does not end. Pure function.
+// Filter of queries for Rasqal 0.9.33. It refuses constructs that Rasqal does not know or execute, constructs
+// that it answers wrongly without an error, and queries whose preparation does not end. Pure function.
 //
 // Measured with the W3C suites; tests/graph/redland/rasqal_differences.txt lists each with a query, and a
-// test holds the list against both engines.
+// test checks the list against both engines.
 #ifndef DOCENT_GRAPH_REDLAND_RASQAL_GUARD_H_
 #define DOCENT_GRAPH_REDLAND_RASQAL_GUARD_H_
 

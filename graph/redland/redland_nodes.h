@@ -1,5 +1,5 @@
-// librdf's objects as owned C++ values, and terms ↔ nodes. Only the .cc files of this folder include it. A
-// world and all that is made with it belong to one thread at a time.
+// librdf's objects as owned C++ values, and conversions of terms and nodes. Only the .cc files of this folder
+// include it. A world and all objects made with it belong to one thread at a time.
 #ifndef DOCENT_GRAPH_REDLAND_REDLAND_NODES_H_
 #define DOCENT_GRAPH_REDLAND_REDLAND_NODES_H_
 
@@ -34,13 +34,13 @@ inline const unsigned char* Bytes(const std::string& text) {
   return reinterpret_cast<const unsigned char*>(text.data());
 }
 
-// Null only where librdf has no memory.
+// Null only if librdf is out of memory.
 NodePtr ToNode(librdf_world* world, const Term& term);
 StatementPtr ToStatement(librdf_world* world, const TermQuad& quad);
 
-// nullopt for null: a node that is not there.
+// nullopt for null: a missing node.
 std::optional<Term> FromNode(librdf_node* node);
-// The terms of a whole statement, in `graph`. Parts that are missing are empty IRIs, which no store takes.
+// The terms of a whole statement, in `graph`. Missing parts are empty IRIs, which no store accepts.
 TermQuad FromStatement(librdf_statement* statement, const Term& graph);
 
 }  // namespace docent::redland

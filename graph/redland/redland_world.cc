@@ -20,7 +20,7 @@ class WorldPool {
     }
     librdf_world* world = librdf_new_world();
     librdf_world_set_raptor_init_handler(world, nullptr, [](void*, raptor_world* raptor) {
-      // libxml2's error handlers belong to the whole process: leave them alone.
+      // libxml2's error handlers belong to the whole process: librdf must not replace them.
       raptor_world_set_flag(raptor, RAPTOR_WORLD_FLAG_LIBXML_GENERIC_ERROR_SAVE, 0);
       raptor_world_set_flag(raptor, RAPTOR_WORLD_FLAG_LIBXML_STRUCTURED_ERROR_SAVE, 0);
     });
@@ -39,7 +39,7 @@ class WorldPool {
 };
 
 WorldPool& Pool() {
-  static WorldPool* pool = new WorldPool;  // never freed, as its worlds
+  static WorldPool* pool = new WorldPool;  // never freed, and neither are its worlds
   return *pool;
 }
 
@@ -47,7 +47,7 @@ int Keep(void* errors, librdf_log_message* message) {
   auto* kept = static_cast<std::vector<std::string>*>(errors);
   if (kept == nullptr || librdf_log_message_level(message) < LIBRDF_LOG_ERROR) return 1;
   std::string text = librdf_log_message_message(message);
-  if (kept->empty() || kept->back() != text) kept->push_back(std::move(text));  // not for each row again
+  if (kept->empty() || kept->back() != text) kept->push_back(std::move(text));  // once, not for each row
   return 1;                                                                     // handled
 }
 

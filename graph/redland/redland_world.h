@@ -10,9 +10,9 @@
 
 namespace docent::redland {
 
-// One thread at a time. Worlds are made one after the other and never freed: opening and freeing them touches
-// globals of libxml2 and libxslt (63 races seen by helgrind where worlds were made and freed in parallel).
-// What librdf would print is kept here instead.
+// One thread at a time. Worlds are created one after the other and never freed: creating and freeing them
+// touches globals of libxml2 and libxslt (helgrind sees 63 races if that happens in parallel). Messages that
+// librdf would print are kept here instead.
 class RedlandWorld {
  public:
   RedlandWorld();
@@ -21,7 +21,7 @@ class RedlandWorld {
   RedlandWorld& operator=(const RedlandWorld&) = delete;
 
   librdf_world* get() const { return world_; }
-  // The errors since it was borrowed, in order.
+  // The errors since the world was borrowed, in order.
   const std::vector<std::string>& errors() const { return errors_; }
 
  private:

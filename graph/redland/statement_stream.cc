@@ -30,7 +30,7 @@ class StatementStream {
     any_ = true;
     if (!at_end_) quad_ = std::move(next);
   }
-  // Both live until Advance; null at the end.
+  // Both are valid until Advance; null at the end.
   librdf_statement* statement() {
     if (!statement_ && !at_end_) statement_ = ToStatement(world_, quad_);
     return statement_.get();
@@ -50,7 +50,7 @@ class StatementStream {
   const std::unique_ptr<QuadStream> quads_;
   const bool merged_;
   TermQuad quad_;
-  bool any_ = false;  // quad_ is one of the stream
+  bool any_ = false;  // quad_ holds a quad of the stream
   bool at_end_ = false;
   StatementPtr statement_;
   NodePtr context_;

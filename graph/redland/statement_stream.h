@@ -1,4 +1,4 @@
-// Quads as librdf's streams and iterators. Only the .cc files of this folder include it.
+// Adapters of quads to librdf's streams and iterators. Only the .cc files of this folder include it.
 #ifndef DOCENT_GRAPH_REDLAND_STATEMENT_STREAM_H_
 #define DOCENT_GRAPH_REDLAND_STATEMENT_STREAM_H_
 
@@ -10,8 +10,8 @@
 
 namespace docent::redland {
 
-// A librdf_stream over `quads`, which keeps `storage` alive. With `merged` a triple comes once. The context
-// of a statement is its graph, none for docent:default.
+// A librdf_stream over `quads`, which keeps `storage` alive. With `merged` each triple comes once. The
+// context of a statement is its graph, null for docent:default.
 librdf_stream* NewStatementStream(librdf_storage* storage, std::unique_ptr<QuadStream> quads, bool merged);
 
 // A librdf_iterator over `terms` as nodes.

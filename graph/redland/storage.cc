@@ -21,7 +21,7 @@ constexpr char kStorageName[] = "docent";
 constexpr QuadOperation::Kind kAdd = QuadOperation::Kind::kAdd;
 constexpr QuadOperation::Kind kRemove = QuadOperation::Kind::kRemove;
 
-// What a librdf_storage of ours holds.
+// The instance data of a librdf_storage of ours.
 struct Instance {
   std::unique_ptr<QuadStore> base;
   bool merged = false;
@@ -31,14 +31,14 @@ struct Instance {
 };
 
 std::atomic<StoreOpener> g_opener{nullptr};
-// What OpenStorage hands to Init, which librdf calls from this same thread.
+// Argument from OpenStorage to Init, which librdf calls from this same thread.
 thread_local std::unique_ptr<Instance> t_opening;
 
 Instance& Of(librdf_storage* storage) {
   return *static_cast<Instance*>(librdf_storage_get_instance(storage));
 }
 
-// 0, or 1 with the reason in librdf's log, one line.
+// 0, or 1 after logging the reason to librdf, one line.
 int Report(librdf_world* world, const absl::Status& status) {
   if (status.ok()) return 0;
   const std::string line = absl::StrReplaceAll(absl::StripAsciiWhitespace(status.message()), {{"\n", "; "}});
@@ -53,7 +53,7 @@ Term GraphOf(librdf_node* context) {
   return FromNode(context).value_or(Term::Iri(std::string(kDefaultGraph)));
 }
 
-// A statement with some parts as what is asked for; a null context is any graph.
+// A partial statement as a query; a null context is any graph.
 QuadQuery QueryOf(librdf_statement* statement, librdf_node* context) {
   QuadQuery query;
   if (statement != nullptr) {
@@ -74,7 +74,7 @@ librdf_stream* Answer(librdf_storage* storage, const QuadQuery& query, bool merg
   return NewStatementStream(storage, *std::move(quads), merged);
 }
 
-// --- the life of a storage
+// --- lifetime of a storage
 
 int Init(librdf_storage* storage, const char* name, librdf_hash* options) {
   librdf_world* world = librdf_storage_get_world(storage);
@@ -118,7 +118,7 @@ int Close(librdf_storage*) {
   return 0;
 }
 
-// What was acknowledged is durable already.
+// Acknowledged changes are already durable.
 int Sync(librdf_storage*) {
   return 0;
 }
@@ -144,7 +144,7 @@ int Contains(librdf_storage* storage, librdf_statement* statement) {
   return (*quads)->Next(&quad) ? 1 : 0;
 }
 
-// Everything there is, with all contexts, merged or not.
+// All statements, with all contexts, merged or not.
 librdf_stream* Serialise(librdf_storage* storage) {
   return Answer(storage, {}, false);
 }
@@ -194,7 +194,7 @@ int Add(librdf_storage* storage, librdf_statement* statement) {
   return AddInContext(storage, nullptr, statement);
 }
 
-// The stream's own contexts are not looked at, as in librdf's storages.
+// The stream's own contexts are ignored, as in librdf's storages.
 int AddStreamInContext(librdf_storage* storage, librdf_node* context, librdf_stream* stream) {
   const Term graph = GraphOf(context);
   BufferedStore once(Of(storage).base.get());  // drops repeats
@@ -213,8 +213,8 @@ int AddStream(librdf_storage* storage, librdf_stream* stream) {
   return AddStreamInContext(storage, nullptr, stream);
 }
 
-// Without a context a statement is removed from docent:default. One that stays to be seen through another
-// graph is not removed silently.
+// Without a context a statement is removed from docent:default. If it would remain visible through another
+// graph, the removal is refused.
 int Remove(librdf_storage* storage, librdf_statement* statement) {
   const TermQuad wanted = FromStatement(statement, GraphOf(nullptr));
   auto quads = Of(storage).store().Find({wanted.subject, wanted.predicate, wanted.object, std::nullopt});
@@ -272,7 +272,8 @@ int RollBackTransaction(librdf_storage* storage) {
   return EndTransaction(storage, false);
 }
 
-// What is not set librdf makes of these: sources, arcs and targets of find_statements, for example.
+// librdf derives the functions that are not set from these: sources, arcs and targets from find_statements,
+// for example.
 void FillFactory(librdf_storage_factory* factory) {
   factory->version = LIBRDF_STORAGE_INTERFACE_VERSION;
   factory->init = Init;

@@ -10,7 +10,7 @@
 namespace docent::redland {
 namespace {
 
-// Ids of a query; false: a term that the dictionary does not have, nothing matches.
+// Ids of a query; false: a term is not in the dictionary, so there are no matches.
 bool Resolve(const Dictionary& dictionary, const std::optional<Term>& term, TermId* id) {
   if (!term) return true;
   const std::optional<TermId> found = dictionary.Find(*term);
@@ -37,7 +37,7 @@ class VersionStream final : public QuadStream {
   }
 
  private:
-  // Neighbours in an index share most of their terms.
+  // Neighbours in an index share most of their terms, so the last ones are reused.
   void Decode(TermId id, TermId last, Term* term) const {
     if (id == last) {
       *term = id == last_.subject     ? decoded_.subject
@@ -52,7 +52,7 @@ class VersionStream final : public QuadStream {
   const Dictionary& dictionary_;
   const GraphVersionPtr version_;
   QuadCursor cursor_;
-  Quad last_;         // of `decoded_`
+  Quad last_;         // the quad of `decoded_`
   TermQuad decoded_;  // the quad before
 };
 

@@ -17,7 +17,7 @@ std::unique_ptr<QuadStream> FindInVersion(const Dictionary& dictionary, GraphVer
                                           const QuadQuery& query);
 std::vector<Term> GraphsOfVersion(const Dictionary& dictionary, const GraphVersion& version);
 
-// One version, to read: Apply is FAILED_PRECONDITION. `dictionary` must outlive it.
+// One read-only version: Apply returns FAILED_PRECONDITION. `dictionary` must outlive it.
 class VersionStore final : public QuadStore {
  public:
   VersionStore(const Dictionary* dictionary, GraphVersionPtr version)
@@ -34,7 +34,7 @@ class VersionStore final : public QuadStore {
 };
 
 // A graph writer's newest version: each Apply freezes the next one. In memory only. Both must outlive it, and
-// nobody else may change them meanwhile.
+// no other code may change them meanwhile.
 class WriterStore final : public QuadStore {
  public:
   // `start`: the revision that the writer stands at.

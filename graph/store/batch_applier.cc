@@ -26,7 +26,7 @@ absl::Status At(absl::string_view place, const absl::Status& status) {
   return WithMessage(status, absl::StrCat(place, ": ", status.message()));
 }
 
-// Many plain additions, which go into the indexes sorted.
+// True for many plain additions, which are sorted before they go into the indexes.
 bool IsBulk(const WriteBatch& batch) {
   constexpr size_t kBulk = 256;
   return batch.mode == WriteBatch::Mode::kLoad && batch.operations.size() >= kBulk &&
@@ -34,7 +34,7 @@ bool IsBulk(const WriteBatch& batch) {
                      [](const QuadOperation& o) { return o.kind == QuadOperation::Kind::kAdd; });
 }
 
-// An operation as clients number them: "add[2]", "remove[0]". Facts of a text count on.
+// The place of an operation as clients number them: "add[2]", "remove[0]". Facts of a text come after these.
 std::string PlaceOf(const WriteBatch& batch, size_t at) {
   const QuadOperation::Kind kind = batch.operations[at].kind;
   const auto number =
@@ -84,7 +84,7 @@ Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
           quad.graph.lexical.empty() ? default_graph : dictionary_.Intern(quad.graph)};
 }
 
-// Neighbours in a file mostly share subject, predicate and graph.
+// Neighbouring statements in a file mostly share subject, predicate and graph.
 std::vector<Quad> BatchApplier::InternAll(const std::vector<QuadOperation>& operations,
                                           TermId default_graph) {
   std::vector<Quad> quads;
@@ -114,7 +114,7 @@ std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_grap
 }
 
 void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
-  // Rules may have changed them, too, which no batch tells: their number shows it.
+  // Rules may have changed the declarations, too, which is not in the batch: their number shows it.
   const QuadPattern declarations{{}, type_, state_property_, {}};
   uint64_t count = version.Count(declarations);
   if (count == state_declarations_) return;

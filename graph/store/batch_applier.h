@@ -1,12 +1,12 @@
-// The first stage of a turn: a batch of text becomes changes of the graph.
+// The first stage of a turn: turns a batch of text into changes of the graph.
 //
-//  - terms are checked and interned; quads without a graph go to the batch's source, or to docent:default
-//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same subject
-//  and graph,
-//    the last in the batch wins
-//  - a fact told with a lifetime is withdrawn when it has passed, unless told again: with a new lifetime, or
-//  without one
-//    (then it stays). The first batch at or after that time does it, a clock batch if no other comes
+//  - terms are checked and interned; quads without a graph go to the batch's source, or to
+//  docent:default
+//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same
+//    subject and graph; the last in the batch wins
+//  - a fact with a lifetime is withdrawn when the lifetime ends, unless it is asserted again: with a new
+//    lifetime, or without one (then it stays). The first batch at or after that time withdraws it, or a
+//    clock batch if no other comes
 //  - sensor readings become facts by the graph's docent:ReadingMapping resources (reading_mapper.h)
 //
 // Commit or Rollback at the end of each turn, together with the writer. Writer thread only.
@@ -37,18 +37,18 @@ class BatchApplier {
   // `dictionary` must outlive the applier.
   BatchApplier(Dictionary& dictionary, const Limits& limits);
 
-  // The net change. INVALID_ARGUMENT naming the place ("add[3]: subject: …", "readings[0]: …",
-  // "source: …"): a term that RDF does not allow (term_check.h), a graph that is no IRI or that the server
-  // alone writes, a reading that no mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error
-  // the graph is as it was and nothing was interned.
-  // `first`: changes of the server's own that the batch brings about; applied before its operations, not checked.
+  // The net change. INVALID_ARGUMENT naming the place ("add[3]: subject: …", "readings[0]: …", "source: …"):
+  // a term that RDF does not allow (term_check.h), a graph that is no IRI or that only the server writes, a
+  // reading without a mapping. RESOURCE_EXHAUSTED: a term over term_bytes. After an error the graph is
+  // unchanged and no term was interned.
+  // `first`: the server's own changes for this batch; applied before its operations, not checked.
   absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer,
                               absl::Span<const QuadOperation> first = {});
 
-  // When the next lifetime ends, if any.
+  // The end of the next lifetime, if any.
   std::optional<TimeMicros> NextDeadline() const;
 
-  // The lifetimes that run, by when they end; and the same put back into a fresh applier (a start from a snapshot).
+  // The running lifetimes by their end. Below: restores them into a new applier (start from a snapshot).
   std::vector<std::pair<TimeMicros, Quad>> Lifetimes() const {
     return {by_deadline_.begin(), by_deadline_.end()};
   }
@@ -63,7 +63,7 @@ class BatchApplier {
   absl::Status Check(const WriteBatch& batch) const;
   Quad Intern(const TermQuad& quad, TermId default_graph);
   std::vector<Quad> InternAll(const std::vector<QuadOperation>& operations, TermId default_graph);
-  // Nothing if a term of it was never interned, so that the graph cannot hold it.
+  // nullopt if one of its terms was never interned, so that the graph cannot hold the quad.
   std::optional<Quad> Find(const TermQuad& quad, TermId default_graph) const;
   void Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum);
   void ApplyOne(const QuadOperation& operation, TermId default_graph, const WriteBatch& batch,
@@ -81,7 +81,7 @@ class BatchApplier {
   const TermId default_graph_;
 
   absl::flat_hash_set<TermId> state_properties_;
-  uint64_t state_declarations_ = kUnknown;  // how many the graph held when state_properties_ was read
+  uint64_t state_declarations_ = kUnknown;  // number of declarations when state_properties_ was read
 
   absl::flat_hash_map<Quad, TimeMicros> deadlines_;
   std::set<std::pair<TimeMicros, Quad>> by_deadline_;

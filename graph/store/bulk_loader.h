@@ -1,5 +1,5 @@
-// Large files into a graph: statements are interned as they are parsed, and the indexes are built sorted, at once.
-// Writer thread only.
+// Loader of large files into a graph: statements are interned while they are parsed, and the indexes are
+// built from sorted keys. Writer thread only.
 #ifndef DOCENT_GRAPH_STORE_BULK_LOADER_H_
 #define DOCENT_GRAPH_STORE_BULK_LOADER_H_
 
@@ -18,11 +18,11 @@ class BulkLoader {
   // Statements without a graph go to docent:default. `dictionary` must outlive the loader.
   explicit BulkLoader(Dictionary& dictionary);
 
-  // Adds the statements of a document. Where there are mistakes nothing of it is added; its terms may have been interned.
+  // Adds the statements of a document. After mistakes none of them is added; terms may have been interned.
   Diagnostics Add(std::string_view text, RdfFormat format, const ParseRdfOptions& options);
-  // Statements so far, repeats included.
+  // Number of statements so far, with repeats.
   size_t size() const { return quads_.size(); }
-  // Puts all of them into the graph of `writer`; the loader is empty afterwards.
+  // Adds all of them to the graph of `writer`; the loader is empty afterwards.
   void Build(GraphWriter& writer);
 
  private:
@@ -32,7 +32,7 @@ class BulkLoader {
   Dictionary& dictionary_;
   TermId default_graph_;
   std::vector<Quad> quads_;
-  // The last term of each position: neighbours in a file mostly share subject, predicate and graph.
+  // The last term of each position: neighbouring statements mostly share subject, predicate and graph.
   Term last_[4];
   TermId last_id_[4];
 };

@@ -1,5 +1,5 @@
-// What a turn decides: transitions of workflow runs, and commands for robots. The log records both, replay compares
-// them. The counterpart of a command, CommandReport, is input and stands in write_batch.h. Values; any thread.
+// Decisions of a turn: transitions of workflow runs, and robot commands. The log records them, and replay
+// compares them. The answer to a command, CommandReport, is input (write_batch.h). Values; any thread.
 #ifndef DOCENT_GRAPH_STORE_DECISIONS_H_
 #define DOCENT_GRAPH_STORE_DECISIONS_H_
 
@@ -13,26 +13,26 @@
 
 namespace docent {
 
-// One change of state of a run, a node of a run or an invocation of a node.
+// One state change of a run, a node of a run or an invocation of a node.
 struct Transition {
   std::string subject;  // "BoothGuide-1", "BoothGuide-1/Move2Booth" or "BoothGuide-1/Move2Booth/0/showBooth"
-  std::string from;     // state words of the vocabulary: "waiting", "running", …; empty: it did not exist
+  std::string from;     // state words of the vocabulary: "waiting", "running", …; empty: new
   std::string to;
-  std::string cause;  // for people: what made it happen
+  std::string cause;  // for people: the reason
 
   friend bool operator==(const Transition&, const Transition&) = default;
 };
 
 // One operation for one robot, with everything needed to send it again after a restart.
 struct RobotCommand {
-  CommandId id;   // run/node/iteration/invoke/step/attempt@time: an adapter never does the same id twice
+  CommandId id;   // run/node/iteration/invoke/step/attempt@time: an adapter executes each id at most once
   RobotId robot;  // IRI
   std::string operation;
   std::vector<std::pair<std::string, Term>> arguments;  // parameter name → value, in the operation's order
-  // Of the robot's adapter when this was decided. Another one: the outcome is unknown. Empty: any will do.
+  // The adapter's incarnation at the decision; after a change the outcome is unknown. Empty: any.
   std::string expected_incarnation;
-  Revision guard_revision;     // the facts that made the engine decide are those of this revision
-  TimeMicros deadline_us = 0;  // the adapter gives up then; 0: none
+  Revision guard_revision;     // the decision is based on the facts of this revision
+  TimeMicros deadline_us = 0;  // the adapter gives up at this time; 0: none
   bool idempotent = false;     // may be sent again when its outcome is unknown
 
   friend bool operator==(const RobotCommand&, const RobotCommand&) = default;

@@ -1,5 +1,5 @@
-// Net change of one stage: a quad stands in at most one of the two lists, and applying it twice does
-// nothing.
+// Net change of one stage: a quad is in at most one of the two lists, and applying the change again has no
+// effect.
 #ifndef DOCENT_GRAPH_STORE_DELTA_H_
 #define DOCENT_GRAPH_STORE_DELTA_H_
 
@@ -10,8 +10,8 @@
 namespace docent {
 
 struct Delta {
-  std::vector<Quad> added;    // were not in the version before, are in it now
-  std::vector<Quad> removed;  // were in the version before, are not in it now
+  std::vector<Quad> added;    // absent from the version before, present in the new one
+  std::vector<Quad> removed;  // present in the version before, absent from the new one
 
   bool empty() const { return added.empty() && removed.empty(); }
   size_t size() const { return added.size() + removed.size(); }

@@ -1,5 +1,5 @@
-// Changes one after the other, added up to what they are net: what was added and then removed did not happen.
-// One thread.
+// Sum of successive changes: the net change. A quad that was added and then removed is not in it. One
+// thread.
 #ifndef DOCENT_GRAPH_STORE_DELTA_SUM_H_
 #define DOCENT_GRAPH_STORE_DELTA_SUM_H_
 
@@ -12,7 +12,7 @@ namespace docent {
 
 class DeltaSum {
  public:
-  // Each call must tell of a real change of the graph, in order.
+  // Each call must report a real change of the graph, in order.
   void Added(const Quad& quad) { changes_.added.push_back(quad); }
   void Removed(const Quad& quad) { changes_.removed.push_back(quad); }
   void Add(const Delta& delta) {
@@ -43,7 +43,7 @@ class DeltaSum {
   }
 
  private:
-  Delta changes_;  // all of them, not net
+  Delta changes_;  // all changes, not the net
 };
 
 }  // namespace docent

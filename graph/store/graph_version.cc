@@ -9,7 +9,7 @@
 namespace docent {
 namespace {
 
-// The order whose prefix is S, P and O as far as they are bound.
+// The order whose prefix contains the bound positions among S, P and O.
 IndexOrder OrderWithoutGraph(unsigned bound) {
   constexpr unsigned kSubject = 1, kPredicate = 2, kObject = 4;
   if ((bound & kPredicate) != 0) return (bound & kSubject) != 0 ? IndexOrder::kSpog : IndexOrder::kPosg;
@@ -24,7 +24,7 @@ bool GraphVersion::Contains(const Quad& quad) const {
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
   const unsigned bound = BoundIn(pattern);
-  if (pattern.graph.IsNone()) {  // then an order has all that is bound before all that is not
+  if (pattern.graph.IsNone()) {  // then some order has all bound positions first
     const IndexOrder order = OrderWithoutGraph(bound);
     const QuadTree::Key key =
         KeyOf(Quad{pattern.subject, pattern.predicate, pattern.object, TermId()}, order);
@@ -38,7 +38,7 @@ IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern, unsigned bound) co
   if (pattern.graph.IsNone()) return order;
   if (IsExact(bound, IndexOrder::kGspo)) return IndexOrder::kGspo;
   if (IsExact(bound, order)) return order;
-  // Neither covers all that is bound: walk the shorter run.
+  // Neither order covers all bound positions: walk the shorter run.
   const KeyRange without = RangeOf(pattern, bound, order),
                  within = RangeOf(pattern, bound, IndexOrder::kGspo);
   bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <

@@ -18,7 +18,7 @@ GraphWriter::GraphWriter(GraphVersionPtr start)
 bool GraphWriter::Add(const Quad& quad) {
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_))
-      return false;  // at the first: all hold the same
+      return false;  // after the first: all indexes hold the same quads
   }
   Note(quad, true);
   return true;
@@ -27,7 +27,7 @@ bool GraphWriter::Add(const Quad& quad) {
 bool GraphWriter::Remove(const Quad& quad) {
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_))
-      return false;  // at the first: all hold the same
+      return false;  // after the first: all indexes hold the same quads
   }
   Note(quad, false);
   return true;
@@ -56,9 +56,9 @@ Delta GraphWriter::Apply(const std::vector<Quad>& add, const std::vector<Quad>& 
 
 namespace {
 
-// Fewer than this many are put in one by one.
+// Fewer quads than this are inserted one by one.
 constexpr size_t kFew = 16;
-// Of quads that are sorted in the order of their fields. Then few words are left to sort by.
+// For quads sorted by their fields; few words then remain to sort by.
 std::vector<QuadTree::Key> SortedKeys(const std::vector<Quad>& quads, IndexOrder order,
                                       std::vector<QuadTree::Key>& scratch) {
   std::vector<QuadTree::Key> keys(quads.size());
@@ -96,7 +96,7 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
     for (const Quad& quad : sorted) Note(quad, true);
   };
   const bool rising = std::adjacent_find(quads.begin(), quads.end(), std::greater_equal<>()) == quads.end();
-  if (rising) {  // sorted, and each once
+  if (rising) {  // sorted and distinct
     erase_known(quads, [](const Quad& quad) -> const Quad& { return quad; });
     insert(quads);
     return quads;
@@ -154,7 +154,7 @@ GraphVersionPtr GraphWriter::Freeze(Revision revision) {
   return start_;
 }
 
-// The first change of a quad says whether it was there before, the last one whether it is there now.
+// The first change of a quad tells whether it was there before, the last one whether it is there now.
 void GraphWriter::TakeBack() {
   if (journal_.size() < kFew) {
     for (auto change = journal_.rbegin(); change != journal_.rend(); ++change) {
@@ -178,7 +178,7 @@ void GraphWriter::TakeBack() {
 
 void GraphWriter::Rollback() {
   if (committed_) {
-    committed_ = false;  // what is taken back needs no note
+    committed_ = false;  // the changes made here are not recorded for another undo
     TakeBack();
     return Commit();
   }

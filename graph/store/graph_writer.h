@@ -1,10 +1,10 @@
-// The one way to make the next graph version. Writer thread only.
+// Writer of the next graph version. Writer thread only.
+// It starts from a version and changes a private copy (its own nodes in place); several may start from one.
+// The writer thread may read `current()` at any time: rules and conditions read unpublished state there.
+// `Freeze` makes an immutable version. `Commit` keeps the changes and is cheaper: later ones are in place.
+// `Rollback` returns to the last of either. No other thread sees changes before a Freeze.
 //
-// A writer starts from a version and changes a private copy (nodes made by this writer are changed in place).
-// `current()` is readable at any time by the writer thread: rules and conditions read the unpublished state
-// through it. `Freeze` makes it immutable; `Commit` keeps what was done and is cheaper: later changes are made in
-// place. `Rollback` goes back to the last of either. Before a Freeze nothing is visible to others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
-// Several writers may start from one version; they do not see each other.
+// Any change invalidates cursors over `current()`: collect the changes first, then make them.
 #ifndef DOCENT_GRAPH_STORE_GRAPH_WRITER_H_
 #define DOCENT_GRAPH_STORE_GRAPH_WRITER_H_
 
@@ -29,26 +29,26 @@ class GraphWriter {
   bool Remove(const Quad& quad);
   // Adds then removes as listed, returns the net change. A quad in both lists ends up absent.
   Delta Apply(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  // Adds many quads and returns those that were new, once each, in the order given: what Add for each of them does, but
-  // sorted and each index gone through once, which is several times faster where there are thousands.
+  // Adds many quads and returns the new ones, once each, in the given order. Same effect as an Add of each,
+  // but several times faster for thousands of quads: they are sorted, and each index is walked once.
   std::vector<Quad> AddAll(std::vector<Quad> quads);
-  // Removes many quads, sorted for each index. Returns how many were there.
+  // Removes many quads, sorted for each index. Returns the number of quads removed.
   size_t RemoveAll(std::vector<Quad> quads);
 
   const GraphVersion& current() const { return *version_; }
 
-  // Rollback goes back to here.
+  // Sets the point to which Rollback returns.
   void Commit();
-  // The version made so far, as revision `revision`; the writer goes on from it.
+  // Publishes the current state as revision `revision`; the writer goes on from it.
   GraphVersionPtr Freeze(Revision revision);
-  // Back to the last Commit, frozen or start version.
+  // Returns to the last Commit, frozen version or start version.
   void Rollback();
 
  private:
   GraphVersionPtr start_;
   std::unique_ptr<GraphVersion> version_;
-  uint64_t epoch_;  // nodes with this epoch are ours to change
-  // After a Commit that no Freeze followed: the real changes since, to be taken back by a Rollback.
+  uint64_t epoch_;  // this writer may change nodes with this epoch
+  // The real changes since a Commit without a later Freeze; a Rollback undoes them.
   struct Change {
     Quad quad;
     bool added;

@@ -27,7 +27,7 @@ inline constexpr auto kWords = [] {
   return words;
 }();
 
-// Word by word: a processor waits for words just stored that are loaded two at a time, as a copy of the quad would be.
+// Reads one word: a load of two words just stored, as in a copy of the quad, would stall the processor.
 inline uint64_t WordAt(const Quad& quad, int position) {
   uint64_t word;
   std::memcpy(&word, reinterpret_cast<const char*>(&quad) + static_cast<size_t>(position) * sizeof(word),
@@ -46,13 +46,13 @@ inline Quad QuadOf(const QuadTree::Key& key, IndexOrder order) {
   return {TermId(key[words[0]]), TermId(key[words[1]]), TermId(key[words[2]]), TermId(key[words[3]])};
 }
 
-// The positions that a pattern binds, a bit each: 1, 2, 4, 8.
+// The bound positions of a pattern as bits: 1, 2, 4, 8.
 inline unsigned BoundIn(const QuadPattern& p) {
   return (p.subject.IsNone() ? 0u : 1u) | (p.predicate.IsNone() ? 0u : 2u) | (p.object.IsNone() ? 0u : 4u) |
          (p.graph.IsNone() ? 0u : 8u);
 }
 
-// How many words of a key come before the first that is not bound, by order and bound positions.
+// Number of words of a key before the first unbound one, by order and bound positions.
 inline constexpr auto kPrefixes = [] {
   std::array<std::array<uint8_t, 16>, kIndexOrders> prefixes{};
   for (int order = 0; order < kIndexOrders; ++order) {
@@ -64,22 +64,22 @@ inline constexpr auto kPrefixes = [] {
   return prefixes;
 }();
 
-// The same where all that is bound comes first.
+// The same if all bound words come first.
 inline constexpr auto kWholePrefixes = [] {
   std::array<uint8_t, 16> prefixes{};
   for (unsigned bound = 0; bound < 16; ++bound) prefixes[bound] = static_cast<uint8_t>(std::popcount(bound));
   return prefixes;
 }();
 
-// Whether all matches of a pattern that binds these positions are neighbours in `order`, and no others among them.
+// True if the matches of a pattern with these bound positions are exactly one run in `order`.
 inline bool IsExact(unsigned bound, IndexOrder order) {
   return kWholePrefixes[bound] == kPrefixes[static_cast<size_t>(order)][bound];
 }
 
-// Where the matches of all patterns that bind the same positions (BoundIn) are neighbours, and no others among them.
+// The index run of all patterns that bind the same positions (BoundIn): their matches and no others.
 struct AccessPath {
   IndexOrder order = IndexOrder::kSpog;
-  int prefix = 0;  // words of a key that are bound; the others are free
+  int prefix = 0;  // bound words of a key; the others are free
 };
 
 // The keys of `order` that agree with the pattern's bound words (BoundIn) up to the first unbound one.
@@ -113,7 +113,7 @@ inline KeyRange RangeOf(const QuadPattern& p, const AccessPath& path) {
   const QuadTree::Key& free = kFree[path.prefix];
   KeyRange range;
   range.first =
-      KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, path.order);  // what is free is none, that is 0
+      KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, path.order);  // free words are none, that is 0
   for (int i = 0; i < 4; ++i) range.last[i] = range.first[i] | free[i];
   range.exact = true;
   return range;

@@ -1,5 +1,5 @@
-// Sorting many keys by one of their words: a stable radix sort (least significant byte first) that skips the
-// bytes in which all keys agree. Ids are small numbers under a tag, so three or four passes do. Pure; any
+// Stable radix sort of many keys by one of their words (least significant byte first). It skips the bytes in
+// which all keys agree. Ids are small numbers under a tag, so three or four passes are enough. Pure; any
 // thread.
 #ifndef DOCENT_GRAPH_STORE_KEY_SORT_H_
 #define DOCENT_GRAPH_STORE_KEY_SORT_H_

@@ -1,4 +1,4 @@
-// A triple in a named graph, as ids; and a pattern of one. Values; any thread.
+// A triple in a named graph, as ids; and a pattern of quads. Values; any thread.
 #ifndef DOCENT_GRAPH_STORE_QUAD_H_
 #define DOCENT_GRAPH_STORE_QUAD_H_
 

@@ -3,7 +3,7 @@
 namespace docent {
 namespace {
 
-// Where the graph is a key's last word.
+// For orders with the graph as the last word of a key.
 bool IsOfTriple(const QuadTree::Leaf& leaf, int i, const QuadTree::Key& key) {
   return leaf.Word(i, 0) == key[0] && leaf.Word(i, 1) == key[1] && leaf.Word(i, 2) == key[2];
 }
@@ -28,8 +28,8 @@ void QuadCursor::Seek(const Quad& target) {
 
 uint64_t QuadCursor::CountRest(bool triples) {
   uint64_t count = 0;
-  triples &= order_ != IndexOrder::kGspo;  // there are none within one graph
-  QuadTree::Key last = {};                 // no quad's
+  triples &= order_ != IndexOrder::kGspo;  // within one graph there are no copies
+  QuadTree::Key last = {};                 // differs from every quad
   for (; iterator_.Valid(); iterator_.SkipLeaf()) {
     const QuadTree::Leaf& leaf = *iterator_.leaf();
     const int first = iterator_.position(), limit = iterator_.limit();

@@ -148,7 +148,7 @@ bool QuadTree::Erase(const Key& key, uint64_t epoch) {
   MakeWritable(edit, &path);
   Leaf* const leaf = edit.EraseFromLeaf(path.leaf, path.position);
   const bool stays =
-      leaf != nullptr && (height_ == 0 || leaf->count >= Leaf::kMinKeys);  // it is surely not merged
+      leaf != nullptr && (height_ == 0 || leaf->count >= Leaf::kMinKeys);  // certainly not merged
   last_edit_ = stays ? LastEdit{leaf, path.position} : LastEdit{};
   Node* changed = leaf;
   for (int level = height_ - 1; level >= 0; --level) {
@@ -182,7 +182,7 @@ bool QuadTree::Contains(const Key& key) const {
 std::optional<bool> QuadTree::ContainsPrefixThere(const Key& first, int words) const {
   const auto& [leaf, position] = last_edit_;
   if (leaf == nullptr) return std::nullopt;
-  bool between = true;  // what begins so would stand between the two
+  bool between = true;  // a key with this prefix would lie between the two
   for (int i = position - 1; i <= position; ++i) {
     if (i < 0 || i >= leaf->count) {
       between = false;
@@ -201,7 +201,7 @@ bool QuadTree::ContainsPrefix(const Key& first, int words) const {
   if (root_ == nullptr) return false;
   if (const std::optional<bool> known = ContainsPrefixThere(first, words)) return *known;
   const Node* node = root_;
-  const Key* next = nullptr;  // where the nodes begin that come after those on the way down
+  const Key* next = nullptr;  // begin of the nodes that follow those on the way down
   for (int level = 0; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
     const int index = inner->ChildFor(first);
@@ -250,7 +250,7 @@ uint64_t QuadTree::CountBelow(const Node* node, int level, const Key& key, bool 
   return below + static_cast<uint64_t>(position) + (inclusive && equal ? 1 : 0);
 }
 
-// One descent as long as both ends lie beneath the same child.
+// One common descent as long as both ends lie beneath the same child.
 uint64_t QuadTree::CountRange(const Key& first, const Key& last) const {
   if (root_ == nullptr || last < first) return 0;
   const Node* node = root_;

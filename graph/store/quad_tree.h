@@ -1,16 +1,16 @@
 // A persistent B+-tree over keys of four 64-bit words: one index order of a graph version.
 //
-// Copying a tree costs one reference count; the copies share all nodes. A change copies the nodes on the path
-// to it, except those that were made under the same `epoch`: they belong to the one writer that uses this
-// epoch and are changed in place. So a transaction of many changes copies each node at most once, and a
-// published tree never changes. Every inner node knows the number of keys beneath each child, which gives
-// exact counts of any range.
+// Copying a tree costs one reference count; the copies share all nodes. A change copies the nodes on its
+// path, except nodes of the same `epoch`: they belong to the only writer of this epoch and are changed in place.
 //
-// A leaf holds up to 256 keys, each word as its distance from the leaf's smallest in as few bytes as the leaf
-// needs (0 to 8): neighbours share most of a key, so a key takes about 5 to 12 bytes instead of 32.
+// Many changes thus copy each node at most once, and a published tree never changes. Inner nodes store the
+// number of keys beneath each child, so counts of ranges are exact.
 //
-// Threads: any number of readers of trees that nobody changes; one writer per tree object. Node reference
-// counts are under a lock of their own, so trees that share nodes may be copied, changed and dropped on any thread.
+// A leaf holds up to 256 keys. A word is stored as its distance from the leaf's smallest, in as few bytes as
+// the leaf needs (0 to 8): neighbours share most of a key, so a key takes about 5 to 12 bytes, not 32.
+//
+// Threads: any number of readers of trees that no thread changes; one writer per tree object. Node reference
+// counts have a lock of their own: trees that share nodes may be copied, changed and dropped on any thread.
 #ifndef DOCENT_GRAPH_STORE_QUAD_TREE_H_
 #define DOCENT_GRAPH_STORE_QUAD_TREE_H_
 
@@ -38,7 +38,7 @@ class QuadTree {
   QuadTree& operator=(QuadTree&& other) noexcept;
   ~QuadTree();
 
-  // A number that no other caller gets: the epoch of a writer's next unpublished changes. Any thread.
+  // A unique number: the epoch of a writer's next unpublished changes. Any thread.
   static uint64_t NewEpoch();
   // A tree of these keys, which must be sorted and distinct, in well filled nodes.
   static QuadTree Build(const std::vector<Key>& keys, uint64_t epoch);
@@ -48,44 +48,44 @@ class QuadTree {
   bool Erase(const Key& key, uint64_t epoch);
 
   bool Contains(const Key& key) const;
-  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n); most often O(1) beside the
-  // last Insert or Erase of this very tree.
+  // True if a key begins with the first `words` words of `first`, whose other words are 0. O(log n); most
+  // often O(1) near the last Insert or Erase of this tree object.
   bool ContainsPrefix(const Key& first, int words) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
-  // The key that `rank` keys stand before, and how many keys are below `key`. O(log n). KeyAt requires rank < size().
+  // The key at position `rank` of the order; number of keys below `key`. O(log n). Requires rank < size().
   Key KeyAt(uint64_t rank) const;
   uint64_t RankOf(const Key& key) const { return CountBelow(root_, 0, key, false); }
   // The keys k with first <= k <= last, in order. The tree must outlive the iterator.
   Iterator Range(const Key& first, const Key& last) const;
-  // *iterator = Range(first, last), without a copy of it.
+  // *iterator = Range(first, last), without a copy.
   void Range(const Key& first, const Key& last, Iterator* iterator) const;
 
   uint64_t size() const { return size_; }
   // Memory of all nodes reachable from this tree, shared or not. O(1).
   size_t bytes() const { return bytes_; }
-  // Grows with each change by the bytes that only earlier trees still hold: the difference of two trees of one
-  // history is what keeping the earlier one costs.
+  // Grows with each change by the bytes that only earlier trees still hold: for two trees of one history the
+  // difference is the cost of keeping the earlier one.
   size_t replaced_bytes() const { return replaced_bytes_; }
-  // Aborts if a structural rule is broken (order, counts, separators, byte count). For tests; O(n).
+  // Aborts if an invariant is broken (order, counts, separators, byte count). For tests; O(n).
   void CheckInvariants() const;
 
  private:
   static constexpr int kMaxHeight = 16;
   struct Path;
 
-  // Where the last Insert or Erase was, as long as no other change may have moved it. Copies do not know it.
+  // The place of the last Insert or Erase, while no other change can have moved it. Copies do not have it.
   struct LastEdit {
     const Leaf* leaf = nullptr;
-    int position =
-        0;  // of the key that was put in, or of the one after that which was taken out; may be the leaf's count
+    // Of the inserted key, or of the key after the erased one; may be the leaf's count.
+    int position = 0;
   };
-  // What the keys there say about ContainsPrefix; nullopt: not enough.
+  // ContainsPrefix by the keys at that place; nullopt: they do not decide.
   std::optional<bool> ContainsPrefixThere(const Key& first, int words) const;
 
   Path Descend(const Key& key) const;
   void MakeWritable(Edit& edit, Path* path);
-  // Keys below `key` (or equal, if inclusive) beneath `node`, which stands at `level`.
+  // Number of keys below `key` (or equal, if inclusive) beneath `node`, which is at `level`.
   uint64_t CountBelow(const Node* node, int level, const Key& key, bool inclusive) const;
 
   Node* root_ = nullptr;  // null: empty
@@ -102,30 +102,30 @@ class QuadTree::Iterator {
  public:
   Iterator() = default;
   bool Valid() const { return position_ < limit_; }
-  // Requires Valid(), as do those up to Next.
+  // Requires Valid(), as all functions up to Next.
   Key key() const;
-  // Where key() is. For what includes quad_tree_node.h to read it in place.
+  // The leaf of key(), for files that include quad_tree_node.h to read it in place.
   const Leaf* leaf() const { return leaf_; }
   int position() const { return position_; }
   // One past the last position of leaf() that is within the range.
   int limit() const { return limit_; }
-  // Whether the next key, if there is one, is in another leaf.
+  // True if the next key, if any, is in another leaf.
   bool NextIsElsewhere() const { return position_ + 1 == limit_ && !last_leaf_; }
   void Next() {
     if (++position_ == limit_ && !last_leaf_) NextLeaf();
   }
-  // To the first key of the range beyond leaf().
+  // Moves to the first key of the range beyond leaf().
   void SkipLeaf() {
     position_ = limit_;
     if (!last_leaf_) NextLeaf();
   }
-  // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
+  // Moves forward to the first key >= target of the range; stays if the current key is. O(log distance).
   void Seek(const Key& target);
-  // As a new Range(first, last) of the tree that this iterator is of (by a Range with first <= last), which must not have
-  // changed meanwhile. Quick where `first` lies in the leaf that the iterator stands in: lookups with rising or repeating keys
-  // cost no descent.
+  // As a new Range(first, last) of this iterator's tree (made by a Range with first <= last), which must not
+  // have changed meanwhile. Fast if `first` lies in the current leaf: lookups with rising or repeating keys
+  // need no descent.
   void Restart(const Key& first, const Key& last);
-  // How many Restarts had to descend.
+  // Number of Restarts that descended.
   uint64_t descents() const { return descents_; }
 
  private:

@@ -1,4 +1,4 @@
-// Many sorted keys into a tree at once.
+// Insertion of many sorted keys into a tree at once.
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
@@ -12,10 +12,10 @@ namespace {
 constexpr size_t kLeafFill = QuadTree::Leaf::kMaxKeys * 7 / 8;
 constexpr size_t kInnerFill = QuadTree::Inner::kMaxChildren * 7 / 8;
 
-// So few keys are put into a leaf one by one: it is not packed anew.
+// Up to this many keys are put into a leaf one by one, without repacking it.
 constexpr size_t kFew = 4;
 
-// Calls `visit` for the parts that `all` is divided into, none larger than `fill`, their sizes equal or one apart.
+// Divides `all` into parts of at most `fill`, of equal size or one apart, and calls `visit` for each.
 template <typename T, typename Visit>
 void ForEachPart(std::span<const T> all, size_t fill, Visit visit) {
   const size_t parts = (all.size() + fill - 1) / fill;
@@ -25,7 +25,7 @@ void ForEachPart(std::span<const T> all, size_t fill, Visit visit) {
   }
 }
 
-// The keys of a leaf and these, without repeats.
+// The keys of a leaf and `keys`, without repeats.
 std::vector<QuadTree::Key> Merged(const QuadTree::Leaf& leaf, std::span<const QuadTree::Key> keys) {
   std::vector<QuadTree::Key> all;
   all.reserve(leaf.count + keys.size());
@@ -89,7 +89,7 @@ void QuadTree::Edit::MakeInners(std::span<const Right> children, std::vector<Rig
 
 void QuadTree::Edit::InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<const Key> keys,
                                        std::vector<Right>* out) {
-  Unlock();  // of the nodes above or the leaf before: a long run must not keep others waiting
+  Unlock();  // of the nodes above or the leaf before: a long run must not block other threads
   size_t next = 0;
   for (; keys.size() <= kFew && next < keys.size() && leaf->count < Leaf::kMaxKeys; ++next) {
     const int position = leaf->LowerBound(keys[next], 0, leaf->count);
@@ -101,7 +101,7 @@ void QuadTree::Edit::InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<c
   const Key low = std::min(first, leaf->KeyAt(0));
   std::vector<Key> all;
   if (next < keys.size()) all = Merged(*leaf, keys.subspan(next));
-  if (all.size() <= leaf->count) {  // the leaf has all of them now
+  if (all.size() <= leaf->count) {  // the leaf already has all of them
     out->push_back({leaf, low, leaf->count});
     return;
   }
@@ -137,7 +137,7 @@ void QuadTree::Edit::InsertRun(Node* node, int levels, const Key& first, std::sp
     out->push_back(Fill(inner, children));
     return;
   }
-  inner->count = 0;  // its children go elsewhere
+  inner->count = 0;  // its children were moved
   Drop(inner);
   MakeInners(children, out);
 }

@@ -17,7 +17,7 @@ struct Totals {
   size_t bytes = 0;
 };
 
-// Checks the subtree of `node`, whose keys k must satisfy low <= k < high where those are given.
+// Checks the subtree of `node`, whose keys k must satisfy low <= k < high if given.
 Totals CheckNode(const QuadTree::Node* node, int levels, const QuadTree::Key* low,
                  const QuadTree::Key* high) {
   Require(node->count > 0, "an empty node");

@@ -11,8 +11,8 @@ namespace {
 
 using Key = QuadTree::Key;
 
-// Guards the references of all nodes but those that a writer has made and not yet published. The standard one: Debian's
-// Abseil, built for debugging, takes three to nine times as long, and a version of one fact locks twelve times.
+// Guards the reference counts of all nodes except a writer's unpublished ones. A std::mutex: Debian's Abseil,
+// built for debugging, takes three to nine times as long, and a version of one fact locks twelve times.
 std::mutex references_mutex;
 
 void Free(QuadTree::Node* node) {
@@ -21,10 +21,10 @@ void Free(QuadTree::Node* node) {
   ::operator delete(node);
 }
 
-// After so many freed nodes others get the lock, so that a version that holds a whole graph alone keeps no writer waiting.
+// After this many freed nodes other threads get the lock, so that freeing a whole graph blocks no writer.
 constexpr int kFreedAtOnce = 64;
 
-// Under the lock, which it may leave and take again.
+// Called under the lock, which it may release and take again.
 void ReleaseLocked(QuadTree::Node* node, int& freed) {
   if (--node->references != 0) return;
   if (!node->is_leaf) {
@@ -54,8 +54,8 @@ struct Packing {
   uint8_t stride = 0;
 };
 
-// The narrowest columns for these keys. What a column can hold beyond them lies half below, half above, so
-// that later keys on either side often fit.
+// The narrowest columns for these keys. Spare range of a column lies half below, half above the keys, so that
+// later keys on either side often fit.
 Packing PackingFor(std::span<const Key> keys) {
   Packing packing;
   for (int c = 0; c < 4; ++c) {
@@ -67,7 +67,7 @@ Packing PackingFor(std::span<const Key> keys) {
     int width = WidthOf(high - low);
     packing.mask[c] = MaskOf(width);
     uint64_t slack = packing.mask[c] - (high - low);
-    // No word that the column holds is below its base, or beyond what 64 bits can tell.
+    // The base is at most the smallest word, and no sum of base and mask exceeds 64 bits.
     packing.base[c] = std::min(low - std::min(low, slack / 2), ~packing.mask[c]);
     packing.offset[c] = packing.stride;
     packing.stride = static_cast<uint8_t>(packing.stride + width);
@@ -75,7 +75,7 @@ Packing PackingFor(std::span<const Key> keys) {
   return packing;
 }
 
-// Room for growing by about a fifth, so that a run of inserts copies a leaf seldom and wastes little.
+// Capacity for growth by about a fifth, so that a run of inserts seldom copies a leaf and wastes little.
 int RoomFor(int keys) {
   return std::min(QuadTree::Leaf::kMaxKeys, keys + keys / 5 + 4);
 }
@@ -91,7 +91,7 @@ void QuadTree::Leaf::Write(int i, const Key& key) {
 }
 
 int QuadTree::Leaf::LowerBound(const Key& key, int from, int to) const {
-  // Columns that are the same in the whole leaf, most often the first one or two, are looked at once.
+  // Columns with one value in the whole leaf, most often the first one or two, are compared once.
   int column = 0;
   for (; mask[column] == 0; ++column) {
     if (key[column] != base[column]) return key[column] < base[column] ? from : to;
@@ -125,7 +125,7 @@ int QuadTree::Leaf::LowerBoundNear(const Key& key, int from, int to) const {
 
 int QuadTree::Leaf::UpperBoundNear(const Key& key, int from) const {
   const int few = std::min<int>(from + 3, count);
-  for (; from < few; ++from) {  // most ranges end soon
+  for (; from < few; ++from) {  // most ranges end within a few keys
     if (GreaterAt(from, key)) return from;
   }
   if (from == count || !GreaterAt(count - 1, key)) return count;
@@ -232,7 +232,7 @@ QuadTree::Leaf* QuadTree::Edit::InsertIntoLeaf(Leaf* leaf, int position, const K
   Drop(leaf);
   std::span<const Key> all(keys.data(), static_cast<size_t>(count));
   if (count <= Leaf::kMaxKeys) return NewLeaf(all, RoomFor(count) - count);
-  // Keys that come in order leave full leaves behind.
+  // Keys that come in rising order leave full leaves behind.
   size_t left = position == count - 1 ? all.size() - 1 : all.size() / 2;
   right->first = all[left];
   right->size = all.size() - left;
@@ -322,7 +322,7 @@ QuadTree::Node* QuadTree::Edit::TakeOnlyChild(Inner* inner) {
     inner->count = 0;
   } else {
     Lock();
-    ++child->references;  // an older version keeps it, too
+    ++child->references;  // an older version also keeps it
   }
   Drop(inner);
   return child;

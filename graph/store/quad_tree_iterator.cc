@@ -3,7 +3,7 @@
 namespace docent {
 namespace {
 
-// The header of a leaf that is walked next, and its first keys.
+// Prefetches the header of the next leaf, and its first keys.
 void PrefetchLeaf(const QuadTree::Node* leaf) {
   constexpr int kLine = 64, kLines = 4;
   for (int i = 0; i < kLines; ++i) __builtin_prefetch(reinterpret_cast<const char*>(leaf) + i * kLine);
@@ -34,7 +34,7 @@ QuadTree::Key QuadTree::Iterator::key() const {
   return leaf_->KeyAt(position_);
 }
 
-// Walks from `node`, which stands at `level`, to the leaf where `target` belongs.
+// Descends from `node` at `level` to the leaf where `target` belongs.
 void QuadTree::Iterator::DescendFrom(int level, const Node* node, const Key& target) {
   for (; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
@@ -45,8 +45,8 @@ void QuadTree::Iterator::DescendFrom(int level, const Node* node, const Key& tar
   EnterLeaf(static_cast<const Leaf*>(node), target);
 }
 
-// Whether `target` is known to belong beneath path_[level] by its parent's separators, of which the first and the last child
-// have one only. Requires level > 0.
+// True if `target` certainly belongs beneath path_[level], by its parent's separators; the first and the last
+// child have only one of them. Requires level > 0.
 bool QuadTree::Iterator::IsBeneath(int level, const Key& target) const {
   const auto& [parent, index] = path_[level - 1];
   return index > 0 && index + 1 < parent->count && !Inner::IsGreater(parent->keys[index], target) &&
@@ -76,7 +76,7 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
     DescendFrom(level, path_[level].node, first);
     return;
   }
-  // Lookups that rise slowly find their place beside the last one.
+  // Lookups with slowly rising keys find their place near the last one.
   constexpr int kClose = 8;
   int from = 0, to = leaf_->count;
   if (position_ < to && !leaf_->LessAt(position_, first)) {
@@ -123,10 +123,10 @@ void QuadTree::Iterator::Seek(const Key& target) {
     return;
   }
   if (last_leaf_ || !leaf_->LessAt(limit_ - 1, target)) {
-    position_ = leaf_->LowerBoundNear(target, position_ + 1, limit_);  // more often near than far
+    position_ = leaf_->LowerBoundNear(target, position_ + 1, limit_);  // near more often than far
     return;
   }
-  // Up to the lowest node beneath which the target can lie, and down again.
+  // Up to the lowest node that can contain the target, and down again.
   int level = height_ - 1;
   while (level > 0) {
     const Step& step = path_[level];

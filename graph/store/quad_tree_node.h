@@ -1,9 +1,9 @@
-// The nodes of a QuadTree. Included only by quad_tree*.cc, and by quad_cursor.h, since cursors read keys in place.
+// Nodes of a QuadTree. Included only by quad_tree*.cc, and by quad_cursor.h: cursors read keys in place.
 //
-// A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a
-// node is reachable from that writer's tree alone: its count is the writer's. All other counts are under one lock
-// (QuadTree::Edit::Lock), taken once for a whole path: whoever copies a node counts all its children, and counts that
-// are atomic each made a version of one fact 1.3 to 1.8 times dearer.
+// A node is shared by reference count. Only a writer with the node's epoch may change it; such a node is
+// reachable from that writer's tree alone, and its count is the writer's. All other counts are under one
+// lock (Edit::Lock), taken once for a whole path: a copy of a node increments the counts of all its
+// children, and atomic counts made a version of one fact 1.3 to 1.8 times slower.
 #ifndef DOCENT_GRAPH_STORE_QUAD_TREE_NODE_H_
 #define DOCENT_GRAPH_STORE_QUAD_TREE_NODE_H_
 
@@ -23,8 +23,8 @@ struct QuadTree::Node {
   uint64_t epoch = 0;
 };
 
-// Keys in order, packed: word c of key i is base[c] plus the low bytes (mask[c]) of the 8 bytes at
-// data()[i * stride + offset[c]]. Reading 8 bytes always is why kPadding bytes follow the last key.
+// Keys in order, packed: word c of key i is base[c] plus the low bytes (mask[c]) of the 8 bytes at data()[i *
+// stride + offset[c]]. A read always takes 8 bytes, so kPadding bytes follow the last key.
 struct QuadTree::Leaf : Node {
   static constexpr int kMaxKeys = 256;
   static constexpr int kMinKeys = kMaxKeys / 4;
@@ -45,8 +45,8 @@ struct QuadTree::Leaf : Node {
     return base[column] + (raw & mask[column]);
   }
   Key KeyAt(int i) const { return {Word(i, 0), Word(i, 1), Word(i, 2), Word(i, 3)}; }
-  // Whether `key` can be written in this leaf's columns. (For a word below the base the difference wraps and is larger than
-  // the mask, since base + mask is at most 2^64 - 1.)
+  // True if `key` fits into this leaf's columns. (For a word below the base the difference wraps and is
+  // larger than the mask, since base + mask is at most 2^64 - 1.)
   bool Holds(const Key& key) const {
     for (int c = 0; c < 4; ++c) {
       if (key[c] - base[c] > mask[c]) return false;
@@ -56,11 +56,11 @@ struct QuadTree::Leaf : Node {
   void Write(int i, const Key& key);
   // The first position in [from, to) whose key is >= `key`; `to` if none.
   int LowerBound(const Key& key, int from, int to) const;
-  // The same, quicker where it is near `from`.
+  // The same, faster if it is near `from`.
   int LowerBoundNear(const Key& key, int from, int to) const;
-  // The first position from `from` on whose key is > `key`; `count` if none. Quicker where it is near `from`.
+  // The first position from `from` on whose key is > `key`; `count` if none. Faster if it is near `from`.
   int UpperBoundNear(const Key& key, int from) const;
-  // From `column` on.
+  // Compares from `column` on.
   bool LessAt(int i, const Key& key, int column = 0) const {
     for (; column < 4; ++column) {
       const uint64_t word = Word(i, column);
@@ -84,9 +84,9 @@ struct QuadTree::Leaf : Node {
 };
 static_assert(std::endian::native == std::endian::little, "packed keys are read as little-endian words");
 
-// Child i holds the keys k with keys[i] <= k < keys[i + 1]; keys[0] counts as minus infinity and is not read.
-// Few children: who copies a node counts a reference to each of them, and a version copies the nodes on the way to each
-// change (16 instead of 32 made versions of one fact 1.1 to 1.25 times quicker; 128 keys a leaf made scans 1.5 times slower).
+// Child i holds the keys k with keys[i] <= k < keys[i + 1]; keys[0] counts as minus infinity, never read.
+// Few children: a copied node counts a reference to each (16 instead of 32 made versions of one fact 1.1 to
+// 1.25 times faster; 128 keys a leaf made scans 1.5 times slower).
 struct QuadTree::Inner : Node {
   static constexpr int kMaxChildren = 16;
   static constexpr int kMinChildren = kMaxChildren / 4;
@@ -105,7 +105,7 @@ struct QuadTree::Inner : Node {
     }
     return low;
   }
-  static bool IsGreater(const Key& a, const Key& b) {  // std::array compares through a loop of its own
+  static bool IsGreater(const Key& a, const Key& b) {  // std::array compares with a loop of its own
     for (int column = 0; column < 3; ++column) {
       if (a[column] != b[column]) return a[column] > b[column];
     }

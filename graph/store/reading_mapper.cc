@@ -10,13 +10,13 @@
 namespace docent {
 namespace {
 
-// Reads the mappings of one graph version.
+// The mappings of one graph version.
 class Mapper {
  public:
   Mapper(const Dictionary& dictionary, const GraphVersion& version)
       : dictionary_(dictionary), version_(version) {}
 
-  // In term order: ids are given in another order after a restart.
+  // In term order: ids are assigned in another order after a restart.
   std::vector<TermId> MappingsOf(const std::string& sensor) const {
     std::vector<TermId> mappings;
     auto predicate = dictionary_.FindIri(DocentIri("forSensor"));
@@ -48,7 +48,7 @@ class Mapper {
               [this](TermId a, TermId b) { return dictionary_.Decode(a) < dictionary_.Decode(b); });
   }
 
-  // Equal as RDF terms, or of equal text: a sensor may say "17" where the mapping has 17.
+  // Equal as RDF terms, or equal as text: a sensor may report "17" and the mapping say 17.
   bool SameValue(TermId id, const Term& value) const {
     Term term = dictionary_.Decode(id);
     return term == value || (term.IsLiteral() && value.IsLiteral() && term.lexical == value.lexical);
@@ -72,7 +72,7 @@ class Mapper {
     return part == Term::Iri(DocentIri("readingValue")) ? meaning : part;
   }
 
-  // Nothing when whenValue excludes the value.
+  // nullopt if whenValue excludes the value.
   absl::StatusOr<std::optional<QuadOperation>> Apply(TermId mapping, const SensorReading& reading) const {
     std::vector<TermId> when = Objects(mapping, "whenValue");
     if (!when.empty() && !SameValue(when.front(), reading.value)) return std::nullopt;

@@ -6,7 +6,7 @@
 namespace docent {
 namespace {
 
-// Nothing if the dictionary lacks one of the terms: then no quad has it.
+// nullopt if the dictionary lacks one of the terms: then no quad has it.
 std::optional<QuadPattern> ToIds(const ReadPattern& read, const Dictionary& dictionary) {
   QuadPattern pattern;
   for (auto [term, id] : {std::pair{&read.subject, &pattern.subject},
@@ -24,7 +24,7 @@ std::optional<QuadPattern> ToIds(const ReadPattern& read, const Dictionary& dict
 }  // namespace
 
 void RecentChanges::Add(Revision revision, const Delta& delta) {
-  if (delta.size() >= quad_limit_) return Clear();  // whoever comes from before it has to look again
+  if (delta.size() >= quad_limit_) return Clear();  // readers of older versions must read again
   quads_ += delta.size();
   changes_.push_back({revision, delta});
   // An empty change costs an entry, too.

@@ -1,5 +1,5 @@
-// The newest changes of the graph, kept for a while, so that work done beside the writer on an older version
-// can be told whether what it read has changed since. Bounded; writer thread only.
+// Record of the newest changes of the graph. It tells whether the data read by work beside the writer, on an
+// older version, has changed since. Bounded; writer thread only.
 #ifndef DOCENT_GRAPH_STORE_RECENT_CHANGES_H_
 #define DOCENT_GRAPH_STORE_RECENT_CHANGES_H_
 
@@ -15,7 +15,7 @@
 
 namespace docent {
 
-// Quads that somebody read, or looked for in vain. What has no value is any term.
+// A pattern of quads that were read, or searched without a match. nullopt stands for any term.
 struct ReadPattern {
   std::optional<Term> subject, predicate, object, graph;
   friend bool operator==(const ReadPattern&, const ReadPattern&) = default;
@@ -26,10 +26,10 @@ class RecentChanges {
   // `quad_limit`: how many changed quads are remembered.
   explicit RecentChanges(size_t quad_limit = 100000) : quad_limit_(quad_limit) {}
 
-  // What turned the version before into `revision`; revisions grow one by one.
+  // The change from the version before to `revision`; revisions grow one by one.
   void Add(Revision revision, const Delta& delta);
-  // Whether a quad that matches one of `reads` was added or removed after `since`. True where it is not
-  // remembered any more.
+  // True if a quad that matches one of `reads` was added or removed after `since`. Also true if the record
+  // does not reach back that far.
   bool Touched(Revision since, const std::vector<ReadPattern>& reads, const Dictionary& dictionary) const;
   void Clear();
 

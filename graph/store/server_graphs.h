@@ -1,4 +1,4 @@
-// The graphs that the server alone writes. Pure function.
+// The graphs that only the server writes. Pure function.
 #ifndef DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 #define DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 

@@ -1,7 +1,7 @@
-// Every input that can change server state, as one type: the one thing that passes the door and the one
-// thing that the log records as input. Terms are text here; ids exist only behind the writer thread.
+// Every input that can change server state, as one type: the element of the inbox, and the recorded input in
+// the log. Terms are text here; ids exist only behind the writer thread.
 //
-// A batch is applied whole or not at all. Value; any thread until pushed through the door.
+// A batch is applied whole or not at all. Value; any thread until it is in the inbox.
 #ifndef DOCENT_GRAPH_STORE_WRITE_BATCH_H_
 #define DOCENT_GRAPH_STORE_WRITE_BATCH_H_
 
@@ -31,12 +31,12 @@ struct QuadOperation {
 struct SensorReading {
   std::string sensor;      // IRI
   Term value;              // literal or IRI
-  TimeMicros time_us = 0;  // when it was measured; 0: the batch's time
+  TimeMicros time_us = 0;  // time of the measurement; 0: the batch's time
 
   friend bool operator==(const SensorReading&, const SensorReading&) = default;
 };
 
-// What a document's text was parsed to, by whoever brings it. Not recorded: replay parses the text.
+// The parse result of a document's text, made by the sender. Not recorded: replay parses the text.
 struct ParsedText {
   virtual ~ParsedText() = default;
 };
@@ -47,9 +47,9 @@ struct Document {
   enum class Action : uint8_t { kPut, kRemove };
   Kind kind = Kind::kOntology;
   Action action = Action::kPut;
-  std::string name;  // unique within its kind; putting it again replaces it
-  std::string
-      text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
+  std::string name;  // unique within its kind; a document of the same name replaces it
+  // The text as the user wrote it. For an ontology: its prefix declarations; its quads are in `operations`.
+  std::string text;
   std::shared_ptr<const ParsedText> parsed;  // of `text`; null: not parsed yet
 
   friend bool operator==(const Document& a, const Document& b) {
@@ -57,29 +57,29 @@ struct Document {
   }
 };
 
-// What a robot client proxy learnt of a command.
+// News of a command from a robot client proxy.
 struct CommandReport {
   enum class Outcome : uint8_t {
-    kAccepted,     // the adapter has it and works on it
-    kProgress,     // `progress` tells how far
+    kAccepted,     // the adapter has it and executes it
+    kProgress,     // `progress` gives the fraction done
     kSucceeded,    // final
-    kFailed,       // final; `message` says why
+    kFailed,       // final; `message` gives the reason
     kCancelled,    // final
-    kUnknown,      // final: the adapter restarted, nobody knows whether it was done
-    kUnreachable,  // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
+    kUnknown,      // final: the adapter restarted, and cannot tell whether it was executed
+    kUnreachable,  // not final: the adapter cannot be reached now; the proxy retries until the deadline
     kRefused       // not final: feedback of the adapter that cannot be about this command; `message` says why
   };
   CommandId command;
   Outcome outcome = Outcome::kAccepted;
   std::string message;                                // for people; empty on success
   double progress = 0;                                // 0..1
-  std::string incarnation;                            // the adapter's incarnation that reports
+  std::string incarnation;                            // incarnation of the reporting adapter
   std::vector<std::pair<std::string, Term>> results;  // named result values of a finished command
 
   friend bool operator==(const CommandReport&, const CommandReport&) = default;
 };
 
-// What an operator or client wants of workflow runs.
+// A request of an operator or client about workflow runs.
 struct RunRequest {
   enum class Kind : uint8_t { kStart, kCancel, kInvokeService };
   Kind kind = Kind::kStart;
@@ -92,15 +92,15 @@ struct RunRequest {
 };
 
 struct WriteBatch {
-  // How adds are meant. kAssert: a new value of a docent:StateProperty replaces the old one of the same
-  // source. kLoad: plain RDF set semantics.
+  // Meaning of adds. kAssert: a new value of a docent:StateProperty replaces the old one of the same source.
+  // kLoad: plain RDF set semantics.
   enum class Mode : uint8_t { kAssert, kLoad };
 
-  std::string
-      request_id;  // chosen by the client; a repeat is answered with the first answer and not applied again
-  std::string source;  // IRI of who says it: the named graph of quads that give none. Empty: docent:default
+  // Chosen by the client. A repeat gets the first answer and is not applied again.
+  std::string request_id;
+  std::string source;  // IRI of the sender: the graph of quads without a graph. Empty: docent:default
   Mode mode = Mode::kAssert;
-  TimeMicros time_us = 0;    // stamped by the door, never decreases
+  TimeMicros time_us = 0;    // set by the inbox, never decreases
   uint64_t lifetime_ms = 0;  // kAssert: the facts are withdrawn after this time unless renewed; 0: they stay
 
   std::vector<QuadOperation> operations;

@@ -1,4 +1,5 @@
-// Terms of the graph ↔ messages of proto/docent/v1, for both ends of every line. Pure functions; any thread.
+// Conversion between terms of the graph and messages of proto/docent/v1, for servers and clients. Pure; any
+// thread.
 #ifndef DOCENT_GRAPH_WIRE_TERM_PROTO_H_
 #define DOCENT_GRAPH_WIRE_TERM_PROTO_H_
 
@@ -10,10 +11,10 @@
 namespace docent {
 
 void ToProto(const Term& term, v1::Term* out);
-// An empty graph stays unset.
+// An empty graph is left unset.
 void ToProto(const TermQuad& quad, v1::Quad* out);
 
-// As it came: nothing is checked. nullopt for an unset term (an unbound value of a row).
+// Unchecked. nullopt for an unset term (an unbound value of a row).
 std::optional<Term> FromProto(const v1::Term& term);
 
 }  // namespace docent

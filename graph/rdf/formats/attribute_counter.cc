@@ -61,7 +61,7 @@ size_t AttributeCounter::Feed(std::string_view piece) {
     if (state_ != State::kTag) continue;
     if (c == '>') {
       state_ = State::kText;
-    } else if (c == '<') {  // a declaration inside of a document type definition
+    } else if (c == '<') {  // a declaration inside a document type definition
       Begin();
     } else if (c == '"' || c == '\'') {
       state_ = State::kValue;

@@ -24,13 +24,13 @@ class DeclaredPrefixes {
     entries_.push_back({std::string(prefix), std::move(iri), false});
   }
 
-  // Null: it is not declared. Good until the next Declare.
+  // Null: not declared. Valid until the next Declare.
   const std::string* Find(std::string_view prefix) const {
     const auto known = newest_.find(ToAbsl(prefix));
     return known == newest_.end() ? nullptr : &entries_[known->second].iri;
   }
 
-  // The first `most` of those declared, for hints.
+  // The first `most` declared prefixes, for hints.
   std::vector<std::string> Names(size_t most) const {
     std::vector<std::string> names;
     for (const Entry& entry : entries_) {
@@ -40,7 +40,7 @@ class DeclaredPrefixes {
     return names;
   }
 
-  // The list is empty afterwards.
+  // Moves the list out; it is empty afterwards.
   std::vector<std::pair<std::string, std::string>> Take() {
     std::vector<std::pair<std::string, std::string>> out;
     for (Entry& entry : entries_) {

@@ -1,4 +1,5 @@
-// N-Triples and N-Quads a quad at a time: for files that would be large as a list of text quads. Any thread.
+// Streaming parser of N-Triples and N-Quads, for files that would be large as a list of text quads. Any
+// thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_LINE_PARSER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_LINE_PARSER_H_
 
@@ -9,9 +10,10 @@
 
 namespace docent {
 
-// Calls `visit` for each statement of `text` as ParseRdf would give it (its graph is empty where none is named), until it
-// returns false. The quad is reused for the next statement. `format` is kNTriples or kNQuads. All mistakes are
-// reported, as by ParseRdf; statements before and between them have been visited. The result has no quads.
+// Calls `visit` for each statement of `text`, with the quad that ParseRdf would give (an empty graph if none
+// is named), until it returns false. The quad is reused for the next statement. `format` is kNTriples or
+// kNQuads. All mistakes are reported, as by ParseRdf; the correct statements around them are visited. The
+// result has no quads.
 ParsedRdf ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
                      const std::function<bool(const TermQuad& quad)>& visit);
 

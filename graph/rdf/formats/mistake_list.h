@@ -1,5 +1,5 @@
-// Mistakes that a parser finds in one document, up to Limits::document_diagnostics. Private to this
-// folder. One thread.
+// List of the mistakes that a parser finds in one document, up to Limits::document_diagnostics. Private to
+// this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
 #define DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
 
@@ -18,7 +18,7 @@ class MistakeList {
   // `text` and `options` must outlive it.
   MistakeList(std::string_view text, const ParseRdfOptions& options) : text_(text), options_(options) {}
 
-  // `offset` is the byte of the text where the mistake stands. No more than the limit are kept.
+  // Adds a mistake at byte `offset` of the text, up to the limit.
   void Error(size_t offset, std::string message, std::string hint = "") {
     Add(&errors_, Diagnostic::Severity::kError, offset, std::move(message), std::move(hint));
   }
@@ -27,10 +27,10 @@ class MistakeList {
   }
 
   bool has_errors() const { return !errors_.empty(); }
-  // Whether further errors would not be kept: parsing may end.
+  // True if the list is full: the parser may stop.
   bool full() const { return errors_.size() >= options_.limits.document_diagnostics; }
 
-  // In order of the text. Errors come before warnings where both do not fit.
+  // In text order. Errors come before warnings if both do not fit.
   Diagnostics Take() {
     const size_t room = options_.limits.document_diagnostics - errors_.size();
     if (warnings_.size() > room) warnings_.resize(room);

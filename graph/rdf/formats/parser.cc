@@ -47,7 +47,7 @@ constexpr char kEndingsRead[] =
 constexpr char kTypesRead[] =
     "text/turtle, application/trig, application/n-triples, application/n-quads and application/rdf+xml are";
 
-// Formats of RDF that are not read.
+// Formats of RDF that Docent does not read.
 struct OtherFormat {
   std::string_view ending, media_type, name;
 };
@@ -71,10 +71,10 @@ ParsedRdf Mistake(std::string_view text, const ParseRdfOptions& options, size_t 
 // The document in UTF-8.
 struct SourceText {
   std::string_view text;
-  std::string decoded;  // what `text` points into where it was in another encoding
+  std::string decoded;  // owns the text of `text` if it was in another encoding
 };
 
-// What must hold before a parser may look at the text; takes a byte order mark away, which is not part of it.
+// Checks made before a parser sees the text; removes a byte order mark, which is not part of the text.
 std::optional<ParsedRdf> Refused(SourceText* document, RdfFormat format, const ParseRdfOptions& options) {
   std::string_view& text = document->text;
   if (text.size() > options.limits.document_bytes) {

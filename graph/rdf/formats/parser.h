@@ -1,6 +1,6 @@
-// RDF text → term quads (RDF 1.1 Turtle, TriG, N-Triples, N-Quads, RDF/XML).
+// RDF parser: text → term quads (RDF 1.1 Turtle, TriG, N-Triples, N-Quads, RDF/XML).
 //
-// Both are read by parsers of our own: turtle_parser.h and rdf_xml.h say why. Any thread.
+// All parsers are our own; turtle_parser.h and rdf_xml.h give the reasons. Any thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_PARSER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_PARSER_H_
 
@@ -27,9 +27,10 @@ std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type);
 
 // "x.ttl.gz" → "x.ttl": .gz says only how it is packed.
 std::string_view NameWithoutGz(std::string_view file_name);
-// INVALID_ARGUMENT where the name says a format of RDF that is not read (.jsonld, .n3 …), with those that are.
+// INVALID_ARGUMENT if the name stands for an RDF format that is not read (.jsonld, .n3 …); lists the readable
+// ones.
 absl::Status CheckFormatOfFile(std::string_view file_name);
-// "is not known" or "is JSON-LD, which is not read", with the media types that are.
+// "is not known" or "is JSON-LD, which is not read", with the readable media types.
 std::string UnknownMediaType(std::string_view media_type);
 
 struct ParseRdfOptions {
@@ -38,25 +39,25 @@ struct ParseRdfOptions {
   std::string blank_node_scope;  // prefix for blank node labels so that two documents never share one
   Limits limits;                 // document_bytes, term_bytes, turtle_nesting, document_diagnostics
   DocumentLimits document_limits;
-  std::string charset;  // RDF/XML: the encoding where the text itself does not tell, as Content-Type gives it
-  Cancellation* cancellation = nullptr;  // is looked at every few KiB; null: nothing ends it
+  std::string charset;  // RDF/XML: the encoding of Content-Type, used if the text itself declares none
+  Cancellation* cancellation = nullptr;  // polled every few KiB; null: none
 };
 
-// All quads of `text`, at most one for each 32 bytes of document_bytes; their graph is empty where the document names
-// none. On an error: no quads, but every mistake found (line, column, message, hint). Nothing is ever fetched; invalid
-// UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle family, where RDF has it. RDF/XML may
-// be UTF-16 or in a declared encoding (xml_encoding.h); the places of mistakes are those of the text in UTF-8 then.
-// `prefixes` holds the document's prefix declarations in order.
+// All quads of `text`, at most one for each 32 bytes of document_bytes; the graph is empty if the document
+// names none. After an error: no quads, but every mistake found (line, column, message, hint). Nothing is
+// fetched. Invalid UTF-8 is an error, and so is U+0000, except in a literal of the Turtle family, where RDF
+// allows it. RDF/XML may be UTF-16 or in a declared encoding (xml_encoding.h); mistakes then have their
+// places in the UTF-8 text. `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;
   Diagnostics diagnostics;
-  absl::Status stopped;  // what options.cancellation said where it ended the parsing
+  absl::Status stopped;  // the error of options.cancellation, if it ended the parsing
   bool ok() const { return stopped.ok() && !HasErrors(diagnostics); }
 };
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});
 
-// What ended the parsing, or INVALID_ARGUMENT with the mistakes as people read them; OK where parsed.ok().
+// The error that ended the parsing, or INVALID_ARGUMENT with the rendered mistakes; OK if parsed.ok().
 absl::Status ToStatus(const ParsedRdf& parsed, std::string_view text);
 
 }  // namespace docent

@@ -1,5 +1,5 @@
-// Gathers where quads stand while a parser reads them, and finds their lines and columns in one pass at the end. Included
-// only by the parsers of this folder. One thread.
+// Recorder of quad places. It collects byte offsets during parsing and converts them to lines and columns in
+// one pass at the end. Included only by the parsers of this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_PLACE_RECORDER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_PLACE_RECORDER_H_
 
@@ -15,14 +15,14 @@ namespace docent {
 
 class PlaceRecorder {
  public:
-  // Bytes from the beginning of the text.
+  // Offsets are bytes from the beginning of the text.
   void AddQuad(size_t subject, size_t predicate, size_t object) {
     offsets_.push_back({subject, predicate, object});
   }
   void DeclarePrefix(std::string_view prefix, const std::string& iri, size_t offset);
   void UsePrefix(std::string_view prefix);
 
-  // Puts everything into `out`; no places where the document has mistakes.
+  // Writes all places into `out`; none if the document has mistakes.
   void Finish(std::string_view text, LocatedRdf* out);
 
  private:

@@ -9,7 +9,7 @@
 namespace docent {
 namespace {
 
-// A label can't begin with this, so nodes without a label never meet one that has.
+// No label in a document can begin with this character, so unlabelled nodes cannot clash with labelled ones.
 constexpr char kNewMark = '\x01';
 
 bool LooksLikeNew(std::string_view label) {

@@ -1,5 +1,5 @@
-// Output of the parsers: collects quads, names blank nodes, holds terms to their size limit.
-// Included only by the parsers of this folder. One thread.
+// Output of the parsers: collects quads, names blank nodes, enforces the size limit of terms. Included only
+// by the parsers of this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_QUAD_COLLECTOR_H_
 #define DOCENT_GRAPH_RDF_FORMATS_QUAD_COLLECTOR_H_
 
@@ -27,14 +27,14 @@ class QuadCollector {
                                             ? SIZE_MAX
                                             : limits.document_bytes * kGrowth)) {}
 
-  // The blank node that the document calls `label`.
+  // The blank node with this label in the document.
   Term NamedBlank(std::string_view label);
-  // A blank node without a label in the document; its final label ("b1", "b2" …, none that the document uses)
-  // is given by TakeQuads.
+  // A blank node without a label in the document; TakeQuads gives it its final label ("b1", "b2" …, none that
+  // the document uses).
   Term NewBlank();
 
-  // False, and it is not taken: it is one too many, or the texts of all have become too long, as those of short names
-  // under a long prefix do (see Refusal). A quad takes many times the memory of its shortest text.
+  // False if the quad exceeds the number of quads or the size of all texts (see Refusal); short names under a
+  // long prefix reach the latter. A quad takes many times the memory of its shortest text.
   bool Add(TermQuad quad) {
     if (quads_.size() == most_ || !Charge(TextBytes(quad))) return false;
     quads_.push_back(std::move(quad));
@@ -47,12 +47,12 @@ class QuadCollector {
   }
   std::string Refusal() const;
 
-  // All quads; the collector is empty afterwards.
+  // Moves all quads out; the collector is empty afterwards.
   std::vector<TermQuad> TakeQuads();
 
  private:
-  static constexpr size_t kBytesOfQuad = 32;  // of text
-  static constexpr size_t kFewQuads = 1000;   // are taken in any case
+  static constexpr size_t kBytesOfQuad = 32;  // of text for each quad
+  static constexpr size_t kFewQuads = 1000;   // allowed in any case
   static constexpr size_t kGrowth = 16;       // bytes of all terms for each byte of the limit
   static constexpr size_t kFewBytes = 1 << 20;
 

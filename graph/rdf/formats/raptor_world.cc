@@ -19,7 +19,7 @@ class WorldPool {
       return world;
     }
     raptor_world* world = raptor_new_world();
-    // libxml2's error handlers belong to the whole process: leave them alone.
+    // libxml2's error handlers belong to the whole process: Raptor must not replace them.
     raptor_world_set_flag(world, RAPTOR_WORLD_FLAG_LIBXML_GENERIC_ERROR_SAVE, 0);
     raptor_world_set_flag(world, RAPTOR_WORLD_FLAG_LIBXML_STRUCTURED_ERROR_SAVE, 0);
     raptor_world_open(world);
@@ -36,7 +36,7 @@ class WorldPool {
 };
 
 WorldPool& Pool() {
-  static WorldPool* pool = new WorldPool;  // never freed, as its worlds
+  static WorldPool* pool = new WorldPool;  // never freed, and neither are its worlds
   return *pool;
 }
 

@@ -1,4 +1,4 @@
-// A Raptor world borrowed from the pool. Included only by rdf_xml*.cc, the only files that know Raptor.
+// A Raptor world borrowed from a pool. Included only by rdf_xml*.cc, the only files that use Raptor.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_RAPTOR_WORLD_H_
 #define DOCENT_GRAPH_RDF_FORMATS_RAPTOR_WORLD_H_
 
@@ -9,7 +9,7 @@
 
 namespace docent {
 
-// One thread at a time. Every message of the world goes to `on_message`; nothing is printed.
+// One thread at a time. Every message of the world is passed to `on_message`; nothing is printed.
 class RaptorWorld {
  public:
   using OnMessage = std::function<void(const raptor_log_message&)>;

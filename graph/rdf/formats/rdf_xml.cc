@@ -23,7 +23,7 @@ size_t EndOfTag(std::string_view text, size_t at) {
   return std::string_view::npos;
 }
 
-// Where and what the text is, if it is in one of the syntaxes that are kept under the same endings (.owl, .xml).
+// Detects other syntaxes with the same file endings (.owl, .xml).
 std::optional<Diagnostic> FindOtherSyntax(std::string_view text, const std::string& file) {
   const auto found = [&](size_t at, std::string message, std::string hint) {
     return Diagnostic{file, SpanAt(text, at, 1), std::move(message), std::move(hint)};

@@ -1,9 +1,10 @@
-// RDF/XML: reading, by a reader of our own (rdf_xml_reader.h), and writing, by Raptor2 (rdf_xml_writer.cc). Nothing of
-// libxml2 or Raptor shows here. Any thread.
+// RDF/XML: our own reader (rdf_xml_reader.h), and a writer on Raptor2 (rdf_xml_writer.cc). This header
+// exposes neither libxml2 nor Raptor. Any thread.
 //
-// Why not Raptor for reading: Raptor 2.0.15 collapses white space in attributes, forgets xml:lang of property attributes,
-// resolves wrongly against bases with a query, a fragment or no path, changes XML literals, drops text that may not stand
-// where it does, and refuses entities that name entities, and documents above 10 MB. (Seen November 2026.)
+// Why Raptor is not the reader: Raptor 2.0.15 collapses white space in attributes, forgets xml:lang of
+// property attributes, resolves wrongly against bases with a query, a fragment or no path, changes XML
+// literals, silently drops misplaced text, and refuses entities that name entities, and documents above 10
+// MB. (Seen November 2026.)
 #ifndef DOCENT_GRAPH_RDF_FORMATS_RDF_XML_H_
 #define DOCENT_GRAPH_RDF_FORMATS_RDF_XML_H_
 
@@ -18,11 +19,12 @@
 
 namespace docent {
 
-// `text` must be well-formed UTF-8 without a byte order mark, whatever encoding it declares. `places`: where quads are
-// recorded, if it is not null.
+// `text` must be well-formed UTF-8 without a byte order mark, whatever encoding it declares. `places`
+// receives the places of quads; may be null.
 ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places = nullptr);
 
-// INVALID_ARGUMENT where RDF/XML cannot say it: a named graph, or a predicate whose end is not an XML name.
+// INVALID_ARGUMENT for quads that RDF/XML cannot express: a named graph, or a predicate without an XML name
+// at its end.
 absl::StatusOr<std::string> WriteRdfXml(const std::vector<TermQuad>& quads,
                                         const std::vector<std::pair<std::string, std::string>>& prefixes);
 

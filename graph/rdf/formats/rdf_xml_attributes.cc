@@ -38,7 +38,7 @@ RdfName NameOfRdf(std::string_view local) {
   return RdfName::kOther;
 }
 
-// Section 6.1.4: these may be written without their namespace, as documents of 1999 do.
+// Section 6.1.4: these may be written without their namespace, as in documents of 1999.
 bool NeedsNoNamespace(RdfName name) {
   return name == RdfName::kId || name == RdfName::kAbout || name == RdfName::kResource ||
          name == RdfName::kParseType || name == RdfName::kType;
@@ -53,7 +53,7 @@ bool IsOld(RdfName name) {
   return name == RdfName::kAboutEach || name == RdfName::kAboutEachPrefix || name == RdfName::kBagId;
 }
 
-// Where the attribute of a name goes; null: it is no word of the syntax.
+// The field of `out` for the attribute `name`; null: not an attribute of the syntax.
 const XmlAttribute** PlaceOf(RdfName name, RdfXmlAttributes* out) {
   switch (name) {
     case RdfName::kId:
@@ -115,7 +115,7 @@ bool SortAttributes(const XmlElement& element, const ReportAttribute& report, Rd
     if (IsReserved(name)) continue;
     RdfName known = RdfNameOf(name);
     if (name.iri.empty()) {
-      if (!name.prefix.empty()) {  // which is not declared: the XML reader has said so
+      if (!name.prefix.empty()) {  // it is not declared: the XML reader has reported it
         good = false;
         continue;
       }

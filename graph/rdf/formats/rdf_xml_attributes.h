@@ -1,5 +1,5 @@
-// The attributes of an RDF/XML element by what they mean (RDF/XML sections 6.1.4 and 7.2), and names that may stand where.
-// Private to this folder. One thread.
+// The attributes of an RDF/XML element, sorted by meaning (RDF/XML sections 6.1.4 and 7.2), and the rules for
+// element names. Private to this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_RDF_XML_ATTRIBUTES_H_
 #define DOCENT_GRAPH_RDF_FORMATS_RDF_XML_ATTRIBUTES_H_
 
@@ -12,8 +12,8 @@
 
 namespace docent {
 
-// Names of the RDF namespace that the grammar knows, rdf:RDF to rdf:bagID, and those that RDF 1.2 gives a meaning as
-// attributes; kOther: any other of it; kForeign: of another namespace.
+// Names of the RDF namespace: those of the grammar, rdf:RDF to rdf:bagID, and those that RDF 1.2 adds as
+// attributes. kOther: any other name of it; kForeign: a name of another namespace.
 enum class RdfName {
   kForeign,
   kOther,
@@ -35,20 +35,20 @@ enum class RdfName {
 };
 RdfName RdfNameOf(const XmlName& name);
 
-// RDF/XML section 7.2.2 and following: whether a name may be that of a node element or of a property element.
+// RDF/XML section 7.2.2 and following: whether a node element or a property element may have this name.
 bool MayBeNode(RdfName name);
 bool MayBeProperty(RdfName name);
 
-// Namespaces in XML [4] NCName: what rdf:ID and rdf:nodeID have to be.
+// True for an NCName (Namespaces in XML [4]), the form of rdf:ID and rdf:nodeID.
 bool IsNcName(std::string_view text);
 
-// One that says a triple: its name is the predicate.
+// A property attribute: it states a triple, and its name is the predicate.
 struct PropertyAttribute {
   const XmlAttribute* attribute;
   bool is_type;  // rdf:type, whose value is an IRI
 };
 
-// Null: not given. Good as long as the element.
+// Null: not given. Valid as long as the element.
 struct RdfXmlAttributes {
   const XmlAttribute* id = nullptr;
   const XmlAttribute* about = nullptr;
@@ -64,7 +64,7 @@ struct RdfXmlAttributes {
 // Reports a mistake at an attribute.
 using ReportAttribute = std::function<void(const XmlName& name, std::string message, std::string hint)>;
 
-// False: there was a mistake, which is reported. Attributes whose names begin with "xml" are left out (section 6.1.2).
+// False: a mistake, which is reported. Attributes whose names begin with "xml" are left out (section 6.1.2).
 bool SortAttributes(const XmlElement& element, const ReportAttribute& report, RdfXmlAttributes* out);
 
 // "e:p", for messages.

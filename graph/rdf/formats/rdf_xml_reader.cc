@@ -18,7 +18,7 @@ std::string RdfIri(std::string_view local) {
   return Concat(kRdfNs, local);
 }
 
-// The beginning of a text, cut before a character.
+// The beginning of a text, cut at a character boundary.
 std::string Beginning(std::string_view text) {
   size_t end = std::min(text.find_first_of("\r\n"), text.size());
   if (end <= kShown) return std::string(text.substr(0, end));
@@ -113,7 +113,7 @@ void RdfXmlReader::StartElement(const XmlElement& element, const RdfXmlAttribute
   }
 }
 
-// Section 7.2.9: rdf:RDF has no attributes, but those of xml: and what editors are told about the schema.
+// Section 7.2.9: rdf:RDF has no attributes except xml: ones and the schema hints of editors.
 void RdfXmlReader::StartRdf(const XmlElement& element) {
   for (const XmlAttribute& attribute : element.attributes) {
     const XmlName& name = attribute.name;
@@ -181,7 +181,7 @@ void RdfXmlReader::LinkNode(const Term& node) {
   }
 }
 
-// Section 7.2.14: which of the seven productions it is shows by its attributes, and for two of them by what is inside.
+// Section 7.2.14: the attributes decide among the seven productions, and for two of them the content.
 void RdfXmlReader::StartProperty(const XmlElement& element, const RdfXmlAttributes& attributes) {
   Frame& frame = frames_.back();
   if (!ReadPredicate(element, &frame.predicate)) return;
@@ -239,7 +239,7 @@ void RdfXmlReader::StartParseType(const XmlElement& element, const RdfXmlAttribu
   frames_[last].kind = Kind::kLiteral;
 }
 
-// Section 7.2.21, where there is more than rdf:ID.
+// Section 7.2.21, with attributes other than rdf:ID.
 void RdfXmlReader::StartEmpty(const RdfXmlAttributes& attributes) {
   if (attributes.datatype != nullptr) {
     return ErrorAt(attributes.datatype->name,
@@ -343,7 +343,7 @@ void RdfXmlReader::RefuseText(std::string_view text) {
   }
 }
 
-// The text of the innermost property has become longer than a term may be.
+// Reports that the text of the innermost property is longer than a term may be.
 void RdfXmlReader::RefuseLength() {
   if (frames_.back().text_refused) return;
   frames_.back().text_refused = true;

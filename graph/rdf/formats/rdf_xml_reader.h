@@ -1,4 +1,5 @@
-// A reader of RDF/XML (RDF 1.1 XML Syntax, section 7.2): events of XML → quads. Private to this folder. One thread.
+// Reader of RDF/XML (RDF 1.1 XML Syntax, section 7.2): XML events → quads. Private to this folder. One
+// thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_RDF_XML_READER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_RDF_XML_READER_H_
 
@@ -23,21 +24,21 @@ namespace docent {
 
 class RdfXmlReader : private XmlEvents {
  public:
-  // `text` is UTF-8 without a byte order mark. `places`: where quads are recorded, if it is not null.
+  // `text` is UTF-8 without a byte order mark. `places` receives the places of quads; may be null.
   RdfXmlReader(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places);
 
   ParsedRdf Run();
 
  private:
-  // What an open element is.
+  // Kind of an open element.
   enum class Kind {
     kRdf,         // rdf:RDF: nodes inside
     kNode,        // a node element, or a property with rdf:parseType="Resource": properties inside
     kProperty,    // a property element with a text or a node inside
-    kEmpty,       // a property element whose attributes say all
+    kEmpty,       // a property element with all content in attributes
     kCollection,  // rdf:parseType="Collection": nodes inside
     kLiteral,     // rdf:parseType="Literal"
-    kSkipped,     // a mistake: what is inside is not looked at
+    kSkipped,     // a mistake: its content is skipped
   };
   struct Frame {
     Kind kind = Kind::kSkipped;
@@ -48,10 +49,10 @@ class RdfXmlReader : private XmlEvents {
     std::string datatype;             // kProperty
     std::string text;                 // kProperty
     Term last;                        // kCollection: the last cell of the list; empty: none yet
-    bool has_node = false;            // kProperty: a node stood inside
-    bool text_refused = false;        // text where none may be has been reported
+    bool has_node = false;            // kProperty: a node was inside
+    bool text_refused = false;        // text in a wrong place has been reported
     uint64_t members = 0;             // rdf:li inside
-    size_t bases = 0, languages = 0;  // sizes of the stacks outside of it
+    size_t bases = 0, languages = 0;  // sizes of the stacks outside this element
   };
 
   void OnStart(const XmlElement& element) override;
@@ -60,7 +61,7 @@ class RdfXmlReader : private XmlEvents {
   void OnComment(std::string_view text) override;
   void OnInstruction(std::string_view target, std::string_view data) override;
 
-  // Each puts the kind into the frame of the element, which is the last one; kSkipped stays after a mistake.
+  // Each sets the kind of the element's frame, which is the last one; after a mistake it stays kSkipped.
   void StartElement(const XmlElement& element, const RdfXmlAttributes& attributes);
   void StartRdf(const XmlElement& element);
   void StartNode(const XmlElement& element, const RdfXmlAttributes& attributes);
@@ -72,16 +73,17 @@ class RdfXmlReader : private XmlEvents {
   bool EnterScope(const RdfXmlAttributes& attributes);
   bool ReadSubject(const RdfXmlAttributes& attributes, Term* subject);
   bool ReadPredicate(const XmlElement& element, Term* predicate);
-  // The name as an IRI.
+  // The IRI of the name.
   bool ReadName(const XmlName& name, Term* iri);
-  // An attribute's value as an IRI, against the base; as one that is named once (rdf:ID); as a blank node (rdf:nodeID).
+  // An attribute's value: as an IRI against the base; as an IRI named once (rdf:ID); as a blank node
+  // (rdf:nodeID).
   bool ReadReference(const XmlAttribute& attribute, Term* iri);
   bool ReadId(const XmlAttribute& attribute, std::string* iri);
   bool ReadNodeId(const XmlAttribute& attribute, Term* node);
   bool CheckIri(const XmlName& attribute, std::string iri, Term* to);
   void AddPropertyAttributes(const Term& subject, const RdfXmlAttributes& attributes);
 
-  // What a node inside a property or a collection means for what is around it.
+  // Connects a node inside a property or a collection with the enclosing element.
   void LinkNode(const Term& node);
   void FinishProperty();
   void FinishCollection();
@@ -89,7 +91,7 @@ class RdfXmlReader : private XmlEvents {
   // The triple of the property in frames_[property], with its reification.
   void AddTriple(size_t property, Term object);
   void Add(TermQuad quad, size_t subject_at, size_t at);
-  Term Text(std::string text) const;  // in the language of the scope
+  Term Text(std::string text) const;  // with the language in scope
 
   void Error(size_t offset, std::string message, std::string hint = "");
   void ErrorAt(const XmlName& attribute, std::string message, std::string hint = "");
@@ -108,8 +110,8 @@ class RdfXmlReader : private XmlEvents {
   std::vector<std::string> bases_, languages_;  // of xml:base and xml:lang in scope
   size_t base_bytes_ = 0;                       // of bases_
   XmlLiteral literal_;
-  absl::flat_hash_set<std::string> ids_;            // IRIs that rdf:ID has named
-  absl::flat_hash_map<std::string, Term> renamed_;  // nodes whose rdf:nodeID no other syntax can write
+  absl::flat_hash_set<std::string> ids_;            // IRIs of all rdf:ID so far
+  absl::flat_hash_map<std::string, Term> renamed_;  // nodes whose rdf:nodeID other syntaxes cannot write
   bool rdf_declared_ = false;                       // the RDF namespace has a prefix somewhere
 };
 

@@ -1,4 +1,4 @@
-// What names and attributes of RDF/XML say: terms, and the scopes of xml:base and xml:lang.
+// Names and attributes of RDF/XML as terms, and the scopes of xml:base and xml:lang.
 #include <algorithm>
 #include <utility>
 
@@ -142,10 +142,10 @@ bool RdfXmlReader::ReadNodeId(const XmlAttribute& attribute, Term* node) {
     return false;
   }
   *node = collector_.NamedBlank(attribute.value);
-  // One that is too long is refused as such.
+  // A label that is too long is reported as too long.
   if (node->lexical.size() > options_.limits.term_bytes || CheckTerm(*node, options_.limits.term_bytes).ok())
     return true;
-  // XML lets a name end with a dot; a label of RDF's other syntaxes cannot.
+  // An XML name may end with a dot; a label in RDF's other syntaxes may not.
   const auto [place, is_new] = renamed_.try_emplace(std::string(attribute.value));
   if (is_new) place->second = collector_.NewBlank();
   *node = place->second;

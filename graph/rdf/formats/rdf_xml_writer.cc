@@ -11,7 +11,7 @@
 namespace docent {
 namespace {
 
-// XML 1.0 section 2.2, Char: what a document can hold, escaped or not.
+// XML 1.0 section 2.2, Char: the characters that a document can hold, escaped or not.
 bool IsXmlChar(char32_t c) {
   return c == '\t' || c == '\n' || c == '\r' || (c >= 0x20 && c != 0xFFFE && c != 0xFFFF);
 }
@@ -82,7 +82,7 @@ class RdfXmlWriter {
     raptor_world* world = world_.get();
     if (term.IsIri()) return raptor_new_term_from_uri_string(world, Bytes(term.lexical.c_str()));
     if (term.IsBlank()) {
-      // An XML name: labels of RDF may begin with a digit.
+      // A generated XML name: labels of RDF may begin with a digit.
       std::string& name = blanks_[term.lexical];
       if (name.empty()) name = absl::StrCat("b", blanks_.size());
       return raptor_new_term_from_blank(world, Bytes(name.c_str()));

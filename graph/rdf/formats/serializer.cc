@@ -16,7 +16,7 @@ namespace {
 
 using Prefixes = std::vector<std::pair<std::string, std::string>>;
 
-// The part of Turtle's local names that needs no escape and no care about dots.
+// True for a local name that needs neither escapes nor a check of dots.
 bool IsPlainLocal(std::string_view local) {
   return std::all_of(local.begin(), local.end(),
                      [](unsigned char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; }) &&
@@ -33,7 +33,7 @@ bool IsPrefix(std::string_view name, std::string_view iri) {
          std::none_of(iri.begin(), iri.end(), [](unsigned char c) { return IsForbiddenInIri(c); });
 }
 
-// What Turtle's INTEGER and DECIMAL productions match, which is how such a literal may stand bare.
+// True if the literal matches Turtle's INTEGER or DECIMAL production and may be written without quotes.
 bool IsBareNumber(const Term& term) {
   std::string_view text = term.lexical;
   if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
@@ -60,8 +60,8 @@ bool ByText(const TermQuad& a, const TermQuad& b) {
   return less(a.object, b.object);
 }
 
-// Turtle and TriG: subjects with their predicates and objects gathered, in term order. Every blank node keeps
-// its label, so cycles of them are as good as any other.
+// Turtle and TriG writer: predicates and objects grouped by subject, in term order. Every blank node keeps
+// its label, so cycles of blank nodes are written like any other.
 class TurtleWriter {
  public:
   TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes) : quads_(std::move(quads)) {
@@ -95,7 +95,7 @@ class TurtleWriter {
     return i;
   }
 
-  // Writes all about the subject of quad i, returns the index behind it.
+  // Writes all quads about the subject of quad i; returns the index after them.
   size_t WriteSubject(size_t i, std::string_view indent) {
     const TermQuad& first = quads_[i];
     out_ += Concat(indent, Name(first.subject));

@@ -1,5 +1,5 @@
-// Term quads → RDF text: RDF/XML by Raptor2, the Turtle family by our own writer
-// (Raptor's pretty Turtle writer drops blank-node cycles silently). Any thread.
+// RDF serializer: term quads → text. RDF/XML by Raptor2, the Turtle family by our own writer (Raptor's pretty
+// Turtle writer silently drops blank-node cycles). Any thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_SERIALIZER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_SERIALIZER_H_
 
@@ -13,8 +13,8 @@
 
 namespace docent {
 
-// INVALID_ARGUMENT where the format cannot say it (a named graph in Turtle, a predicate that RDF/XML cannot
-// name).
+// INVALID_ARGUMENT for quads that the format cannot express (a named graph in Turtle, a predicate without an
+// XML name in RDF/XML).
 absl::StatusOr<std::string> SerializeRdf(
     std::vector<TermQuad> quads, RdfFormat format,
     const std::vector<std::pair<std::string, std::string>>& prefixes = {});

@@ -29,7 +29,7 @@ absl::StatusOr<std::string> ReadPacked(const std::string& path) {
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
-  // a directory can be opened, and then reads as if it were empty
+  // a directory can be opened and then reads as an empty file
   if (std::error_code error; std::filesystem::is_directory(path, error))
     return absl::InvalidArgumentError(absl::StrCat(path, " is a directory; name its files"));
   text << file.rdbuf();
@@ -83,7 +83,7 @@ absl::StatusOr<RdfText> ReadRdfToSend(const std::string& path, const std::string
   if (!rdf.ok() || rdf->is_utf8) return rdf;
   const std::string shown = ShownName(path);
   const ParsedRdf refused = ParseRdf(rdf->text, rdf->format, rdf->Options(shown));
-  const bool of_xml = rdf->format == RdfFormat::kRdfXml && !refused.ok();  // which encodings are read
+  const bool of_xml = rdf->format == RdfFormat::kRdfXml && !refused.ok();  // its other encodings are read
   return of_xml ? ToStatus(refused, rdf->text) : CheckUtf8(rdf->text, shown);
 }
 
@@ -97,7 +97,7 @@ absl::StatusOr<std::string> ReadText(const std::string& path) {
 absl::Status CheckUtf8(const std::string& text, const std::string& file) {
   const auto bad = FindInvalidUtf8(text);
   if (!bad) return absl::OkStatus();
-  // SpanAt would count code points in what is no UTF-8
+  // SpanAt counts code points, so it gets only the valid part
   const SourceSpan span = SpanAt(std::string_view(text).substr(0, *bad), *bad);
   const std::string message =
       absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*bad]));

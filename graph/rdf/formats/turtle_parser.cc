@@ -14,8 +14,8 @@
 namespace docent {
 namespace {
 
-// One document. A production stands at its first token (white space skipped) and returns false on a mistake,
-// which is in scan_.failure(); the statement loop reports it.
+// Parser of one document. A production starts at its first token (white space skipped) and returns false on a
+// mistake, which is then in scan_.failure(); the statement loop reports it.
 class TurtleParser {
  public:
   TurtleParser(std::string_view text, RdfFormat format, const ParseRdfOptions& options, PlaceRecorder* places)
@@ -56,14 +56,14 @@ class TurtleParser {
     return parsed;
   }
 
-  // The statements of a line-based format, one after the other.
+  // Parses the statements of a line-based format, one after the other.
   ParsedRdf RunLines(const std::function<bool(const TermQuad&)>& visit) {
     visit_ = &visit;
     return Run();
   }
 
  private:
-  // False: deadline or cancellation ends the document. They are looked at once in a few KiB.
+  // False: deadline or cancellation ends the document. Polled every few KiB.
   bool Alive() {
     constexpr size_t kBytesALook = 4096;
     if (options_.cancellation == nullptr || scan_.position() < next_look_) return true;
@@ -107,7 +107,7 @@ class TurtleParser {
     return true;
   }
 
-  // What RDF 1.2 adds is named for what it is, where it stands. False, as all productions that fail.
+  // Reports a construct of RDF 1.2 by its name, at its place. Returns false, as all failed productions.
   bool IsOfRdf12(std::string_view what) {
     return scan_.Fail(
         Concat(what, " of RDF 1.2, which is not read"),
@@ -144,7 +144,7 @@ class TurtleParser {
     return TriplesOrGraph();
   }
 
-  // The text begins as JSON does and neither Turtle nor TriG can: "{" and a name, or "[" and "{".
+  // True if the text begins as JSON does and Turtle and TriG cannot: "{" and a name, or "[" and "{".
   bool LooksLikeJson() const {
     const size_t open = text_.find_first_not_of(" \t\r\n");
     if (open == std::string_view::npos || (text_[open] != '{' && text_[open] != '[')) return false;
@@ -428,7 +428,7 @@ class TurtleParser {
     return true;
   }
 
-  // An IRI in <> or, but for lines, a prefixed name.
+  // An IRI in <>, or a prefixed name (not in line-based formats).
   bool ReadIriTerm(Term* term) {
     term->kind = TermKind::kIri;
     term->datatype.clear();
@@ -447,7 +447,7 @@ class TurtleParser {
     return CheckLength(at, term->lexical);
   }
 
-  // An IRI that is longer than it is written.
+  // Checks the length of an IRI that is longer than its written form.
   bool CheckLength(size_t at, const std::string& iri) {
     const size_t limit = options_.limits.term_bytes;
     return iri.size() <= limit ||
@@ -497,11 +497,11 @@ class TurtleParser {
   PlaceRecorder* places_;                                        // may be null
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
-  Term graph_;  // of the block that we are in; empty outside
+  Term graph_;  // of the current block; empty outside
   DeclaredPrefixes prefixes_;
   int depth_ = 0;
-  size_t next_look_ = 0;  // the place at which cancellation is looked at again
-  absl::Status stopped_;  // by it
+  size_t next_look_ = 0;  // offset at which cancellation is polled next
+  absl::Status stopped_;  // error of the cancellation
 };
 
 }  // namespace

@@ -21,7 +21,8 @@ Diagnostic Mistake(std::string_view text, size_t offset, std::string message) {
   return {"", SpanAt(text, offset, offset < text.size() ? 1 : 0), std::move(message), kRead};
 }
 
-// <?xml version="1.0" encoding="…"?> as far as ASCII tells it: the name and its place; empty: there is none.
+// The encoding name in <?xml version="1.0" encoding="…"?>, as a view into the text; empty: none. ASCII-based
+// texts only.
 std::string_view DeclaredEncoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const std::string_view declaration = text.substr(0, text.find("?>"));
@@ -62,7 +63,7 @@ std::optional<Diagnostic> DecodeUtf16(std::string_view bytes, Order order, std::
   return std::nullopt;
 }
 
-// The characters of the 256 bytes of an encoding with one byte a character; 0: none. Nullopt: iconv does not know it.
+// The characters of the 256 bytes of a single-byte encoding; 0: none. nullopt: iconv does not know it.
 using CodePage = std::array<char32_t, 256>;
 std::optional<CodePage> CodePageOf(const std::string& name) {
   const iconv_t converter = iconv_open("UTF-32LE", name.c_str());

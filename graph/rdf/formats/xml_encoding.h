@@ -1,5 +1,5 @@
-// The encoding of an XML document (XML 1.0 section 4.3.3 and appendix F): its bytes as UTF-8. Private to this folder. Any
-// thread.
+// Decoder of XML documents: detects the encoding (XML 1.0 section 4.3.3 and appendix F) and converts to
+// UTF-8. Private to this folder. Any thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_XML_ENCODING_H_
 #define DOCENT_GRAPH_RDF_FORMATS_XML_ENCODING_H_
 
@@ -11,10 +11,10 @@
 
 namespace docent {
 
-// Makes *text UTF-8 without a byte order mark: a part of what it was, or in `owned`. UTF-8, UTF-16, US-ASCII, ISO-8859-x,
-// Windows-125x and KOI8 are read. A byte order mark tells first, then `charset` (of the transport; may be empty), then the
-// XML declaration. A mistake, with its place in the text as far as it was read: another encoding, or bytes that are none
-// of its characters (of UTF-8 that is left to others).
+// Makes *text UTF-8 without a byte order mark: a part of the old text, or in `owned`. Reads UTF-8, UTF-16,
+// US-ASCII, ISO-8859-x, Windows-125x and KOI8. The encoding is given by a byte order mark, else by `charset`
+// (of the transport; may be empty), else by the XML declaration. Returns a mistake, with its place, for
+// another encoding, or for bytes that are invalid in it (invalid UTF-8 is checked elsewhere).
 std::optional<Diagnostic> DecodeXml(const std::string& charset, std::string_view* text, std::string* owned);
 
 }  // namespace docent

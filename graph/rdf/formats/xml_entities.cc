@@ -47,7 +47,7 @@ int XmlEntities::NestingOf(std::string_view name, int allowed, bool* known) {
     inside = std::max(inside, NestingOf(text.substr(at + 1, end - at - 1), allowed - 1, &all_known));
     if (inside > most_nested_) return inside;
   }
-  if (all_known) entity.nesting = inside + 1;  // else it may yet be declared
+  if (all_known) entity.nesting = inside + 1;  // else it may be declared later
   *known = *known && all_known;
   return inside + 1;
 }

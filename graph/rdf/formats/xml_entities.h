@@ -1,9 +1,9 @@
-// Entities that a document type definition declares by their text, as OWL editors do for namespaces:
+// Limits of internal entities, which a document type definition declares, as OWL editors do for namespaces:
 //
 //   <!DOCTYPE rdf:RDF [ <!ENTITY owl "http://www.w3.org/2002/07/owl#" > ]>   … rdf:resource="&owl;Class"
 //
-// libxml2 puts them in their places; this holds them to their limits, since one that names others twice, which name
-// others twice, grows without end. Private to this folder. One thread.
+// libxml2 expands them. This class bounds the expansion, because an entity that names two others, which again
+// name two others, grows exponentially. Private to this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_XML_ENTITIES_H_
 #define DOCENT_GRAPH_RDF_FORMATS_XML_ENTITIES_H_
 
@@ -18,22 +18,22 @@ namespace docent {
 
 class XmlEntities {
  public:
-  // The document has `bytes`, and may have `document_bytes`.
+  // The document has `bytes` bytes; the limit is `document_bytes`.
   XmlEntities(const DocumentLimits& limits, size_t document_bytes, size_t bytes);
 
   // XML 1.0 section 4.2: the first declaration of a name counts.
   void Declare(std::string_view name, std::string_view text);
-  // One whose text lies elsewhere: it is never fetched.
+  // An external entity: it is never fetched.
   void DeclareExternal(std::string_view name);
   bool IsExternal(std::string_view name) const;
 
-  // A use of `name`, inside another entity's text or not. False: that is too much, and why() says what.
+  // Counts a use of `name`, also one inside another entity. False: beyond a limit, which why() names.
   bool Use(std::string_view name, size_t bytes);
   const std::string& why() const { return why_; }
 
  private:
-  // How deep entities stand inside `name`, 1 for one that names none; more than most_nested_ where `allowed` does not
-  // suffice. `known` becomes false where one of them is not declared.
+  // Depth of the entities inside `name`, 1 for an entity that names none; more than most_nested_ if `allowed`
+  // is not enough. Sets `known` to false if one of them is not declared.
   int NestingOf(std::string_view name, int allowed, bool* known);
 
   const int most_nested_;

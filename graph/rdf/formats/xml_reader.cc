@@ -18,7 +18,7 @@
 namespace docent {
 namespace {
 
-constexpr int kPiece = 4096;  // bytes handed to libxml2 at a time
+constexpr int kPiece = 4096;  // bytes passed to libxml2 at a time
 
 struct ContextDeleter {
   void operator()(xmlParserCtxtPtr context) const { xmlFreeParserCtxt(context); }
@@ -34,7 +34,7 @@ std::string_view View(const xmlChar* text, size_t length) {
   return {reinterpret_cast<const char*>(text), length};
 }
 
-// libxml2 makes its global tables at its first use, which only one thread may do.
+// libxml2 creates its global tables at its first use, which must happen in one thread.
 void InitialiseLibrary() {
   static const bool done = (xmlInitParser(), true);
   (void)done;
@@ -42,8 +42,8 @@ void InitialiseLibrary() {
 
 }  // namespace
 
-// One run of libxml2. It keeps a pointer to this in the context's `_private`, which the contexts that libxml2 makes for
-// the texts of entities take over; each callback is given the context that it comes from.
+// One run of libxml2. The context's `_private` points to this object; contexts that libxml2 makes for the
+// texts of entities inherit the pointer. Each callback gets the context that it comes from.
 class XmlReader::Parser {
  public:
   explicit Parser(XmlReader* reader)
@@ -82,7 +82,8 @@ class XmlReader::Parser {
     if (piece_.size() <= cursor && r_.text_.substr(cursor - piece_.size(), piece_.size()) == piece_) {
       return cursor - piece_.size();
     }
-    // Written in another way: as a reference, in a CDATA section, or with ends of lines that count as one character.
+    // The text is written in another form: as a reference, in a CDATA section, or with line ends that count
+    // as one character.
     const std::string_view before = r_.text_.substr(0, cursor);
     const size_t reference = before.rfind('&'), tag = before.rfind('>');
     if (before.ends_with(';') && reference != std::string_view::npos) return reference;
@@ -105,7 +106,7 @@ class XmlReader::Parser {
     return at == std::string_view::npos ? cursor : at;
   }
 
-  // How much of the text libxml2 has taken.
+  // Bytes of the text that libxml2 has consumed.
   size_t Cursor() const {
     if (document_->inputNr <= 0) return handed_;
     const xmlParserInput& input = *document_->inputTab[0];
@@ -123,7 +124,7 @@ class XmlReader::Parser {
     stopped_ = true;
     return false;
   }
-  // As Alive, from a callback that may stop libxml2.
+  // As Alive, for a callback that may stop libxml2.
   bool Goes() {
     if (Alive()) return true;
     Stop();
@@ -172,7 +173,7 @@ class XmlReader::Parser {
   static xmlEntityPtr FindEntity(void* context, const xmlChar* name);
   static xmlEntityPtr FindParameterEntity(void* context, const xmlChar* name);
 
-  // One of an entity or of an attribute. False: it is one too many.
+  // Counts a declaration of an entity or an attribute. False: beyond the limit.
   bool CountDeclaration() {
     const size_t most = r_.options_.document_limits.xml_declarations;
     if (++declared_ <= most) return true;
@@ -182,24 +183,24 @@ class XmlReader::Parser {
         "");
     return false;
   }
-  // An entity that is used, or null.
+  // Counts the use of an entity; null if it is refused.
   xmlEntityPtr Use(xmlEntityPtr entity);
   void CheckScope(const XmlElement& element);
   void ReportUndeclared(std::string_view name);
 
   XmlReader& r_;
   std::unique_ptr<xmlParserCtxt, ContextDeleter> document_;
-  xmlParserCtxtPtr context_ = nullptr;  // of the callback under way: the document's, or one of an entity
+  xmlParserCtxtPtr context_ = nullptr;  // of the current callback: the document's, or one of an entity
   std::string_view piece_;              // OnText: the text
-  size_t handed_ = 0;                   // bytes
+  size_t handed_ = 0;                   // bytes passed to libxml2
   bool stopped_ = false;
   absl::Status status_;
   AttributeCounter counter_;
   XmlEntities entities_;
-  size_t declared_ = 0;  // by the document type definition
+  size_t declared_ = 0;  // in the document type definition
   std::string external_subset_;
   absl::flat_hash_map<std::string, size_t> defaults_;  // attributes of an element that ATTLIST gives a value
-  XmlElement element_;                                 // of OnStart
+  XmlElement element_;                                 // for OnStart
   std::vector<size_t> declarations_;                   // of prefixes in scope, up to each open element
 };
 
@@ -222,7 +223,7 @@ void XmlReader::Parser::SetHandlers(Handler* sax) {
   sax->serror = OnError;
 }
 
-// Depth of elements and number of prefixes in scope.
+// Checks the depth of elements and the number of prefixes in scope.
 void XmlReader::Parser::CheckScope(const XmlElement& element) {
   const DocumentLimits& limits = r_.options_.document_limits;
   const size_t above = declarations_.empty() ? 0 : declarations_.back();
@@ -335,7 +336,7 @@ void XmlReader::Parser::OnEntityDeclaration(void* context, const xmlChar* name, 
       return parser.Refuse(parser.Cursor(), parser.TooManyAttributes(), "");
     }
     parser.entities_.Declare(View(name), View(text));
-  } else if (type == XML_EXTERNAL_PARAMETER_ENTITY) {  // is skipped where it is used: it has no text
+  } else if (type == XML_EXTERNAL_PARAMETER_ENTITY) {  // its uses are skipped: it has no text
     static xmlChar no_text[1] = {0};
     return xmlSAX2EntityDecl(context, name, XML_INTERNAL_PARAMETER_ENTITY, nullptr, nullptr, no_text);
   } else if (type != XML_INTERNAL_PARAMETER_ENTITY) {
@@ -365,7 +366,7 @@ xmlEntityPtr XmlReader::Parser::Use(xmlEntityPtr entity) {
 xmlEntityPtr XmlReader::Parser::FindEntity(void* context, const xmlChar* name) {
   Parser& parser = Of(context);
   const xmlEntityPtr entity = xmlSAX2GetEntity(parser.document_.get(), name);
-  // libxml2 also looks each up when it has declared it.
+  // libxml2 also looks up each entity right after its declaration.
   const bool declares =
       parser.context_->inSubset != 0 && parser.context_->instate != XML_PARSER_ATTRIBUTE_VALUE;
   return declares ? entity : parser.Use(entity);

@@ -1,10 +1,11 @@
-// A reader of XML 1.0 with namespaces: libxml2's SAX2 events as our own types, with places and limits.
+// Reader of XML 1.0 with namespaces: libxml2's SAX2 events as our own types, with places and limits.
 //
-// The text is handed to libxml2 in pieces of a few KiB, and between two of them deadline and cancellation are looked at.
-// Nothing is fetched: the external subset and external parameter entities are skipped, an external entity that is used
-// is an error. Internal entities are written out within limits, defaults of ATTLIST declarations are attributes, other
-// declarations are read and have no effect. libxml2 2.9 compares each attribute of an element with all others and looks
-// prefixes up one by one, which is why both are limited. Private to this folder. One thread.
+// The text is passed to libxml2 in pieces of a few KiB, and deadline and cancellation are polled between two
+// of them. Nothing is fetched: the external subset and external parameter entities are skipped; the use of an
+// external entity is an error. Internal entities are expanded within limits, defaults of ATTLIST declarations
+// become attributes, other declarations are read and have no effect. libxml2 2.9 compares each attribute of
+// an element with all others and searches prefixes linearly, so both are limited. Private to this folder. One
+// thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_XML_READER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_XML_READER_H_
 
@@ -21,7 +22,7 @@ namespace docent {
 
 inline constexpr std::string_view kXmlNs = "http://www.w3.org/XML/1998/namespace";
 
-// prefix:local, or local without a prefix. Good during the event that brings it, as are all views below.
+// prefix:local, or local without a prefix. Valid during the current event, as all views below.
 struct XmlName {
   std::string_view iri;  // of the namespace; empty: none
   std::string_view prefix, local;
@@ -34,7 +35,7 @@ struct XmlAttribute {
 
 struct XmlNamespace {
   std::string_view prefix;  // empty: the default namespace
-  std::string_view iri;     // empty: the default namespace is taken back
+  std::string_view iri;     // empty: the default namespace is removed
 };
 
 // <name attributes… declarations…>
@@ -59,20 +60,20 @@ class XmlEvents {
 
 class XmlReader {
  public:
-  // `text` is UTF-8 without a byte order mark; what its XML declaration says of an encoding does not count. What is not
-  // well-formed goes to `mistakes`. All must outlive the reader.
+  // `text` is UTF-8 without a byte order mark; an encoding in its XML declaration is ignored. Errors of
+  // well-formedness go to `mistakes`. All arguments must outlive the reader.
   XmlReader(std::string_view text, const ParseRdfOptions& options, XmlEvents* events, MistakeList* mistakes);
 
-  // Reads the document. CANCELLED or DEADLINE_EXCEEDED where options.cancellation ended it.
+  // Reads the document. CANCELLED or DEADLINE_EXCEEDED if options.cancellation ended it.
   absl::Status Run();
 
-  // No further events come. During an event.
+  // Ends the events. Called during an event.
   void Stop();
 
-  // The byte of the text where the event under way begins: '<' of a tag, the first character of a text. Of what an
-  // entity's text says: where the entity is used.
+  // The byte offset of the current event in the text: '<' of a tag, the first character of a text. For an
+  // event from an entity's text: the place where the entity is used.
   size_t EventOffset() const;
-  // Of an attribute of the element that begins: the first character of its name; else the element's.
+  // For an attribute of the current element: the first character of its name; else the element's offset.
   size_t AttributeOffset(const XmlName& name);
 
  private:
@@ -84,7 +85,7 @@ class XmlReader {
   const ParseRdfOptions& options_;
   XmlEvents* events_;
   MistakeList* mistakes_;
-  size_t indexed_tag_ = std::string_view::npos;                     // where it begins
+  size_t indexed_tag_ = std::string_view::npos;                     // offset of the indexed tag
   std::unordered_map<std::string_view, size_t> attribute_offsets_;  // of the names of its attributes
 };
 

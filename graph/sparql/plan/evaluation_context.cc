@@ -16,12 +16,12 @@ bool EvaluationContext::PollNow() {
 }
 
 bool EvaluationContext::WorkedNow() {
-  work_bytes_ = PollNow() ? 0 : kBytesAPoll;  // where it has ended, each call says so
+  work_bytes_ = PollNow() ? 0 : kBytesAPoll;  // after the end, every call returns false
   return status.ok();
 }
 
 bool EvaluationContext::Refuse(size_t more) {
-  polls_left_ = 1;  // the next one tells
+  polls_left_ = 1;  // so the next Poll reports it
   if (status.ok()) {
     status =
         memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
@@ -56,8 +56,8 @@ TermId EvaluationContext::EncodeComputed(const Value& value) {
 
 std::optional<TermId> EvaluationContext::FindTerm(const Term& term) {
   Worked(term.lexical.size());
-  // The own table first: a term that the dictionary learns while this run goes on stands in no version that
-  // it sees, and must keep the id that it has got.
+  // The local table comes first: a term that the dictionary learns during this run is in no version that the
+  // run sees, and must keep its local id.
   if (!local_terms_.empty()) {
     const auto it = local_ids_.find(term);
     if (it != local_ids_.end()) return it->second;

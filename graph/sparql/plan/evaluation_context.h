@@ -1,5 +1,5 @@
-// State shared by the operators of one evaluation: the version, the computed terms, the limits, the first error.
-// One thread.
+// Shared state of the operators of one evaluation: the version, the computed terms, the limits, the first
+// error. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_EVALUATION_CONTEXT_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_EVALUATION_CONTEXT_H_
 
@@ -20,17 +20,17 @@
 
 namespace docent::sparql {
 
-// Stands for a constant that the dictionary does not have: it matches nothing, and is not a wildcard.
+// Placeholder for a constant that is not in the dictionary: it matches nothing, and is not a wildcard.
 inline constexpr TermId kUnknownTerm = TermId::Make(TermId::Tag::kLocal, (uint64_t{1} << 60) - 1);
 
-// The graphs that patterns see, as ids (section 13).
+// The dataset of a query, as graph ids (section 13).
 struct DatasetIds {
-  bool is_explicit = false;            // FROM or FROM NAMED stand in the query
+  bool is_explicit = false;            // the query has FROM or FROM NAMED
   std::vector<TermId> default_graphs;  // explicit: the merged graphs
-  std::vector<TermId> named_graphs;    // explicit: what GRAPH ranges over
+  std::vector<TermId> named_graphs;    // explicit: the graphs of GRAPH ?g
   bool strict = false;                 // not explicit: the default graph is `default_graph` alone
   TermId default_graph;                // docent:default or that of WITH; kUnknownTerm: there is no such graph
-  TermId unnamed_graph;                // what GRAPH does not range over where `strict` and not explicit
+  TermId unnamed_graph;                // `strict` and not explicit: the graph that GRAPH ?g leaves out
 };
 
 class EvaluationContext {
@@ -42,7 +42,7 @@ class EvaluationContext {
         memory_limit_(memory_limit),
         memory_(memory_limit, all_memory) {}
 
-  // Begins a run: forgets what the one before computed, and its error.
+  // Begins a run: clears the computed terms and the error of the run before.
   void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us,
              uint64_t new_seed) {
     version = new_version;
@@ -56,7 +56,7 @@ class EvaluationContext {
     if (!status.ok()) status = absl::OkStatus();
     Forget();
   }
-  // Lets go of computed terms and of what was charged: what the operators hold has to go with it.
+  // Drops computed terms and charged memory. The operators must drop their memory at the same time.
   void Forget() {
     memory_.Reset();
     ++run_;
@@ -66,13 +66,13 @@ class EvaluationContext {
     std::vector<Term>().swap(local_terms_);
   }
 
-  // False soon after the evaluation must end; `status` says why. For inner loops.
+  // False soon after the evaluation has to end; `status` gives the reason. For inner loops.
   bool Poll() { return --polls_left_ > 0 || PollNow(); }
   bool PollNow();
-  // So many bytes of text are read, copied or compared. False as Poll, which counts rows and not what a row costs: a
-  // function on long texts asks before it begins.
+  // Counts bytes of text that are read, copied or compared. False as Poll, which counts rows and not their
+  // cost; a function on long texts calls this before it begins.
   bool Worked(size_t bytes) { return (work_bytes_ += bytes) < kBytesAPoll || WorkedNow(); }
-  // So many matches were counted without a Poll: the next ones come the sooner.
+  // Counts matches that were counted without a Poll: the next check comes sooner.
   void Counted(uint64_t matches) {
     const uint64_t polls = matches / kMatchesAPoll;
     polls_left_ = polls < static_cast<uint64_t>(polls_left_) ? polls_left_ - static_cast<int>(polls) : 1;
@@ -81,11 +81,11 @@ class EvaluationContext {
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
   bool Charge(size_t bytes) { return memory_.Add(bytes) || Refuse(0); }
 
-  // Whether so much more could be charged; if not, `status` is set as by Charge.
+  // True if `bytes` more could be charged; if not, sets `status` as Charge does.
   bool HasRoom(size_t bytes) { return memory_.HasRoom(bytes) || Refuse(bytes); }
-  // Memory that was charged and is free again.
+  // Gives back memory that was charged.
   void Release(size_t bytes) { memory_.Release(bytes); }
-  // For what is kept only to be quicker.
+  // For caches: true if `bytes` more leave enough memory free.
   bool MayKeep(size_t bytes) const { return memory_.MayKeep(bytes); }
 
   // The id of a term: the dictionary's, inline, or a local one of this run.
@@ -100,9 +100,9 @@ class EvaluationContext {
     return term;
   }
   Value ValueOf(TermId id) const;
-  // The lexical form, IRI or label of a value, as written where it comes from data.
+  // The lexical form, IRI or label of a value; for a value from data, its original text.
   std::string LexicalOf(const Value& value) const;
-  // A number that follows from the seed (splitmix64, Steele et al. 2014).
+  // The next pseudo-random number from the seed (splitmix64, Steele et al. 2014).
   uint64_t Random();
 
   const Dictionary& dictionary;
@@ -115,26 +115,26 @@ class EvaluationContext {
   DatasetIds dataset;
   std::string base_iri;
   std::vector<TermId> constants;  // by number; kUnknownTerm where the dictionary has none
-  uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
+  uint64_t row_number = 0;        // number of the current solution; BNODE("x") is one node within a solution
 
  private:
   friend class KeptMemory;
-  static constexpr int kPolls = 64;  // all but the last of so many cost nothing
+  static constexpr int kPolls = 64;  // only the last of this many polls does the check
   static constexpr uint64_t kMatchesAPoll = 64;
   static constexpr size_t kBytesAPoll = 1 << 20;
-  static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
+  static constexpr size_t kFewTerms = 64;  // capacity kept for the next run
 
   TermId EncodeComputed(const Value& value);
-  // Of terms that do not fit into an id: one that is known, and one that is not.
+  // For terms that do not fit into an id: a known one, and a new one.
   std::optional<TermId> FindTerm(const Term& term);
   TermId AddLocal(Term term);
   void DecodeLocalTo(TermId id, Term* out) const;
   bool WorkedNow();
   bool Refuse(size_t more);
 
-  int polls_left_ = 1;     // until the status, the caller and the clock are looked at
-  int polls_given_ = 1;    // the last time
-  size_t work_bytes_ = 0;  // since then, too
+  int polls_left_ = 1;     // until status, caller and clock are checked
+  int polls_given_ = 1;    // value at the last check
+  size_t work_bytes_ = 0;  // since the last check
   const size_t memory_limit_;
   MemoryUse memory_;
   uint64_t run_ = 0;
@@ -143,12 +143,12 @@ class EvaluationContext {
   absl::flat_hash_map<Term, TermId> local_ids_;
 };
 
-// What one operator keeps, as counted by the context: an operator that begins anew within a run lets it go first.
+// Memory of one operator, charged to the context. An operator that restarts within a run releases it first.
 class KeptMemory {
  public:
   // As EvaluationContext::Charge.
   bool Add(size_t bytes, EvaluationContext& context) {
-    if (run_ != context.run_) bytes_ = 0;  // a new run counts from nothing
+    if (run_ != context.run_) bytes_ = 0;  // a new run starts at zero
     run_ = context.run_;
     bytes_ += bytes;
     return context.Charge(bytes);
@@ -157,7 +157,7 @@ class KeptMemory {
     if (run_ == context.run_) context.Release(bytes_);
     bytes_ = 0;
   }
-  // A part of it.
+  // Releases a part of it.
   void LetGo(size_t bytes, EvaluationContext& context) {
     bytes_ -= bytes;
     context.Release(bytes);

@@ -1,4 +1,4 @@
-// A plan as text for people: `docent query --explain`.
+// Query plan as text for people: `docent query --explain`.
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -10,9 +10,9 @@
 namespace docent::sparql {
 namespace {
 
-constexpr size_t kShown = 160;  // bytes of an expression
+constexpr size_t kShown = 160;  // bytes of an expression that are shown
 
-// On one line, cut where it is long.
+// The text on one line, truncated if it is long.
 std::string Short(std::string_view text) {
   std::string out = OnOneLine(text);
   if (out.size() <= kShown) return out;

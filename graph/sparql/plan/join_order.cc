@@ -8,22 +8,22 @@
 namespace docent::sparql {
 namespace {
 
-// Microseconds, measured on 2026-11-21: one index lookup, one triple put into a hash table, one
-// lookup in that, one row handed on; a filter that compares, a filter that calls a function; one step of the
-// dynamic programme (by its instructions), and one pattern's sample.
+// Costs in microseconds, measured on 2026-11-21: one index lookup, one triple put into a hash table, one
+// lookup in that table, one row passed on; a filter that compares, a filter that calls a function; one step
+// of the dynamic programme (by its instructions), and one pattern's sample.
 constexpr double kLookup = 0.15, kHashed = 0.08, kHashLookup = 0.03, kRow = 0.015;
 constexpr double kComparison = 0.05, kCall = 0.25;
 constexpr double kStep = 0.01, kSample = 3;
-// How many times what samples and search cost the first guess has to, before they are worth it: of patterns that begin with
-// bound variables, which are matched many times, the cost counts for less.
+// Samples and search pay if the first guess costs this many times as much as they do. Patterns that begin
+// with bound variables are matched many times, so a smaller factor holds for them.
 constexpr double kSearchWorth = 10, kSearchWorthBound = 4;
 
-// The number of values of a variable among n matches, as a power of n: a subject has few values of one
+// Estimated number of values of a variable among n matches, as a power of n: a subject has few values of one
 // property, an object is shared by more subjects, predicates and graphs are few.
 constexpr double kValuePowers[] = {0.85, 0.4, 0.6, 0.3};
 constexpr size_t kSampled = 6;
 
-// How many of the rows a filter lets through (System R's figures).
+// Estimated share of rows that pass a filter (System R's figures).
 double Selectivity(const PlanExpression& e) {
   switch (e.kind) {
     case Expression::Kind::kEqual:
@@ -114,8 +114,8 @@ void JoinOrder::Count(PlanPattern& pattern, Pattern* out) {
   }
 }
 
-// The number of values of subject and object from a few matches: those of which a value has c are 1/c of a
-// value each.
+// Estimates the number of subject and object values from a few sampled matches: a match whose value has c
+// matches counts as 1/c of a value.
 void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
   if (out->matches < 8 || out->one_open || pattern.terms[1].constant < 0) return;
   const QuadPattern quad = Constants(pattern);
@@ -137,8 +137,8 @@ void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
       sum += count;
     }
     const double n = static_cast<double>(sample.size());
-    // Between the mean over values and the mean over matches: what comes from elsewhere meets popular values
-    // more often.
+    // The geometric mean of the mean over values and the mean over matches: rows from other patterns meet
+    // popular values more often.
     use.values = std::max(1.0, out->matches / std::sqrt(n / inverse * (sum / n)));
   }
 }
@@ -192,7 +192,7 @@ void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) c
 JoinOrder::Order JoinOrder::Greedy(State* end) const {
   Order order = AsWritten();
   Begin(end);
-  for (auto next = order.begin(); next != order.end(); ++next) {  // the rest stands in the order as written
+  for (auto next = order.begin(); next != order.end(); ++next) {  // the rest keeps its order
     auto best = next;
     Step best_step = Estimate(*end, patterns_[best->pattern]);
     for (auto i = next + 1; i != order.end(); ++i) {
@@ -216,9 +216,9 @@ JoinOrder::Order JoinOrder::AsWritten() const {
   return order;
 }
 
-// The cheapest way to each set of patterns, from the cheapest ways to its subsets.
+// Dynamic programming: the cheapest order of each set of patterns, from the cheapest orders of its subsets.
 JoinOrder::Order JoinOrder::Programmed() const {
-  constexpr uint8_t kNone = 0xFF;  // no way is known
+  constexpr uint8_t kNone = 0xFF;  // no order known
   const size_t n = patterns_.size(), all = (size_t{1} << n) - 1;
   const std::unique_ptr<State[]> states(new State[all + 1]);
   std::vector<uint8_t> last(all + 1, kNone);
@@ -226,7 +226,7 @@ JoinOrder::Order JoinOrder::Programmed() const {
   for (size_t set = 0; set < all; ++set) {
     if (set != 0 && last[set] == kNone) continue;
     const State& state = states[set];
-    // A pattern that shares no variable comes only where none does: cartesian products last.
+    // A pattern without shared variables is taken only if there is no other: cartesian products come last.
     bool connected = false;
     for (size_t rest = set != 0 ? all & ~set : 0; rest != 0 && !connected; rest &= rest - 1) {
       connected = (patterns_[static_cast<size_t>(std::countr_zero(rest))].variables & state.bound) != 0;
@@ -237,7 +237,7 @@ JoinOrder::Order JoinOrder::Programmed() const {
       if (connected && (pattern.variables & state.bound) == 0 && pattern.matches > 1) continue;
       const size_t with = set | size_t{1} << i;
       const bool known = last[with] != kNone;
-      if (known && states[with].cost <= state.cost) continue;  // it only grows
+      if (known && states[with].cost <= state.cost) continue;  // the cost only grows
       const Step step = Estimate(state, pattern);
       if (known && states[with].cost <= step.cost) continue;
       states[with].bound = state.bound;
@@ -277,7 +277,7 @@ double JoinOrder::Arrange(bool reorder) {
     State end;
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
-    // Those of which samples tell more.
+    // Patterns for which samples improve the estimate.
     const auto unsure =
         std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
     const double worth = initial_ == 0 ? kSearchWorth : kSearchWorthBound;

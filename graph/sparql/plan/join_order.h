@@ -1,11 +1,11 @@
-// The order of the patterns of a basic graph pattern, by cost. Each pattern is a level of nested lookups (operator_bgp.cc);
-// the cost of an order is what its levels look up and give.
+// Cost-based order of the patterns of a basic graph pattern. Each pattern is a level of nested lookups
+// (operator_bgp.cc); the cost of an order is the number of lookups and rows of its levels.
 //
-// The number of matches of a pattern's constants is exact (subtree counts of the index). How many values a variable has in
-// them is that number where nothing else is open, else a power of it, or, where the query looks expensive enough to afford
-// it, estimated from a few sampled matches and their exact counts. Rows of a join: the product over the larger number of
-// values of each shared variable (Selinger et al., SIGMOD 1979). Orders are tried greedily, and by dynamic programming over
-// sets of patterns (left-deep) where that pays. One thread.
+// The number of matches of a pattern's constants is exact (subtree counts of the index). The number of values
+// of a variable among them is that number if nothing else is open, else a power of it; or, if the query looks
+// expensive enough, an estimate from a few sampled matches and their exact counts. Rows of a join: the
+// product over the larger number of values of each shared variable (Selinger et al., SIGMOD 1979). Orders are
+// searched greedily, and by dynamic programming over sets of patterns (left-deep) if that pays. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_JOIN_ORDER_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_JOIN_ORDER_H_
 
@@ -21,13 +21,14 @@ namespace docent::sparql {
 
 class JoinOrder {
  public:
-  // The patterns and filters of `bgp`, where the slots `bound` have a value before it begins. Reads counts from
-  // context.version, and keeps them in the patterns.
+  // The patterns and filters of `bgp`; the slots `bound` have a value before it begins. Reads counts from
+  // context.version and stores them in the patterns.
   JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context);
 
-  // The rows that the best quick order gives for one start. Changes nothing.
+  // Estimated rows of the greedy order for one start. Changes nothing.
   double Rows();
-  // Puts the patterns of the node into order, sets their estimates, and returns the rows. Not `reorder`: as they stand.
+  // Orders the patterns of the node, sets their estimates, and returns the estimated rows. `reorder` false
+  // keeps the order.
   double Arrange(bool reorder);
 
  private:
@@ -37,15 +38,15 @@ class JoinOrder {
   struct Use {
     int variable;   // number within this BGP
     int position;   // 0 to 3: subject, predicate, object, graph
-    double values;  // known where the variable is `shared_`; nobody asks elsewhere
+    double values;  // set only if the variable is `shared_`
   };
   struct Pattern {
     double matches = 0;
     const Use* begin() const { return uses.data(); }
     const Use* end() const { return uses.data() + used; }
     std::array<Use, 4> uses;
-    int used = 0;            // so many of them
-    bool one_open = false;   // each of its values makes one triple, or few where several graphs have it
+    int used = 0;            // number of uses
+    bool one_open = false;   // one open position: one triple for each value, or a few with several graphs
     uint64_t variables = 0;  // as bits
   };
   struct Filter {
@@ -57,12 +58,12 @@ class JoinOrder {
     double cost = 0;  // about microseconds
     double rows = 1;
   };
-  // After some of the patterns.
+  // State after some of the patterns.
   struct State : Step {
     uint64_t bound = 0;
     std::array<float, kMaxVariables> values;  // of each bound variable
   };
-  // Patterns by number, with the rows after each.
+  // A pattern by number, with the rows after it.
   struct Place {
     size_t pattern;
     double rows;
@@ -74,14 +75,14 @@ class JoinOrder {
   void Refine(const PlanPattern& pattern, Pattern* out) const;
   QuadPattern Constants(const PlanPattern& pattern) const;
   void Begin(State* state) const;
-  // What comes to with `pattern` after `state`.
+  // The cost and rows of adding `pattern` after `state`.
   Step Estimate(const State& state, const Pattern& pattern) const;
-  // Takes that step.
+  // Adds that step to the state.
   void Extend(const Pattern& pattern, const Step& step, State* state) const;
   Order AsWritten() const;
   Order Greedy(State* end) const;
   Order Programmed() const;
-  // Sets the rows of an order.
+  // Computes the rows of an order.
   void Follow(Order* order) const;
 
   PlanNode& bgp_;

@@ -14,14 +14,14 @@ using Plan = PlanNode::Kind;
 
 namespace {
 
-// Up to so many rows ORDER BY … LIMIT keeps a heap; beyond, it sorts all.
+// Up to this limit ORDER BY … LIMIT keeps a heap; beyond, it sorts all rows.
 constexpr uint64_t kTopRows = 100000;
 
 PlanNodePtr Node(Plan kind) {
   return std::make_unique<PlanNode>(kind);
 }
 
-// A node over one child with the child's variables.
+// A node with one child and the child's variables.
 PlanNodePtr Over(Plan kind, PlanNodePtr child) {
   PlanNodePtr node = Node(kind);
   node->certain = child->certain;
@@ -58,7 +58,7 @@ int Lowering::SlotOf(const std::string& variable, Scope& scope) {
 }
 
 int Lowering::ConstantOf(const Term& term) {
-  constexpr size_t kFew = 16;  // so few are found soonest by looking at each
+  constexpr size_t kFew = 16;  // up to this many, linear search is fastest
   if (constants_.size() > kFew) return ConstantOfMany(term);
   size_t place = 0;
   while (place < constants_.size() && *constants_[place] != term) ++place;
@@ -151,7 +151,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       node->barrier = true;
       return node;
     }
-    case Kind::kReduced:  // duplicates may stay (section 18.5, REDUCED)
+    case Kind::kReduced:  // duplicates may remain (section 18.5, REDUCED)
       return Lower(*a.children[0], scope, graph, top);
     case Kind::kDistinct: {
       PlanNodePtr node = Over(Plan::kDistinct, Lower(*a.children[0], scope, graph, top));
@@ -220,7 +220,7 @@ PlanNodePtr Lowering::LowerPath(const Algebra& a, Scope& scope, const GraphRef& 
 
 PlanNodePtr Lowering::LowerJoin(const Algebra& a, Scope& scope, const GraphRef& graph) {
   PlanNodePtr join = Node(Plan::kJoin);
-  PlanNode* bgp = nullptr;  // neighbouring patterns are one, whatever their graph
+  PlanNode* bgp = nullptr;  // adjacent patterns form one BGP, whatever their graph
   for (const AlgebraPtr& child : a.children) {
     PlanNodePtr lowered = Lower(*child, scope, graph, false);
     join->certain |= lowered->certain;
@@ -247,8 +247,8 @@ PlanNodePtr Lowering::LowerJoin(const Algebra& a, Scope& scope, const GraphRef& 
   return join;
 }
 
-// Puts a filter beside the patterns that bind all it reads. Through joins, and through the left side of OPTIONAL and MINUS:
-// what the right side does there does not change what the filter reads.
+// Moves a filter to the patterns that bind its variables. This goes through joins, and through the left side
+// of OPTIONAL and MINUS: their right side does not change the variables of the filter.
 bool Lowering::PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const {
   bool placed = false;
   switch (node.kind) {
@@ -294,7 +294,7 @@ PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef
   return node;
 }
 
-// OPTIONAL and MINUS; the planner turns them into their hash forms where it must.
+// OPTIONAL and MINUS; the planner turns them into their hash forms where needed.
 PlanNodePtr Lowering::LowerLeftJoin(const Algebra& a, Scope& scope, const GraphRef& graph) {
   const bool minus = a.kind == Kind::kMinus;
   PlanNodePtr left = Lower(*a.children[0], scope, graph, false);
@@ -322,7 +322,7 @@ PlanNodePtr Lowering::LowerGraph(const Algebra& a, Scope& scope) {
     graph.name = TermOf(a.name, scope);
     if (NeedsTripleOfGraph(*a.children[0])) return Lower(*a.children[0], scope, graph, false);
   } else if (a.children[0]->kind == Kind::kBgp && !a.children[0]->triples.empty()) {
-    // GRAPH ?g { triples }: the variable is simply the fourth position of each
+    // GRAPH ?g { triples }: the variable becomes the fourth position of each triple
     graph.name = TermOf(a.name, scope);
     PlanNodePtr node = LowerBgp(*a.children[0], scope, graph);
     node->certain.Add(graph.name.slot);
@@ -330,8 +330,8 @@ PlanNodePtr Lowering::LowerGraph(const Algebra& a, Scope& scope) {
     node->mentions.Add(graph.name.slot);
     return node;
   }
-  // Anything else runs once for each graph that there is, with the graph in a slot of its own: ?g has no value inside
-  // (section 18.6).
+  // All other patterns run once for each existing graph, with the graph in a slot of its own: ?g has no value
+  // inside (section 18.6).
   PlanNodePtr node = Node(Plan::kGraph);
   node->name = TermOf(a.name, scope);
   node->graph_slot = next_slot_++;

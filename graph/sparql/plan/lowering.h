@@ -1,6 +1,6 @@
-// Algebra → plan, first half: variables become slots (those that a sub-SELECT hides get slots of their own),
-// constants become numbers, filters move to the pattern that binds what they read, neighbouring patterns
-// become one. No order of joins is chosen here; that is the planner's. One thread.
+// Algebra → plan, first half. Variables become slots (those hidden by a sub-SELECT get their own), constants
+// become numbers, filters move to the pattern that binds their variables, adjacent patterns are merged. The
+// planner, not this class, orders the joins. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_LOWERING_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_LOWERING_H_
 
@@ -25,21 +25,21 @@ class Lowering {
   Lowering(const Dictionary& dictionary, const FunctionRegistry* functions)
       : dictionary_(dictionary), functions_(functions) {}
 
-  // The slot of a variable of the outermost scope, made if new.
+  // The slot of a variable of the outermost scope, created if new.
   int SlotOf(const std::string& variable) { return SlotOf(variable, root_); }
   // Slots that have a value before the query begins.
   void SetBound(const SlotSet& bound) { bound_ = bound; }
 
-  // The plan of a whole WHERE with modifiers. Null where status() is not OK: UNIMPLEMENTED or
-  // INVALID_ARGUMENT, with line and column.
+  // The plan of a whole WHERE with modifiers. Null if status() is not OK: UNIMPLEMENTED or INVALID_ARGUMENT,
+  // with line and column.
   PlanNodePtr LowerQuery(const Algebra& algebra);
   PlanExpressionPtr LowerExpression(const Expression& expression);
 
   const absl::Status& status() const { return status_; }
   size_t slots() const { return static_cast<size_t>(next_slot_); }
-  // The constants by number, when all is lowered; the lowering has none afterwards.
+  // The constants by number, once all is lowered; moves them out.
   ConstantTerms TakeConstants() { return std::move(constants_); }
-  int ConstantOf(const Term& term);  // which must live as long as what is lowered
+  int ConstantOf(const Term& term);  // `term` must live as long as the lowered plan
   const SlotSet& bound() const { return bound_; }
 
  private:
@@ -60,7 +60,7 @@ class Lowering {
   PlanNodePtr LowerProject(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
   PlanNodePtr LowerPath(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanExpressionPtr Lower(const Expression& e, Scope& scope, const GraphRef& graph);
-  // The slots that an expression reads, those inside EXISTS included; inside GRAPH ?g that is the graph, too.
+  // The slots that an expression reads, with those inside EXISTS; inside GRAPH ?g also the graph's slot.
   SlotSet Reads(const Expression& e, Scope& scope, const GraphRef& graph);
   void CheckFunction(const Expression& e);
   void Fail(absl::StatusCode code, const SourceSpan& span, const std::string& message);
@@ -71,7 +71,7 @@ class Lowering {
   SlotSet bound_;
   int next_slot_ = 0;
   ConstantTerms constants_;
-  absl::flat_hash_map<Term, int> constant_numbers_;  // where there are many
+  absl::flat_hash_map<Term, int> constant_numbers_;  // used if there are many constants
   absl::Status status_;
 };
 

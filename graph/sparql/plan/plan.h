@@ -1,6 +1,6 @@
-// A query ready to run: variables are slots of a row, constants are numbers of a table, joins have an order
-// and a method. Made by the planner for one size of graph; the operators are built from it and keep
-// what one evaluation needs in its nodes. One thread.
+// Query plan: variables are slots of a row, constants are numbers of a table, joins have an order and a
+// method. The planner makes it for one size of graph; the operators are built from it and keep the state of
+// one evaluation in its nodes. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_PLAN_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_PLAN_H_
 
@@ -19,7 +19,7 @@ struct PlanNode;
 class Operator;
 class Regex;
 
-// A slot, or a constant, or (both negative) nothing.
+// A slot, or a constant, or (both negative) a wildcard.
 struct PlanTerm {
   int slot = -1;
   int constant = -1;
@@ -37,9 +37,9 @@ struct PlanPattern {
   GraphRef graph;
   const TriplePattern* source = nullptr;  // as written, for Explain; lives as long as the query
   double matches = -1;                    // triples that fit its constants; negative: not counted yet
-  double estimate = 0;                    // rows that it gives for one row before it
-  uint64_t rows = 0;                      // rows that it gave, over all runs of this plan
-  bool hashed = false;                    // it was looked up in a hash table at last (operator_bgp.cc)
+  double estimate = 0;                    // estimated rows for each row before it
+  uint64_t rows = 0;                      // actual rows, over all runs of this plan
+  bool hashed = false;                    // its last lookups used a hash table (operator_bgp.cc)
 };
 
 // An expression with its variables resolved. EXISTS holds its own plan and, once built, its operator.
@@ -51,11 +51,11 @@ struct PlanExpression {
   Value constant;
   Term term;  // kTerm as written; kFunction: the IRI
   std::vector<std::unique_ptr<PlanExpression>> arguments;
-  std::vector<Value> values;  // kBuiltin: of the arguments, at the last call; those of constants stay
+  std::vector<Value> values;  // kBuiltin: of the arguments, at the last call; constants keep theirs
   std::unique_ptr<PlanNode> exists;
   std::unique_ptr<Operator> exists_operator;
   std::vector<TermId> exists_base, exists_row;
-  // REGEX and REPLACE: the expression compiled last, and what it was compiled from.
+  // REGEX and REPLACE: the last compiled expression, and its pattern and flags.
   std::shared_ptr<Regex> regex;
   std::string regex_source;
 
@@ -64,8 +64,8 @@ struct PlanExpression {
 };
 using PlanExpressionPtr = std::unique_ptr<PlanExpression>;
 
-// What each node does, given an input row `in` whose slots may be bound from outside: give the solutions that
-// are compatible with `in`, each merged with it.
+// Semantics of a node: given an input row `in` whose slots may be bound from outside, it gives the solutions
+// that are compatible with `in`, each merged with `in`.
 struct PlanNode {
   enum class Kind : uint8_t {
     kBgp,           // patterns in order, filters after them
@@ -101,12 +101,12 @@ struct PlanNode {
   const Algebra* source = nullptr;  // kPath, kExtend: as written, for Explain; lives as long as the query
   std::vector<std::unique_ptr<PlanNode>> children;
   SlotSet certain;       // bound in every solution
-  SlotSet possible;      // bound in some; both without what comes from outside
-  SlotSet mentions;      // possible, and what expressions inside read
-  bool barrier = false;  // holds a group, slice, sort or distinct: run once rather than for each row
+  SlotSet possible;      // bound in some solution; both without slots bound from outside
+  SlotSet mentions;      // possible, and the slots that expressions inside read
+  bool barrier = false;  // contains a group, slice, sort or distinct: run once rather than for each row
   double estimate = 1;   // rows for each start
-  uint64_t starts = 0, rows_made = 0;  // what it did, where measured
-  double seconds = 0;                  // with everything beneath it, where measured
+  uint64_t starts = 0, rows_made = 0;  // actual starts and rows, if measured
+  double seconds = 0;                  // time, with all nodes beneath, if measured
 
   std::vector<PlanPattern> patterns;
   std::vector<PlanExpressionPtr> filters;                 // kBgp: all; kFilter: the conjuncts
@@ -121,7 +121,7 @@ struct PlanNode {
   std::vector<AggregatePlan> aggregates;                  // kGroup
   std::vector<std::pair<PlanExpressionPtr, bool>> order;  // kOrderBy: expression, descending
   uint64_t offset = 0;
-  std::optional<uint64_t> limit;   // kSlice; kOrderBy: only so many rows are asked for
+  std::optional<uint64_t> limit;   // kSlice; kOrderBy: the number of rows needed
   PlanTerm subject, object;        // kPath
   Term subject_term, object_term;  // kPath, where they are constants: a path of length zero needs no triple
   const Path* path = nullptr;

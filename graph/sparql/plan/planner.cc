@@ -58,7 +58,7 @@ double Arranger::Estimate(PlanNode& node, const SlotSet& bound) const {
     case Kind::kPath: {
       const bool from = node.subject.slot < 0 || bound.Contains(node.subject.slot);
       const bool to = node.object.slot < 0 || bound.Contains(node.object.slot);
-      double steps = 1;  // triples that the path can go along
+      double steps = 1;  // triples that the path can follow
       for (const int constant : node.path_constants) {
         const TermId predicate = context_.constants[constant];
         if (predicate == kUnknownTerm) continue;
@@ -119,14 +119,15 @@ void Arranger::ArrangeBinary(PlanNode& node, const SlotSet& bound) {
   Arrange(left, bound);
   node.estimate = left->estimate;
   bool loop = !right->barrier && IsSafeWithBound(*right, left->possible.Minus(initial_));
-  // MINUS removes only where a variable is shared; one that is bound on both sides for certain settles that.
+  // MINUS removes rows only if a variable is shared; a variable that both sides bind for certain guarantees
+  // that.
   if (node.kind == Kind::kMinus) loop = loop && left->certain.Meets(right->certain);
   Arrange(right, loop ? bound.Or(left->certain) : initial_);
   if (!loop) node.kind = node.kind == Kind::kMinus ? Kind::kHashMinus : Kind::kHashLeftJoin;
   if (node.expression) Arrange(*node.expression, bound.Or(left->certain));
 }
 
-// Of a node whose children have theirs.
+// Estimates a node whose children have estimates.
 void Arranger::SetEstimate(PlanNode& node, const SlotSet& bound) const {
   const double below = node.children.empty() ? 1 : node.children[0]->estimate;
   switch (node.kind) {
@@ -226,7 +227,7 @@ bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer) {
       return IsSafeWithBound(left, shared) && shared.And(node.children[1]->mentions).Within(left.certain) &&
              reads_only_own(node.filter_slots, left.certain);
     }
-    case Kind::kExtend:  // its own variable is compared with what is bound; what it reads must come from
+    case Kind::kExtend:  // its own variable is compared with the bound value; its inputs must come from
                          // inside
     case Kind::kFilter:
       return IsSafeWithBound(*node.children[0], shared) &&

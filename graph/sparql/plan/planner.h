@@ -1,6 +1,6 @@
 // Algebra → plan, second half: the order of patterns and joins, and each join's method, from exact counts of
-// one graph version. Patterns: join_order.h. Other operands greedily: the one that gives the fewest rows for what is
-// bound so far comes next. One thread.
+// one graph version. For patterns see join_order.h. Other operands are ordered greedily: the one with the
+// fewest rows for the variables bound so far comes next. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
 
@@ -15,7 +15,7 @@ struct PlannerOptions {
   bool reorder = true;  // false: as written
 };
 
-// Arranges `node` and everything inside it, the plans of EXISTS included. `bound`: slots that have a value
+// Arranges `node` and everything inside it, also the plans of EXISTS. `bound`: slots that have a value
 // before the plan begins (initial bindings). Reads counts from context.version and ids from
 // context.constants.
 void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, const EvaluationContext& context,
@@ -23,13 +23,14 @@ void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, const EvaluationContex
 void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, const EvaluationContext& context,
                        const PlannerOptions& options);
 
-// True if evaluating `node` with the slots `outer` already bound gives just those of its solutions that are
-// compatible with them (section 18.6 evaluates operands on their own; most may see the other side's bindings,
-// some may not: a FILTER on a variable from outside, an OPTIONAL whose right side shares a variable with
-// outside, LIMIT, groups).
+// True if evaluating `node` with the slots `outer` already bound gives exactly its solutions that are
+// compatible with them. Section 18.6 evaluates operands on their own. Most operands may see the other side's
+// bindings; exceptions are a FILTER on a variable from outside, an OPTIONAL whose right side shares a
+// variable with outside, LIMIT, and groups.
 bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer);
 
-// For people: one line a node, indented, with estimated rows; `measured`: with what the plan's runs gave and took, too.
+// For people: one line for each node, indented, with estimated rows; `measured`: also with the actual rows
+// and times.
 std::string ExplainPlan(const PlanNode& node, bool measured);
 
 }  // namespace docent::sparql

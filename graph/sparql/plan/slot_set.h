@@ -82,7 +82,7 @@ class SlotSet {
   }
 
   uint64_t first_ = 0;          // slots 0 to 63
-  std::vector<uint64_t> more_;  // those from 64 on, which few queries have
+  std::vector<uint64_t> more_;  // slots from 64 on; few queries have them
 };
 
 }  // namespace docent::sparql

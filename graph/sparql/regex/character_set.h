@@ -1,5 +1,5 @@
-// Set of Unicode characters as sorted ranges: what a class of a regular expression matches. Surrogates are never in a
-// set. Values; any thread reads.
+// Set of Unicode characters as sorted ranges: the matches of a character class of a regular expression. It
+// never contains surrogates. Values; any thread reads.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_CHARACTER_SET_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_CHARACTER_SET_H_
 
@@ -11,14 +11,14 @@ namespace docent::sparql {
 
 class CharacterSet {
  public:
-  struct Range {  // both ends belong to it
+  struct Range {  // inclusive at both ends
     char32_t first;
     char32_t last;
     friend bool operator==(const Range&, const Range&) = default;
   };
 
   CharacterSet() = default;  // empty
-  // The union of `ranges`, which may overlap and stand in any order.
+  // The union of `ranges`, which may overlap and be in any order.
   static CharacterSet Of(std::vector<Range> ranges);
 
   bool Contains(char32_t c) const { return c < 128 ? (ascii_[c >> 6] >> (c & 63)) & 1 : ContainsLarge(c); }

@@ -22,11 +22,11 @@ class ClassParser {
  private:
   // One charGroupPart: a character, a range, or an escape of a set.
   void Part();
-  // What comes behind the hyphen of a range.
+  // The end of a range, after the hyphen.
   std::optional<char32_t> RangeEnd();
   CharacterSet Subtracted();
   bool Count(size_t ranges);
-  // Whether the hyphen that comes next makes a range of the character before it (the rules of G.4.1).
+  // True if the next hyphen makes a range with the character before it (the rules of G.4.1).
   bool HyphenMakesRange() const {
     const char32_t next = scanner_.Peek(1);
     return next != '[' && next != ']' && next != kNone && !(next == '-' && scanner_.Peek(2) == '[');
@@ -35,7 +35,7 @@ class ClassParser {
   PatternScanner& scanner_;
   const ClassOptions& options_;
   std::vector<Range> characters_;  // flag i adds the case variants of these
-  std::vector<Range> sets_;        // of escapes, which it leaves alone
+  std::vector<Range> sets_;        // from escapes; flag i leaves them unchanged
 };
 
 bool ClassParser::Count(size_t ranges) {

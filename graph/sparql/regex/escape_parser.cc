@@ -10,7 +10,7 @@
 namespace docent::sparql {
 namespace {
 
-// What to write instead of an escape that other languages have.
+// The hint for an escape of other regular expression languages.
 std::string HintFor(char32_t letter) {
   switch (letter) {
     case 'A':
@@ -48,7 +48,7 @@ bool IsNameCharacter(char32_t c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
 }
 
-// {L} or {IsGreek}, behind \p or \P.
+// {L} or {IsGreek}, after \p or \P.
 CharacterSetPtr ReadProperty(PatternScanner* scanner, size_t start) {
   if (!scanner->Accept('{')) {
     scanner->Fail(start, Concat({scanner->Quoted(start), " needs a property in braces"}),

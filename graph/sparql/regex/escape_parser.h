@@ -1,4 +1,4 @@
-// Parser of what stands behind a backslash in a regular expression. Private to this folder. Pure functions.
+// Parser of escapes (after a backslash) in a regular expression. Private to this folder. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_ESCAPE_PARSER_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_ESCAPE_PARSER_H_
 
@@ -12,11 +12,11 @@ namespace docent::sparql {
 // A character (\n, \\, \-) or a set (\d, \p{L}, \P{IsGreek}).
 struct Escape {
   char32_t character = 0;
-  CharacterSetPtr set;  // null: the character
+  CharacterSetPtr set;  // null: it is the character
 };
 
-// Reads an escape whose backslash comes next. nullopt: there is a mistake, which the scanner has. A digit behind the
-// backslash is one.
+// Reads an escape whose backslash comes next. nullopt: a mistake, which the scanner keeps. A digit after the
+// backslash is a mistake.
 std::optional<Escape> ReadEscape(PatternScanner* scanner);
 
 }  // namespace docent::sparql

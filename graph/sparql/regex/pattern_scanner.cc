@@ -16,7 +16,7 @@ bool IsSpace(char32_t c) {
 PatternScanner::PatternScanner(std::string_view pattern, bool drop_space)
     : pattern_(pattern), bytes_(pattern.size()) {
   characters_.reserve(pattern.size());
-  int classes = 0;  // open ones
+  int classes = 0;  // open character classes
   bool escaped = false;
   for (size_t at = 0; at < pattern.size();) {
     const auto offset = static_cast<uint32_t>(at);

@@ -8,12 +8,13 @@ namespace {
 
 using Kind = RegexNode::Kind;
 
-constexpr uint64_t kMostRepeats = 1000;  // what RE2 takes, of quantifiers inside each other multiplied
-// Instructions of RE2 beyond which our own program, which has one for a class of any size, is quicker to make and to run
-// on texts of usual length: RE2 compiles 200 of them a millisecond (measured 2026-11-24, \w{1,255}).
+constexpr uint64_t kMostRepeats = 1000;  // RE2's limit for the product of nested quantifiers
+// Above this number of RE2 instructions our own program is faster to compile and to run on texts of usual
+// length, because it has one instruction for a class of any size: RE2 compiles 200 a millisecond (measured
+// 2026-11-24, \w{1,255}).
 constexpr uint64_t kMostInstructions = 4000;
 
-// The sets of RE2 are of UTF-8: about so many instructions a range.
+// RE2's sets are sets of UTF-8: about this many instructions a range.
 uint64_t InstructionsOf(const CharacterSet& set) {
   return 1 + 2 * set.ranges().size();
 }
@@ -22,8 +23,8 @@ class Writer {
  public:
   Writer(const RegexTree& tree, bool capture) : tree_(tree), capture_(capture) {}
 
-  // The instructions that RE2 would take, about; kMostInstructions and more where it is not to be asked. `repeats`: of the
-  // quantifiers around it.
+  // The approximate number of RE2 instructions; kMostInstructions or more if RE2 must not be used. `repeats`:
+  // product of the enclosing quantifiers.
   uint64_t Measure(const RegexNode& node, uint64_t repeats) const;
   void Write(const RegexNode& node);
   std::string Take() { return std::move(out_); }
@@ -83,7 +84,7 @@ void Writer::WriteSet(const CharacterSet& set) {
   out_ += '[';
   for (size_t i = 0; i < ranges.size(); ++i) {
     WriteCharacter(ranges[i].first);
-    // No text has surrogates: a range that ends before them and one that begins after them are one.
+    // Texts have no surrogates: a range that ends before them and one that begins after them are merged.
     if (ranges[i].last == 0xD7FF && i + 1 < ranges.size() && ranges[i + 1].first == 0xE000) ++i;
     out_ += '-';
     WriteCharacter(ranges[i].last);

@@ -1,4 +1,4 @@
-// Translation of a regular expression into RE2's language, for those that RE2 can take and is quick to compile. Private to
+// Translation of a regular expression into RE2's syntax, if RE2 supports it and compiles it fast. Private to
 // this folder. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_RE2_SOURCE_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_RE2_SOURCE_H_
@@ -10,9 +10,10 @@
 
 namespace docent::sparql {
 
-// An expression that matches the same, by the rules of RE2's default options; its groups have the same numbers where
-// `capture`, else it has none. Under flag m, RE2 differs at the end of a text whose last character is a newline: there its
-// anchors match, and XPath's do not. nullopt: it has back-references, or bounds or a size beyond what RE2 is good for.
+// An RE2 expression with the same matches under RE2's default options; its groups have the same numbers if
+// `capture`, else it has none. Under flag m, RE2 differs at the end of a text whose last character is a
+// newline: RE2's anchors match there, XPath's do not. nullopt: it has back-references, or bounds or a size
+// beyond RE2's range.
 std::optional<std::string> Re2Source(const RegexTree& tree, bool capture);
 
 }  // namespace docent::sparql

@@ -18,7 +18,7 @@ constexpr int64_t kRe2MemoryBytes = 8 << 20;
 struct Regex::Impl {
   RegexTree tree;
   RegexLimits limits;
-  std::unique_ptr<re2::RE2> re2;  // null: the matcher does it
+  std::unique_ptr<re2::RE2> re2;  // null: the matcher searches
   std::vector<re2::StringPiece> pieces;
   std::optional<RegexProgram> program;
   std::optional<RegexMatcher> matcher;
@@ -45,7 +45,7 @@ std::optional<RegexMistake> Regex::Compile(std::string_view pattern, std::string
     options.set_log_errors(false);
     options.set_max_mem(kRe2MemoryBytes);
     impl->re2 = std::make_unique<re2::RE2>(*source, options);
-    if (!impl->re2->ok()) impl->re2 = nullptr;  // too large for its memory
+    if (!impl->re2->ok()) impl->re2 = nullptr;  // too large for RE2's memory limit
   }
   if (impl->re2 == nullptr) impl->Matcher();
   *out = std::unique_ptr<Regex>(new Regex(std::move(impl)));
@@ -83,7 +83,7 @@ Regex::Searches::~Searches() {
 absl::StatusOr<bool> Regex::Searches::Find(size_t at, absl::Span<std::string_view> groups) {
   Impl& impl = *regex_.impl_;
   if (!impl.tree.has_back_references) {
-    // An instruction of ours takes about four times as long.
+    // An instruction of our matcher takes about four times as long.
     const uint64_t steps = regex_.size() * (impl.re2 != nullptr ? 1 : 4) * (text_.size() - at);
     if (steps > impl.limits.regex_steps) {
       return absl::ResourceExhaustedError(
@@ -97,7 +97,7 @@ absl::StatusOr<bool> Regex::Searches::Find(size_t at, absl::Span<std::string_vie
     const re2::StringPiece whole(text_.data(), text_.size());
     const bool found = impl.re2->Match(whole, at, text_.size(), re2::RE2::UNANCHORED, impl.pieces.data(),
                                        static_cast<int>(impl.pieces.size()));
-    if (re2_is_exact_ || !found) {  // it matches at least what XPath does
+    if (re2_is_exact_ || !found) {  // RE2 matches at least as much as XPath
       for (size_t i = 0; i < impl.pieces.size(); ++i) {
         const re2::StringPiece& piece = impl.pieces[i];
         groups[i] =

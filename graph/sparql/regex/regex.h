@@ -1,5 +1,5 @@
-// Regular expression of XPath, ready to search texts: by RE2 where that has the same meaning and is quick, else by our own
-// matcher. Every search is bounded. One thread.
+// Compiled regular expression of XPath. RE2 searches if it has the same meaning and is fast, else our own
+// matcher does. Every search is bounded. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_REGEX_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_REGEX_H_
 
@@ -16,7 +16,7 @@ namespace docent::sparql {
 
 class Regex {
  public:
-  // `capture`: searches are asked for what groups matched.
+  // `capture`: the caller needs the texts of groups.
   static std::optional<RegexMistake> Compile(std::string_view pattern, std::string_view flags, bool capture,
                                              std::unique_ptr<Regex>* out, const RegexLimits& limits = {});
   ~Regex();
@@ -24,23 +24,23 @@ class Regex {
   int groups() const;
   bool literal() const;  // flag q
   bool matches_empty_text() const;
-  // Instructions: what compiling it has taken, and what a search takes for each byte at worst.
+  // Size in instructions: the cost of compiling it, and the worst-case cost of a search for each byte.
   uint64_t size() const;
-  // Whether RE2 searches, for tests.
+  // True if RE2 searches; for tests.
   bool is_re2() const;
 
-  // Searches that follow each other in one text. One at a time for each expression.
+  // A sequence of searches in one text. One at a time for each expression.
   class Searches {
    public:
-    // All must outlive it.
+    // All arguments must outlive it.
     Searches(Regex* regex, std::string_view text, MatchGuard* guard);
     ~Searches();
     Searches(const Searches&) = delete;
     Searches& operator=(const Searches&) = delete;
 
-    // The leftmost match at or after `at`; the places of later calls are larger. Fills `groups`: what group n matched, 0 the
-    // whole; one that has not matched gets an empty text. RESOURCE_EXHAUSTED, naming the limit; CANCELLED where the guard
-    // ended it.
+    // The leftmost match at or after `at`, which must not decrease from call to call. Fills `groups`: the
+    // text of group n, 0 for the whole match; empty for a group without a match. RESOURCE_EXHAUSTED, naming
+    // the limit; CANCELLED if the guard ended it.
     absl::StatusOr<bool> Find(size_t at, absl::Span<std::string_view> groups);
 
    private:
@@ -48,7 +48,7 @@ class Regex {
     const std::string_view text_;
     MatchGuard& guard_;
     const bool re2_is_exact_;
-    bool began_ = false;  // the matcher
+    bool began_ = false;  // Begin of the matcher was called
   };
 
  private:

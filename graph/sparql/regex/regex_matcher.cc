@@ -13,7 +13,7 @@ namespace {
 using Op = RegexInstruction::Kind;
 
 constexpr int kStepsAPoll = 1024;
-constexpr size_t kBytesAStep = 4;        // about the time of one
+constexpr size_t kBytesAStep = 4;        // a step takes about as long as reading them
 constexpr size_t kFramesAtFirst = 1024;  // not counted
 constexpr size_t kBytesKept = 1u << 20;  // of buffers, for the next text
 
@@ -106,7 +106,7 @@ bool RegexMatcher::Back(int* instruction, size_t* at) {
   return false;
 }
 
-// Flag m (XPath and XQuery Functions 3.1, 5.6.2): neither anchor matches behind a newline that ends the text.
+// Flag m (XPath and XQuery Functions 3.1, 5.6.2): no anchor matches after a newline that ends the text.
 bool RegexMatcher::AtStart(size_t at) const {
   return at == 0 || (program_.multi_line && at < text_.size() && text_[at - 1] == '\n');
 }
@@ -138,7 +138,7 @@ std::optional<std::string_view> RegexMatcher::Group(int number) const {
   return text_.substr(begin, end - begin);
 }
 
-// Does one instruction. False: it does not match.
+// Executes one instruction. False: it does not match.
 bool RegexMatcher::Step(const RegexInstruction& i, int* instruction, size_t* at) {
   ++*instruction;
   switch (i.kind) {
@@ -190,7 +190,7 @@ bool RegexMatcher::MatchAt(size_t start) {
 }
 
 bool RegexMatcher::Find(size_t at) {
-  // What was tried on the way to a match cannot lead to the next one, except where nothing is a match.
+  // A failed attempt cannot succeed in the next search, except when empty matches are skipped.
   if (searched_ && program_.matches_empty_text) std::fill(tried_.begin(), tried_.end(), 0);
   searched_ = true;
   while (status_.ok()) {

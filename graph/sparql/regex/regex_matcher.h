@@ -1,6 +1,6 @@
-// Backtracking matcher of programs (regex_program.h). Without back-references it remembers the splits that it has tried at
-// each place and takes time linear in text times program; with them it may take exponential time, up to a limit of steps.
-// Private to this folder. One thread.
+// Backtracking matcher of programs (regex_program.h). Without back-references it remembers the splits tried
+// at each place, so its time is linear in text times program. With them it may take exponential time, up to a
+// limit of steps. Private to this folder. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_REGEX_MATCHER_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_REGEX_MATCHER_H_
 
@@ -22,40 +22,41 @@ class RegexMatcher {
   explicit RegexMatcher(const RegexProgram& program, const RegexLimits& limits = {})
       : program_(program), limits_(limits) {}
 
-  // Searches follow in `text`, with rising places. Text and guard must stay until End.
+  // Begins a sequence of searches in `text`, at increasing places. Text and guard must stay valid until End.
   void Begin(std::string_view text, MatchGuard* guard);
-  // The leftmost match at or after `at`, which is no place inside a character. False: there is none, or the search was
-  // ended; see status().
+  // The leftmost match at or after `at`, a character boundary. False: no match, or the search was ended; see
+  // status().
   bool Find(size_t at);
-  // Gives back what the searches kept.
+  // Releases the memory of the searches.
   void End();
 
-  // RESOURCE_EXHAUSTED, naming the limit; CANCELLED where the guard ended the search.
+  // RESOURCE_EXHAUSTED, naming the limit; CANCELLED if the guard ended the search.
   const absl::Status& status() const { return status_; }
-  // Of the match found: what group n matched, 0 the whole. nullopt: the group has not matched.
+  // The text of group n of the last match, 0 for the whole match. nullopt: the group did not match.
   std::optional<std::string_view> Group(int number) const;
 
  private:
   static constexpr size_t kNowhere = static_cast<size_t>(-1);
 
-  // To try later: go on at instruction `what` in place `value`. Or, where negative: register -1 - what had that value.
+  // A saved alternative: continue at instruction `what` in place `value`. If negative: restore register -1 -
+  // what to `value`.
   struct Frame {
     int what;
     size_t value;
   };
 
   bool MatchAt(size_t at);
-  // Whether the split has not been tried at this place.
+  // True if the split has not been tried at this place.
   bool IsFresh(int split, size_t at);
   bool Push(int what, size_t value);
-  // Keeps `value` in the register, to be undone on the way back.
+  // Sets a register; backtracking restores the old value.
   bool Set(size_t number, size_t value);
-  // To the newest alternative; false: there is none.
+  // Goes back to the newest alternative; false: there is none.
   bool Back(int* instruction, size_t* at);
   bool Step(const RegexInstruction& i, int* instruction, size_t* at);
   bool AtStart(size_t at) const;
   bool AtEnd(size_t at) const;
-  // Moves *at past what the group matched before.
+  // Matches the text of the group again and moves *at past it.
   bool Repeats(int group, size_t* at) const;
   bool CountSteps();
   bool Charge(size_t bytes);
@@ -70,9 +71,9 @@ class RegexMatcher {
   std::vector<size_t> registers_;  // captures, then marks
   std::vector<uint64_t> tried_;    // a bit for each split and place
   bool remembers_ = false;
-  bool searched_ = false;     // this text
+  bool searched_ = false;     // a search in this text was made
   size_t stack_charged_ = 0;  // frames
-  size_t charged_ = 0;        // bytes, of all
+  size_t charged_ = 0;        // bytes in total
   uint64_t steps_ = 0;
   int steps_to_poll_ = 0;
 };

@@ -17,7 +17,7 @@ using Kind = RegexNode::Kind;
 
 constexpr uint64_t kNoMost = RegexNode::kNoMost;
 
-// Saturating; what is counted stays below the square of a limit.
+// Saturating product; counts stay below the square of a limit.
 uint64_t Times(uint64_t a, uint64_t b) {
   return b != 0 && a > UINT32_MAX / b ? UINT32_MAX : a * b;
 }
@@ -150,7 +150,7 @@ std::optional<uint64_t> RegexParser::ReadNumber() {
   return number;
 }
 
-// {2} {2,} {2,3}, of which the '{' is behind.
+// {2} {2,} {2,3}, after the '{'.
 bool RegexParser::ReadQuantity(uint64_t* least, uint64_t* most) {
   const std::optional<uint64_t> first = ReadNumber();
   if (!first) return false;
@@ -183,7 +183,7 @@ RegexNode RegexParser::Quantified(RegexNode atom, size_t start) {
   }
   node.greedy = !scanner_.Accept('?');
   const uint64_t copies = node.most == kNoMost ? std::max<uint64_t>(1, node.least) : node.most;
-  // Each copy that may be missing has a branch before it.
+  // Each optional copy has a branch before it.
   const uint64_t branches = node.most == kNoMost ? 2 : node.most - std::min(node.least, node.most);
   node.size = std::max<uint64_t>(1, Times(atom.size, copies) + branches);
   CheckSize(node.size, start);
@@ -263,7 +263,7 @@ RegexNode RegexParser::Atom() {
   }
 }
 
-// What to do without a construct "(?…" of other languages; `next` is what comes behind the '?'.
+// The hint for a construct "(?…" of other languages; `next` is the character after the '?'.
 std::string HintForGroup(char32_t next) {
   switch (next) {
     case '=':
@@ -321,7 +321,7 @@ RegexNode RegexParser::BackReference(size_t start) {
   RegexNode node;
   node.kind = Kind::kBackReference;
   node.number = static_cast<int>(scanner_.Take() - '0');
-  // More digits belong to the number while so many groups stand before it.
+  // Further digits belong to the number as long as that many groups precede it.
   while (scanner_.Peek() >= '0' && scanner_.Peek() <= '9') {
     const size_t longer = static_cast<size_t>(node.number) * 10 + (scanner_.Peek() - '0');
     if (longer > closed_.size()) break;
@@ -358,7 +358,7 @@ bool MatchesEmptyText(const RegexNode& node) {
     case Kind::kEmpty:
     case Kind::kStart:
     case Kind::kEnd:
-    case Kind::kBackReference:  // its group has matched nothing, or has not matched
+    case Kind::kBackReference:  // its group matched the empty text, or did not match
       return true;
   }
   return false;

@@ -1,7 +1,7 @@
-// Parser of the regular expressions of XPath and XQuery Functions and Operators 3.1 (5.6.1 and 5.6.2), which SPARQL's REGEX
-// and REPLACE and SHACL's sh:pattern take: those of XSD 1.1 part 2 appendix G with ^ and $, reluctant quantifiers, groups
-// that do not capture, and back-references. What other languages have besides (look-around, (?i), \b, \A, POSIX classes) is a
-// mistake. Pure functions.
+// Parser of the regular expressions of XPath and XQuery Functions and Operators 3.1 (5.6.1 and 5.6.2), used
+// by SPARQL's REGEX and REPLACE and SHACL's sh:pattern: those of XSD 1.1 part 2 appendix G with ^ and $,
+// reluctant quantifiers, groups that do not capture, and back-references. Constructs of other languages
+// (look-around, (?i), \b, \A, POSIX classes) are mistakes. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_REGEX_PARSER_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_REGEX_PARSER_H_
 
@@ -14,7 +14,7 @@
 
 namespace docent::sparql {
 
-// What is wrong with a regular expression, its flags, or what replaces its matches.
+// A mistake in a regular expression, its flags, or its replacement text.
 struct RegexMistake {
   enum class Where : uint8_t { kPattern, kFlags, kReplacement };
   std::string message;
@@ -28,7 +28,7 @@ struct RegexMistake {
 std::optional<RegexMistake> ParseRegex(std::string_view pattern, std::string_view flags, RegexTree* tree,
                                        const RegexLimits& limits = {});
 
-// The flags alone.
+// Checks the flags alone.
 std::optional<RegexMistake> FindFlagMistake(std::string_view flags);
 
 }  // namespace docent::sparql

@@ -14,10 +14,10 @@ class Compiler {
  private:
   int here() const { return static_cast<int>(program_.instructions.size()); }
   RegexInstruction& At(int place) { return program_.instructions[static_cast<size_t>(place)]; }
-  // The place of the instruction made.
+  // Appends an instruction and returns its place.
   int Emit(Op kind, int number = 0);
   int EmitSplit() { return Emit(Op::kSplit, program_.splits++); }
-  // Lets the split at `place` take `body` first where greedy, else `exit`.
+  // Sets the targets of the split at `place`: `body` first if greedy, else `exit` first.
   void Aim(int place, bool greedy, int body, int exit);
   void Append(const RegexNode& node);
   void AppendAlternatives(const RegexNode& node);
@@ -54,8 +54,8 @@ void Compiler::AppendAlternatives(const RegexNode& node) {
   for (const int end : ends) At(end).next = here();
 }
 
-// body*. A round that matches nothing ends the loop: with back-references only, since without them no split is taken twice
-// at one place.
+// body*. An empty round ends the loop; needed only with back-references, since without them no split is tried
+// twice at one place.
 void Compiler::AppendLoop(const RegexNode& body, bool greedy) {
   const bool guarded = tree_.has_back_references && MatchesEmptyText(body);
   const int split = EmitSplit();

@@ -1,5 +1,5 @@
-// Program of a regular expression for our own matcher: one instruction for a character or a class of any size. Private to
-// this folder. Values; any thread reads.
+// Program of a regular expression for our own matcher, with one instruction for a character or a class of any
+// size. Private to this folder. Values; any thread reads.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_REGEX_PROGRAM_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_REGEX_PROGRAM_H_
 
@@ -12,16 +12,16 @@ namespace docent::sparql {
 
 struct RegexInstruction {
   enum class Kind : uint8_t {
-    kCharacter,  // the next character is `character`; then the instruction behind this one, as where nothing is said
-    kSet,    // it is in `set`
-    kStart,  // ^
-    kEnd,    // $
-    kSplit,  // goes on at `next`; if that fails, at `other`. `number`: of this split
-    kJump,   // goes on at `next`
-    kSave,   // keeps the place as capture `number`: 2n where group n begins, 2n+1 where it ends
-    kMark,   // keeps the place where a round of a loop begins, as mark `number`
-    kLeaveIfEmpty,  // goes on at `next` where the round of mark `number` has matched nothing, which would go on for ever
-    kBackReference,  // what group `number` matched comes again
+    kCharacter,      // the next character is `character`; then, as after most instructions, the following one
+    kSet,            // the next character is in `set`
+    kStart,          // ^
+    kEnd,            // $
+    kSplit,          // continues at `next`; if that fails, at `other`. `number`: of this split
+    kJump,           // continues at `next`
+    kSave,           // stores the place as capture `number`: 2n at the begin of group n, 2n+1 at its end
+    kMark,           // stores the place where a round of a loop begins, as mark `number`
+    kLeaveIfEmpty,   // continues at `next` if the round of mark `number` was empty, to avoid an endless loop
+    kBackReference,  // matches the text of group `number` again
     kMatch,
   };
   Kind kind = Kind::kMatch;
@@ -41,7 +41,7 @@ struct RegexProgram {
   bool ignore_case = false;
   bool has_back_references = false;
   bool matches_empty_text = false;
-  bool only_at_start = false;  // it begins with ^, of the whole text
+  bool only_at_start = false;  // it begins with ^ that stands for the start of the whole text
 };
 
 // The tree must outlive the program.

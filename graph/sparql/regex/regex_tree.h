@@ -1,4 +1,4 @@
-// Syntax tree of a regular expression, as the parser makes it. Values; any thread reads.
+// Syntax tree of a regular expression, made by the parser. Values; any thread reads.
 #ifndef DOCENT_GRAPH_SPARQL_REGEX_REGEX_TREE_H_
 #define DOCENT_GRAPH_SPARQL_REGEX_REGEX_TREE_H_
 
@@ -32,7 +32,7 @@ struct RegexNode {
   int number = 0;  // of a group, from 1
   uint64_t least = 0;
   uint64_t most = kNoMost;
-  uint64_t size = 1;  // instructions that it takes, as RegexLimits counts them; those beneath it included
+  uint64_t size = 1;  // number of its instructions as RegexLimits counts them, with those of its children
   std::shared_ptr<const CharacterSet> set;
   std::vector<RegexNode> children;
 };
@@ -41,13 +41,13 @@ struct RegexTree {
   RegexNode root;
   int groups = 0;
   bool multi_line = false;   // flag m: ^ and $ are of lines
-  bool ignore_case = false;  // flag i, which the sets have in them already; for back-references
+  bool ignore_case = false;  // flag i; the sets already include the variants; needed for back-references
   bool literal = false;      // flag q
   bool has_anchors = false;
   bool has_back_references = false;
 };
 
-// Whether the expression matches the empty string.
+// True if the expression matches the empty string.
 bool MatchesEmptyText(const RegexNode& node);
 
 }  // namespace docent::sparql

@@ -29,7 +29,7 @@ struct Category {
   std::string_view name;
   UCharCategory category;
 };
-// Without Cs: surrogates are no characters.
+// Without Cs: surrogates are not characters.
 constexpr Category kCategories[] = {
     {"Lu", U_UPPERCASE_LETTER},
     {"Ll", U_LOWERCASE_LETTER},
@@ -89,8 +89,8 @@ const NamedSets& Categories() {
   return *sets;
 }
 
-// A block's name in Blocks.txt without spaces, from ICU's name of it, which has '_' for blanks and hyphens, and a capital
-// at the beginning of each word: Latin_1_Supplement, Greek_And_Coptic.
+// A block's name in Blocks.txt without spaces, from ICU's name for it. ICU writes '_' for spaces and hyphens,
+// and a capital at the beginning of each word: Latin_1_Supplement, Greek_And_Coptic.
 std::string SpelledAsInBlocksTxt(std::string_view icu_name) {
   std::string out;
   std::string_view before;  // the word before
@@ -135,7 +135,7 @@ using Variants = absl::flat_hash_map<char32_t, std::vector<char32_t>>;
 
 const Variants& CaseVariants() {
   static const Variants* const variants = [] {
-    constexpr char32_t kEnd = 0x20000;                              // no planes beyond have letters with case
+    constexpr char32_t kEnd = 0x20000;                              // no letters with case in later planes
     std::map<char32_t, std::pair<std::string, std::string>> cased;  // lower and upper case
     const auto add = [&cased](char32_t c) {
       std::string text;
@@ -202,7 +202,7 @@ CharacterSet NameCharacters() {
   return CharacterSet::Of(std::move(ranges));
 }
 
-// All but punctuation, separators and others.
+// All characters except punctuation, separators and others.
 CharacterSet WordCharacters() {
   Ranges ranges;
   for (const char* const name : {"P", "Z", "C"}) Append(*CategorySet(name), &ranges);
@@ -235,7 +235,7 @@ CharacterSetPtr CategorySet(std::string_view name) {
 }
 
 CharacterSetPtr BlockSet(std::string_view name) {
-  // Three blocks had this name, of which one is left under another.
+  // Three blocks had this name; one of them remains under another name.
   if (name == "PrivateUse") {
     return Shared(CharacterSet::Of({{0xE000, 0xF8FF}, {0xF0000, 0xFFFFD}, {0x100000, 0x10FFFD}}));
   }

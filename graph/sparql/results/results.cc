@@ -41,7 +41,7 @@ void AppendJsonString(std::string_view text, std::string* out) {
   out->push_back('"');
 }
 
-// What XML 1.0 (section 2.2) has no way to write, a control character or U+FFFE or U+FFFF, becomes U+FFFD.
+// Characters that XML 1.0 (section 2.2) cannot express (control characters, U+FFFE, U+FFFF) become U+FFFD.
 void AppendXmlText(std::string_view text, std::string* out) {
   constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
   for (size_t i = 0; i < text.size(); ++i) {

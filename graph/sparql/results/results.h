@@ -1,5 +1,5 @@
-// SPARQL results → text: JSON (SPARQL 1.1 Query Results JSON Format), XML, CSV and TSV. Rows are appended as
-// they come, so a large answer streams. Values of one thread.
+// Writer of SPARQL results: JSON (SPARQL 1.1 Query Results JSON Format), XML, CSV and TSV. Rows are appended
+// one by one, so a large answer can be streamed. Values of one thread.
 #ifndef DOCENT_GRAPH_SPARQL_RESULTS_RESULTS_H_
 #define DOCENT_GRAPH_SPARQL_RESULTS_RESULTS_H_
 
@@ -16,8 +16,8 @@ namespace docent::sparql {
 
 enum class ResultFormat { kJson, kXml, kCsv, kTsv };
 
-// "application/sparql-results+json" and so on; also the plain forms (application/json, text/csv, …), with
-// parameters ignored. nullopt if it is none of them.
+// "application/sparql-results+json" and so on; also the plain forms (application/json, text/csv, …);
+// parameters are ignored. nullopt: not a result format.
 std::optional<ResultFormat> ResultFormatOfMediaType(std::string_view media_type);
 // "json", "xml", "csv", "tsv".
 std::optional<ResultFormat> ResultFormatOfName(std::string_view name);
@@ -35,7 +35,7 @@ class ResultWriter {
   virtual void End() = 0;
 };
 
-// The answer of an ASK. CSV and TSV have no form for it in the standard: "true" or "false" on a line.
+// The answer of an ASK. The standard defines no form for CSV and TSV: "true" or "false" on a line.
 std::string WriteBoolean(bool value, ResultFormat format);
 
 }  // namespace docent::sparql

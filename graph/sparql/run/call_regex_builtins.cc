@@ -1,5 +1,5 @@
-// REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15). What a constant pattern has wrong is found when the text is
-// parsed; a computed one that is wrong makes the call an error.
+// REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15). Mistakes in a constant pattern are found
+// when the query is parsed; with a wrong computed pattern the call is an error.
 #include <algorithm>
 #include <vector>
 
@@ -24,9 +24,10 @@ class ContextGuard : public MatchGuard {
   EvaluationContext& context_;
 };
 
-// The compiled expression of this call, kept while pattern and flags stay the same; null where it has a mistake.
+// The compiled expression of this call, cached while pattern and flags stay the same; null if it has a
+// mistake.
 Regex* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags, EvaluationContext& context) {
-  constexpr size_t kBytesAnInstruction = 256;  // about the time to compile it
+  constexpr size_t kBytesAnInstruction = 256;  // compiling one takes about as long as reading them
   std::string source(flags);
   source.push_back('/');
   source += pattern.text();
@@ -40,7 +41,7 @@ Regex* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags,
   return e.regex.get();
 }
 
-// As searches.Find; false, with the context's status set, where a limit ends it.
+// As searches.Find; false, with the context's status set, if a limit ends it.
 bool Find(Regex::Searches& searches, size_t at, absl::Span<std::string_view> groups,
           EvaluationContext& context) {
   const absl::StatusOr<bool> found = searches.Find(at, groups);
@@ -49,17 +50,17 @@ bool Find(Regex::Searches& searches, size_t at, absl::Span<std::string_view> gro
   return false;
 }
 
-// `text` with all matches replaced, none of which is empty. nullopt, with the context's status set, where the evaluation has
-// to end meanwhile or the result is too long.
+// `text` with all matches replaced; no match is empty. nullopt, with the context's status set, if the
+// evaluation has to end meanwhile or the result is too long.
 std::optional<std::string> Replaced(std::string_view text, Regex& regex, const RegexReplacement& replacement,
                                     EvaluationContext& context) {
-  constexpr size_t kBytesAMatch = 1024;  // about the time of one without groups
+  constexpr size_t kBytesAMatch = 1024;  // a match without groups takes about as long as reading them
   const int highest = replacement.groups.empty()
                           ? 0
                           : *std::max_element(replacement.groups.begin(), replacement.groups.end());
   std::vector<std::string_view> groups(static_cast<size_t>(highest) + 1);
   std::string out;
-  // That there is so much was asked by the caller.
+  // The caller has checked that this much memory is available.
   size_t room = std::max<size_t>(4096, text.size() + text.size() / 2);
   const auto grow = [&](size_t bytes) {
     if (out.size() + bytes <= room) return true;
@@ -73,7 +74,7 @@ std::optional<std::string> Replaced(std::string_view text, Regex& regex, const R
     const auto begin = static_cast<size_t>(groups[0].data() - text.data());
     size_t bytes = begin - at + replacement.text_bytes;
     for (const int group : replacement.groups) bytes += groups[static_cast<size_t>(group)].size();
-    // A match may have looked at all that is left, and have been the shorter for it.
+    // A match may have read all the rest of the text, and yet be short.
     if (!grow(bytes) || !context.Worked(kBytesAMatch + bytes + (text.size() - at) / 16)) return std::nullopt;
     out.append(text, at, begin - at);
     for (size_t i = 0; i < replacement.texts.size(); ++i) {
@@ -95,7 +96,7 @@ Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluatio
   const std::string_view flags = a.size() > flags_at ? a[flags_at].text() : std::string_view();
   Regex* regex = Prepared(e, a[1], flags, context);
   if (regex == nullptr) return Value::Error();
-  // Each call may take so many instructions: the row after it is not waited for.
+  // Charged for each call, so that no row runs far beyond a limit.
   if (!context.Worked(static_cast<size_t>(regex->size()))) return Value::Error();
   if (e.builtin == Builtin::kRegex) {
     ContextGuard guard(context);

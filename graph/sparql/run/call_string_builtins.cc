@@ -16,8 +16,9 @@ using Type = Value::Type;
 
 namespace {
 
-// As text.find(part), whose time is the product of both lengths at worst ("aaa…" in "aaa…"), in linear time: glibc's memmem
-// is the Two-Way algorithm (Crochemore and Perrin 1991) for all but short parts, and prepares too long for short texts.
+// As text.find(part), whose worst-case time is the product of both lengths ("aaa…" in "aaa…"), but in linear
+// time. glibc's memmem is the Two-Way algorithm (Crochemore and Perrin 1991) for all but short parts; its
+// preparation is too slow for short texts.
 size_t Find(std::string_view text, std::string_view part) {
   constexpr size_t kShortText = 1024, kShortPart = 8;
   if (text.size() <= kShortText || part.size() <= kShortPart) return text.find(part);
@@ -30,7 +31,7 @@ bool IsContinuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
 }
 
-// A string with the language of `like`.
+// A string with the language tag of `like`.
 Value SameKind(const Value& like, std::string text) {
   if (like.type() == Type::kLangString)
     return Value::LangString(std::move(text), std::string(like.language()));
@@ -50,7 +51,7 @@ bool Holds(Builtin test, std::string_view text, std::string_view part) {
   return test == Builtin::kStrStarts ? text.starts_with(part) : text.ends_with(part);
 }
 
-// The text of a plain string that stands in the query or the dictionary.
+// The text of a plain string in the query or the dictionary.
 std::optional<std::string_view> PlainText(const PlanExpression& e, const TermId* row,
                                           const Dictionary& dictionary) {
   if (e.kind == Expression::Kind::kTerm && e.constant.type() == Type::kString) return e.constant.text();
@@ -67,7 +68,7 @@ int64_t LengthInCodePoints(std::string_view text) {
   return n;
 }
 
-// Code points from position `first` (1-based, may be outside) to before `last`, as fn:substring counts.
+// Code points from position `first` (1-based, may be outside) to before `last`, counted as in fn:substring.
 std::string Substring(std::string_view text, double first, double last) {
   std::string out;
   double position = 0;
@@ -130,7 +131,7 @@ std::string EncodeForUri(std::string_view text) {
 }  // namespace
 
 std::optional<bool> TestPlainTexts(const PlanExpression& e, const TermId* row, EvaluationContext& context) {
-  constexpr size_t kShort = 4096;  // bytes; of longer ones memory is asked for, as of all functions
+  constexpr size_t kShort = 4096;  // bytes; longer results are charged as memory, as for all functions
   const auto text = PlainText(*e.arguments[0], row, context.dictionary);
   if (!text) return std::nullopt;
   const auto part = PlainText(*e.arguments[1], row, context.dictionary);

@@ -1,4 +1,4 @@
-// Functions on terms, on numbers, and those that make new terms (SPARQL 1.1 sections 17.4.2 and 17.4.4).
+// Functions on terms and numbers, and functions that make new terms (SPARQL 1.1 sections 17.4.2 and 17.4.4).
 #include <cmath>
 #include <cstdio>
 
@@ -14,7 +14,7 @@ using Type = Value::Type;
 
 namespace {
 
-// fn:round of a float or double: half toward positive infinity; what rounds to zero from below, to negative zero
+// fn:round of a float or double: half toward positive infinity; results of zero from below are negative zero
 double RoundHalfUp(double x) {
   const double floor = std::floor(x);
   return std::copysign(x - floor >= 0.5 ? floor + 1 : floor, x);
@@ -59,7 +59,7 @@ std::string Uuid(EvaluationContext& context) {
   return buffer;
 }
 
-// "http://…" of an argument of IRI(), which may be relative to the query's base.
+// The IRI of an argument of IRI(), which may be relative to the query's base.
 Value MakeIri(const Value& v, EvaluationContext& context) {
   if (v.type() == Type::kIri) return v;
   if (v.type() != Type::kString) return Value::Error();
@@ -80,7 +80,7 @@ Value DatatypeOf(const Value& v, EvaluationContext& context) {
 }
 
 Value NewBlank(const std::vector<Value>& arguments, EvaluationContext& context) {
-  // Runs with different seeds never share a label: an update may store it.
+  // Runs with different seeds never share a label, because an update may store it.
   std::string label = "q" + std::to_string(context.seed) + "x";
   if (arguments.empty()) {
     label += "r" + std::to_string(context.Random());

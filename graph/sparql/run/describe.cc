@@ -10,10 +10,10 @@
 namespace docent::sparql {
 namespace {
 
-// The resources to be described, each once, in order.
+// The resources to describe, each once, in order.
 class Resources {
  public:
-  // False: beyond a limit of the query's memory.
+  // False: beyond the memory limit of the query.
   bool Add(TermId id, PreparedQuery& query) {
     if (!(id.IsIri() || id.IsBlank()) || !seen_.insert(id).second) return true;
     list_.push_back(id);
@@ -60,7 +60,7 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   bool any = false;
   const absl::Status status = prepared.Select(run, {}, [&](absl::Span<const TermId> row) {
     any = true;
-    // The IRIs alone need no more than one solution.
+    // For IRIs alone one solution is enough.
     return !columns.empty() && std::all_of(columns.begin(), columns.end(), [&](size_t column) {
       return resources.Add(row[column], prepared);
     });

@@ -1,4 +1,4 @@
-// DESCRIBE (SPARQL 1.1 section 16.4): what is known of the resources that a query names or finds. One thread.
+// DESCRIBE (SPARQL 1.1 section 16.4): descriptions of the resources that a query names or finds. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_DESCRIBE_H_
 #define DOCENT_GRAPH_SPARQL_RUN_DESCRIBE_H_
 
@@ -11,14 +11,14 @@
 namespace docent::sparql {
 
 // The concise bounded descriptions (CBD, W3C member submission of 3 June 2005, without reification) of the
-// query's resources in the data set's default graph: the triples that have them as subject, and those of
-// every blank node that is reached as an object. Distinct, without graph. `prepared` was made from `query`
-// with `options`. Errors as of a run; what it gives counts as memory of the run.
+// query's resources in the data set's default graph: the triples with a resource as subject, and the triples
+// of every blank node reached as an object. Distinct, without graph. `prepared` was made from `query` with
+// `options`. Errors as of a run; the result counts as memory of the run.
 absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Query& query,
                                                const Dictionary& dictionary, const PrepareOptions& options,
                                                const RunOptions& run);
 
-// The graph that a CONSTRUCT or DESCRIBE answers with.
+// The graph that answers a CONSTRUCT or DESCRIBE.
 absl::StatusOr<std::vector<TermQuad>> AnswerGraph(PreparedQuery& prepared, const Query& query,
                                                   const Dictionary& dictionary, const PrepareOptions& options,
                                                   const RunOptions& run);

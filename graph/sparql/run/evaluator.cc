@@ -15,7 +15,7 @@
 namespace docent::sparql {
 namespace {
 
-// A plan is made anew when the graph has grown or shrunk by this factor since: its counts say little then.
+// A plan is made again when the graph has grown or shrunk by this factor: its counts are then out of date.
 constexpr uint64_t kReplanFactor = 2;
 constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
 
@@ -24,7 +24,7 @@ const Term& DefaultGraphTerm() {
   return term;
 }
 
-// What PreparedQuery and PreparedExpression have in common: slots, constants, data set, context.
+// The common part of PreparedQuery and PreparedExpression: slots, constants, data set, context.
 class Program {
  public:
   Program(const Dictionary& dictionary, const PrepareOptions& options)
@@ -32,8 +32,8 @@ class Program {
         strict_(options.default_graph == DefaultGraph::kStrict),
         context(dictionary, options.functions, options.memory_bytes, options.all_memory) {}
 
-  // The constants that the dictionary did not have at first are looked for again when it has grown.
-  // True if one was found.
+  // Looks up constants that were not in the dictionary again when it has grown. True if one was
+  // found.
   bool ResolveConstants(absl::Span<const Term* const> terms) {
     const bool first = context.constants.size() != terms.size();
     if (!first && unresolved_.empty()) return false;
@@ -60,7 +60,7 @@ class Program {
     return unresolved_.size() != before;
   }
 
-  // The data set's graphs, whose numbers among the constants are given; `default_graph` counts where it is strict.
+  // Sets the data set's graphs, given as numbers of constants; `default_graph` is used only in strict mode.
   void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named,
                   int default_graph, int with = -1) {
     DatasetIds& d = context.dataset;
@@ -105,7 +105,7 @@ struct PreparedQuery::Impl {
   void Unplan();
   void Plan(const GraphVersion& version);
   absl::Status Begin(const RunOptions& run);
-  // Of a run, if there was one since the last End.
+  // Ends the current run, if there is one.
   void End();
 
   Query query;
@@ -123,15 +123,15 @@ struct PreparedQuery::Impl {
   size_t slots = 0;
   PlanNodePtr plan;  // lowered; arranged once `root` stands
   std::unique_ptr<Operator> root;
-  std::vector<TermId> ids;  // the rows:
+  std::vector<TermId> ids;  // of the current row:
   absl::Span<TermId> base, out, row;
   bool running = false;
-  bool begun = false;    // the operators may keep what a run made
+  bool begun = false;    // the operators may hold memory of a run
   bool measure = false;  // the next plan counts rows and time
 };
 
-// Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done
-// again.
+// Assigns slots and constants; leaves `plan` not arranged. The result is the same every time, so slots stay
+// valid when it is repeated.
 absl::Status PreparedQuery::Impl::Lower() {
   Lowering lowering(dictionary, options.functions);
   columns.clear();
@@ -156,12 +156,12 @@ absl::Status PreparedQuery::Impl::Lower() {
   return lowering.status();
 }
 
-// Back to the lowered form, from which arranging starts.
+// Returns to the lowered form, from which arranging starts.
 void PreparedQuery::Impl::Unplan() {
   if (!root) return;
   root = nullptr;
   begun = false;
-  Lower().IgnoreError();  // it was fine before
+  Lower().IgnoreError();  // it succeeded before
 }
 
 void PreparedQuery::Impl::Plan(const GraphVersion& version) {
@@ -305,8 +305,8 @@ absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermI
 
 namespace {
 
-// The label of a template's blank node in one solution: ".0" is the parser's own (for []), others are the
-// user's.
+// The label of a template's blank node in one solution. ".0" is a label of the parser (for []), others are
+// the user's.
 std::string TemplateLabel(const std::string& label, uint64_t solution) {
   const std::string number = std::to_string(solution);
   return label[0] == '.' ? "a" + number + "_" + label.substr(1) : "c" + number + "_" + label;

@@ -21,37 +21,37 @@ Value FromBool(std::optional<bool> value) {
   return value ? Value::Boolean(*value) : Value::Error();
 }
 
-// The operand without a copy where it is a constant.
+// The operand, without a copy if it is a constant.
 const Value& Operand(PlanExpression& e, const TermId* row, EvaluationContext& context, Value& scratch) {
   if (e.kind == Kind::kTerm) return e.constant;
   scratch = Evaluate(e, row, context);
   return scratch;
 }
 
-// None: the operand is to be evaluated.
+// kNone: the operand must be evaluated.
 TermId IdOf(const PlanExpression& e, const TermId* row) {
   return e.kind == Kind::kVariable ? row[e.slot] : e.kind == Kind::kTerm ? e.constant.id() : TermId();
 }
 
-// Ids that settle `=` without reading the terms: the same term (a literal may be NaN or invalid, so only
-// others), or two different IRIs.
+// Decides `=` by ids, without reading the terms, if possible: the same term (but not a literal, which may be
+// NaN or invalid), or two different IRIs.
 std::optional<bool> EqualByIds(const PlanExpression& a, const PlanExpression& b, const TermId* row) {
   const TermId x = IdOf(a, row), y = IdOf(b, row);
   if (x.IsIri() && y.IsIri()) return x == y;
   return std::nullopt;
 }
 
-// As EvaluationContext::Worked, of a comparison.
+// As EvaluationContext::Worked, for a comparison.
 bool WorkedOn(const Value& a, const Value& b, EvaluationContext& context) {
   return context.Worked(std::min(a.text().size(), b.text().size()));
 }
 
-// The operand's number where it is a constant or stands in the variable's id.
+// The operand's number, if it is a constant or lies in the variable's id.
 Number NumberOf(const PlanExpression& e, const TermId* row) {
   return e.kind == Kind::kVariable ? Number::Of(row[e.slot]) : Number::Of(e.constant);
 }
 
-// Of two numbers that stand there already, which most comparisons are about; nullopt: at least one is to be evaluated.
+// Compares two numbers that need no evaluation, the most common case; nullopt: one needs evaluation.
 std::optional<std::partial_ordering> CompareByIds(const PlanExpression& a, const PlanExpression& b,
                                                   const TermId* row) {
   if (const auto order = CompareExact(IdOf(a, row), IdOf(b, row))) return *order;
@@ -146,7 +146,7 @@ Value Negated(const Value& v) {
 
 Value CallFunction(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   const FunctionEntry* entry = context.functions ? context.functions->Find(e.term.lexical) : nullptr;
-  if (entry == nullptr) {  // the planner let through casts only
+  if (entry == nullptr) {  // the planner accepts casts only
     const Value value = Evaluate(*e.arguments[0], row, context);
     if (!context.Worked(value.text().size())) return Value::Error();
     return Cast(e.term.lexical, value).value_or(Value::Error());
@@ -161,7 +161,7 @@ Value CallFunction(PlanExpression& e, const TermId* row, EvaluationContext& cont
   return result.ok() ? context.ValueOf(context.Encode(*result)) : Value::Error();
 }
 
-constexpr size_t kLongText = 4096;  // bytes; what is shorter is not counted one by one
+constexpr size_t kLongText = 4096;  // bytes; shorter texts are not counted one by one
 
 Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   switch (e.builtin) {
@@ -183,7 +183,7 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
         for (size_t i = 0; i < e.values.size(); ++i) e.values[i] = e.arguments[i]->constant;
       }
       bool whole = true;
-      size_t text = 0, held = 0;  // of the arguments; of those that are long
+      size_t text = 0, held = 0;  // bytes of the arguments; of the long ones
       for (size_t i = 0; i < e.values.size() && whole; ++i) {
         if (e.arguments[i]->kind != Kind::kTerm) e.values[i] = Evaluate(*e.arguments[i], row, context);
         whole = !e.values[i].IsError();
@@ -193,7 +193,7 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
         held += owned;
         whole = context.Charge(owned) && whole;
       }
-      // No function but REPLACE, which looks itself, makes more than three times its arguments.
+      // No function except REPLACE, which checks itself, makes more than three times its arguments.
       whole = whole && context.Worked(text) && (text <= kLongText || context.HasRoom(3 * text));
       Value result = whole ? CallBuiltin(e, e.values, context) : Value::Error();
       if (held == 0) return result;

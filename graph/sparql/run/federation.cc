@@ -24,7 +24,7 @@ class Resolver {
            const PrepareOptions& options, const RunOptions& run)
       : query_(query), client_(client), dictionary_(dictionary), options_(options), run_(run) {}
 
-  // `beside`: patterns that `*a` is joined with, without SERVICE in them.
+  // `beside`: the patterns joined with `*a`, without SERVICE in them.
   absl::Status Resolve(AlgebraPtr* a, const std::vector<const Algebra*>& beside) {
     Algebra& node = **a;
     if (node.kind == Kind::kService) return Ask(a, beside);
@@ -101,7 +101,7 @@ class Resolver {
                                             ": ", status.message()));
   }
 
-  // SELECT of the pattern, alone: an endpoint knows none of our prefixes.
+  // The pattern as a SELECT, without prefixes: the endpoint does not know ours.
   static std::string TextOf(const Algebra& service, const std::vector<Variable>& variables) {
     std::string head = "SELECT";
     for (const Variable& v : variables) head += " ?" + v.name;
@@ -121,7 +121,7 @@ class Resolver {
       for (const size_t column : columns) {
         row.push_back(column < given.size() ? given[column] : std::nullopt);
         std::optional<Term>& term = row.back();
-        // Its blank nodes are none of ours.
+        // Blank nodes of the endpoint differ from all of ours.
         if (term && term->IsBlank())
           term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "_", term->lexical);
       }
@@ -131,7 +131,7 @@ class Resolver {
     }
   }
 
-  // The IRIs that the patterns beside a SERVICE ?x give its ?x.
+  // The IRIs that the patterns joined with SERVICE ?x bind to ?x.
   absl::StatusOr<std::vector<std::string>> EndpointsOf(const Variable& variable,
                                                        const std::vector<const Algebra*>& beside) {
     Query query;

@@ -1,6 +1,6 @@
-// SERVICE (SPARQL 1.1 Federated Query): the parts of a query that other endpoints answer. They are asked
-// before the query is planned, and their answers take their places as VALUES, so that planner and operators
-// know nothing of it.
+// SERVICE (SPARQL 1.1 Federated Query): the parts of a query that other endpoints answer. They are queried
+// before the query is planned, and their answers replace them as VALUES, so planner and operators do not see
+// SERVICE at all.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_FEDERATION_H_
 #define DOCENT_GRAPH_SPARQL_RUN_FEDERATION_H_
 
@@ -20,13 +20,13 @@ struct ServiceAnswer {
   std::vector<std::vector<std::optional<Term>>> rows;  // a term for each variable
 };
 
-// Asks endpoints. Any thread.
+// Client for other endpoints. Any thread.
 class ServiceClient {
  public:
   virtual ~ServiceClient() = default;
-  // The rows of a SELECT. `silent`: the query goes on without them, so time is left for it. PERMISSION_DENIED for an
-  // endpoint that is not allowed, UNKNOWN (the endpoint fails), DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED (an answer beyond a
-  // limit, named).
+  // The rows of a SELECT. `silent`: the query goes on without them, so some time is kept for it.
+  // PERMISSION_DENIED for an endpoint that is not allowed, UNKNOWN (the endpoint fails), DEADLINE_EXCEEDED,
+  // RESOURCE_EXHAUSTED (an answer beyond a limit, named).
   virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
                                                bool silent, Cancellation* cancellation) = 0;
 };
@@ -34,13 +34,13 @@ class ServiceClient {
 bool HasService(const Query& query);
 bool HasService(const Update& update);
 
-// Replaces each SERVICE in `query` by its endpoint's answer. SERVICE ?x is asked at each IRI that the
-// patterns joined with it give ?x in `run`'s version. SILENT turns a failure into one empty solution; without
-// it the error names the endpoint and the place. `client` null: no endpoint is allowed.
+// Replaces each SERVICE in `query` by its endpoint's answer. SERVICE ?x is sent to each IRI that the patterns
+// joined with it bind to ?x in `run`'s version. SILENT turns a failure into one empty solution; without it
+// the error names the endpoint and the place. `client` null: no endpoint is allowed.
 absl::Status ResolveServices(Query* query, ServiceClient* client, const Dictionary& dictionary,
                              const PrepareOptions& options, const RunOptions& run);
-// Those in the WHERE of each operation; what an operation's endpoints are is decided on the version before
-// the update.
+// The same for the WHERE of each operation; the endpoints of an operation are determined on the version
+// before the update.
 absl::Status ResolveServices(Update* update, ServiceClient* client, const Dictionary& dictionary,
                              const PrepareOptions& options, const RunOptions& run);
 

@@ -1,9 +1,9 @@
-// Basic graph patterns: nested lookups, one level a pattern, each filter at the first level that binds what it reads. A level
-// looks up the index, and goes over to a hash table of its pattern's matches where the lookups that are still to come cost
-// more than the table, and those that were made not much less: so it is at worst a few times dearer than the better of the
-// two, whatever the estimate was.
-// Lookups with rising keys walk along the index instead of descending (QuadTree::Iterator::Restart), which is what a merge
-// join does. And GRAPH over anything that is not a basic graph pattern.
+// Operator of basic graph patterns: nested lookups, one level for each pattern, each filter at the first
+// level that binds its variables. A level looks up the index. It switches to a hash table of its pattern's
+// matches when the lookups still to come cost more than the table, and the lookups made so far nearly as
+// much: so the cost is at worst a few times that of the better method, whatever the estimate was.
+// Lookups with rising keys walk along the index instead of descending (QuadTree::Iterator::Restart), as in a
+// merge join. Also here: GRAPH over other patterns.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -17,12 +17,12 @@
 namespace docent::sparql {
 namespace {
 
-// An index lookup costs about as much as putting so many matches into a table (measured with `docent-bench kb`): one beside
-// the last one, and one that descends the tree.
+// An index lookup costs about as much as putting this many matches into a table (measured with `docent-bench
+// kb`): a lookup beside the last one, and one that descends the tree.
 constexpr double kMatchesALookup = 1, kMatchesADescent = 6;
-// What a table may cost for each lookup that was made, since the estimate of those to come may be wrong.
+// Allowed cost of a table for each lookup made so far, since the estimate of further lookups may be wrong.
 constexpr double kMatchesALookupMade = 8;
-constexpr uint64_t kFewLookups = 3;  // below, a table is never worth it
+constexpr uint64_t kFewLookups = 3;  // below this number a table never pays
 
 class BgpOperator final : public Operator {
  public:
@@ -76,7 +76,7 @@ class BgpOperator final : public Operator {
     return Match(&levels_.back(), fresh) ? Emit(out) : Done();
   }
 
-  // The matches of the last pattern need not be made.
+  // Counts the matches of the last pattern without producing them.
   uint64_t Count(TermId* scratch) override {
     if (state_ != State::kFresh || levels_.empty() || !levels_.back().filters.empty())
       return Operator::Count(scratch);
@@ -94,15 +94,15 @@ class BgpOperator final : public Operator {
   struct Level {
     PlanPattern* pattern = nullptr;
     PatternScan scan;
-    std::unique_ptr<PatternTable> table;   // null: there was none yet
-    std::vector<PlanExpression*> filters;  // once it has a match
-    double expected = 0;                   // lookups of one start
+    std::unique_ptr<PatternTable> table;   // null: not built yet
+    std::vector<PlanExpression*> filters;  // evaluated on each match
+    double expected = 0;                   // expected lookups of one start
     uint64_t lookups = 0;                  // of the index in this run
-    bool tried = false;                    // there may be a table
-    bool hashed = false;                   // it is open, not `scan`
+    bool tried = false;                    // a table was attempted and may exist
+    bool hashed = false;                   // the table is open, not `scan`
   };
 
-  // The next match of the patterns up to `last`.
+  // Moves to the next match of the patterns up to `last`.
   bool Match(Level* last, bool fresh) {
     Level* const first = &levels_.front();
     Level* now = fresh ? first : last;
@@ -138,7 +138,7 @@ class BgpOperator final : public Operator {
     if (!level.hashed && ++level.lookups > kFewLookups && TablePays(level)) {
       level.tried = true;
       if (!level.table) level.table = std::make_unique<PatternTable>();
-      level.lookups = 0;  // where there can be no table, it is tried again much later
+      level.lookups = 0;  // no table possible: try again much later
       level.hashed = level.table->Build(pattern, row_.data(), row_.size(), context_);
       pattern.hashed = level.hashed;
     }
@@ -151,7 +151,7 @@ class BgpOperator final : public Operator {
 
   static bool TablePays(const Level& level) {
     const double made = static_cast<double>(level.lookups);
-    const double to_come = std::abs(level.expected - made);  // far beyond the estimate: about as many again
+    const double to_come = std::abs(level.expected - made);  // far beyond the estimate: as many again
     const double descending = std::min(1.0, static_cast<double>(level.scan.descents()) / made);
     const double lookup = kMatchesALookup + (kMatchesADescent - kMatchesALookup) * descending;
     return made * kMatchesALookupMade > level.pattern->matches && to_come * lookup > level.pattern->matches;
@@ -177,7 +177,7 @@ class BgpOperator final : public Operator {
   EvaluationContext& context_;
   std::vector<TermId> row_;
   std::vector<Level> levels_;
-  std::vector<PlanExpression*> filters_;  // before the first pattern
+  std::vector<PlanExpression*> filters_;  // evaluated before the first pattern
   State state_ = State::kDone;
 };
 

@@ -15,8 +15,8 @@ using Function = Aggregate::Function;
 
 namespace {
 
-// One aggregate of one group. COUNT, SUM, AVG, MIN and MAX give the same term in whatever order the rows come: the rules
-// take a total away by making it anew.
+// One aggregate of one group. COUNT, SUM, AVG, MIN and MAX give the same term for any order of rows: the
+// rules retract a total by computing it again.
 class Accumulator {
  public:
   void Add(PlanNode::AggregatePlan& plan, const TermId* row, const std::vector<TermId>& whole_row,
@@ -74,7 +74,7 @@ class Accumulator {
     }
   }
 
-  // As Add of so many rows, of what CountsRows.
+  // Adds `rows` rows, for an aggregate of CountsRows.
   void AddRows(uint64_t rows) { count_ += static_cast<int64_t>(rows); }
 
   Value Result(const PlanNode::AggregatePlan& plan) const {
@@ -98,7 +98,7 @@ class Accumulator {
     if (value.owned_bytes() > 0) kept.Add(value.owned_bytes(), context);
     best_ = std::move(value);
   }
-  // Counts and sums of ids need no value. False: this one does.
+  // Counts and sums of ids need no value. False: this aggregate needs the value.
   bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context, KeptMemory& kept) {
     const bool counts = plan.function == Function::kCount && !id.IsNone();
     const bool sums = (plan.function == Function::kSum || plan.function == Function::kAvg) &&
@@ -118,7 +118,7 @@ class Accumulator {
     all.Add(exact.AsDouble());
     return widest_ == Value::Type::kFloat ? Value::Float(all.Result()) : Value::Double(all.Result());
   }
-  // Equal values of different terms (1 and 1.0) by term.
+  // Orders equal values of different terms (1 and 1.0) by term.
   static int Order(const Value& a, const Value& b) {
     const int order = CompareForOrder(a, b);
     if (order != 0 || (!a.id().IsNone() && a.id() == b.id())) return order;
@@ -143,7 +143,7 @@ class Accumulator {
   std::optional<RowSet> seen_;
 };
 
-// COUNT(*), and COUNT(?x) of what is bound in every row of `child`.
+// True for COUNT(*), and for COUNT(?x) if ?x is bound in every row of `child`.
 bool CountsRows(const PlanNode::AggregatePlan& plan, const PlanNode& child) {
   if (plan.function != Function::kCount || plan.distinct) return false;
   return !plan.expression || (plan.expression->kind == Expression::Kind::kVariable &&
@@ -218,8 +218,7 @@ class GroupOperator final : public Operator {
     }
     const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
                                     [](const auto& a) { return a.distinct && !a.expression; });
-    Accumulator* group =
-        nullptr;  // of the row before: rows of a group often come together, as the index has them
+    Accumulator* group = nullptr;  // of the row before: rows of a group are often adjacent in the index
     while (child_->Next(row.data()) && context_.Poll()) {
       for (size_t i = 0; i < key.size(); ++i)
         key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
@@ -234,11 +233,11 @@ class GroupOperator final : public Operator {
         }
       }
     }
-    // Without GROUP BY there is one group even of nothing (section 18.5.1, Group with a constant key).
+    // Without GROUP BY there is one group even for no rows (section 18.5.1, Group with a constant key).
     if (groups_.empty() && node_.keys.empty()) GroupOf(key);
   }
 
-  // Its accumulators, one for each aggregate.
+  // The group's accumulators, one for each aggregate.
   Accumulator* GroupOf(const std::vector<TermId>& key) {
     const auto [number, added] = keys_.Insert(key.data());
     last_ = number;
@@ -256,10 +255,10 @@ class GroupOperator final : public Operator {
   std::vector<int> all_;
   RowSet keys_;                    // of the groups, by number
   std::vector<char> counts_rows_;  // each aggregate: CountsRows
-  const bool counts_;              // how many rows there are is all that matters
+  const bool counts_;              // only the number of rows matters
   std::vector<std::vector<Accumulator>> groups_;
   KeptMemory kept_;
-  uint32_t last_ = 0;  // group that a row went to last
+  uint32_t last_ = 0;  // group of the last row
   size_t next_ = 0;
   bool collected_ = false;
 };

@@ -1,5 +1,5 @@
-// Joins: Join, LeftJoin and Minus of SPARQL 1.1 section 18.5, each as a loop over the left rows (the right
-// side is started with each) and by hash (the right side is run once, from the base row, and kept).
+// Operators of Join, LeftJoin and Minus (SPARQL 1.1 section 18.5), each as a loop over the left rows (the
+// right side is started for each) and by hash (the right side is run once, from the base row, and kept).
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -100,7 +100,7 @@ class LoopMinus final : public Operator {
   const TermId* base_;
 };
 
-// The rows of a plan, run from the base row and kept; found by the slots that both sides bind for certain.
+// Kept rows of a plan that ran from the base row, indexed by the slots that both sides bind for certain.
 class RowTable {
  public:
   RowTable(PlanNode& node, const SlotSet& left_certain, const BuildContext& build)
@@ -112,7 +112,7 @@ class RowTable {
         keys_(left_certain.And(node.certain).List()),
         depends_on_(node.mentions.List()) {}
 
-  // Runs the plan unless its rows are known for this base.
+  // Runs the plan unless the rows for this base are already kept.
   void Fill() {
     std::vector<TermId> now;
     now.reserve(depends_on_.size());
@@ -133,7 +133,7 @@ class RowTable {
     }
     if (!context_.status.ok()) filled_ = false;
   }
-  // The numbers of the rows whose key is that of `row`.
+  // The numbers of the rows with the same key as `row`.
   const std::vector<uint32_t>* Find(const TermId* row) const {
     const auto it = by_key_.find(KeyOf(row));
     return it == by_key_.end() ? nullptr : &it->second;

@@ -1,6 +1,6 @@
-// ORDER BY (SPARQL 1.1 section 15.1). Keys that are variables are compared by their ids where these tell the order; with a
-// limit, some more rows than the first ones are kept, then all but the first cut off, so that a row costs a few comparisons
-// in whatever order they come, and one that comes after the first little more than a look at its first key.
+// ORDER BY (SPARQL 1.1 section 15.1). Variable keys are compared by id if that decides the order. With a
+// limit, somewhat more rows than needed are kept and then cut to the first ones. A row thus costs a few
+// comparisons in any input order, and a row after the last kept one little more than a look at its first key.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,8 @@
 namespace docent::sparql {
 namespace {
 
-// What may be kept beyond the first rows before these are chosen: so many rows and so many bytes of keys, or half of what the
-// first have, so that what a cut costs is shared by rows in proportion.
+// Surplus that may be kept before a cut: this many rows and bytes of keys, or half of the size of the first
+// rows, so that the cost of a cut is shared by a proportional number of rows.
 constexpr size_t kSurplusRows = 64;
 constexpr size_t kSurplusBytes = 64 << 10;
 
@@ -65,9 +65,9 @@ class OrderByOperator final : public Operator {
   };
   struct Row {
     std::vector<TermId> slots;
-    // Empty until one is needed. Those of variables are evaluated when their ids do not tell the order.
+    // Empty until one is needed. Values of variables are computed only if their ids do not decide the order.
     std::vector<Value> keys;
-    uint64_t number = 0;  // rows that are equal keep their order
+    uint64_t number = 0;  // equal rows keep their order
     size_t counted = 0;   // bytes of keys, in kept_
     bool stays = false;   // it is in rows_
   };
@@ -84,7 +84,7 @@ class OrderByOperator final : public Operator {
     if (node_.limit == uint64_t{0}) return;
     const size_t most =
         node_.limit ? *node_.limit + std::max<size_t>(kSurplusRows, *node_.limit / 2) : ~size_t{0};
-    Row* last = nullptr;  // of the first rows; those that come after it need not be kept
+    Row* last = nullptr;  // of the first rows; rows after it are not kept
     Row* row = NewRow();
     for (uint64_t number = 0; child_->Next(row->slots.data()) && context_.Poll(); ++number) {
       row->number = number;
@@ -101,12 +101,12 @@ class OrderByOperator final : public Operator {
       row = NewRow();
     }
     if (node_.limit && rows_.size() > *node_.limit) Cut();
-    // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
+    // A cancelled sort continues with "all equal", which ends it soon and is safe for a merge sort.
     std::stable_sort(rows_.begin(), rows_.end(),
                      [&](Row* a, Row* b) { return context_.Poll() && Before(*a, *b); });
   }
 
-  // Only the first rows, as many as are asked for, stay. Their last.
+  // Keeps only the first rows, as many as are needed. Returns the last of them.
   Row* Cut() {
     const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(*node_.limit);
     std::nth_element(rows_.begin(), end - 1, rows_.end(), [this](Row* a, Row* b) { return Before(*a, *b); });
@@ -122,7 +122,7 @@ class OrderByOperator final : public Operator {
     return rows_.back();
   }
 
-  // Of a row that stays, the keys that it has got since.
+  // Counts the keys that a kept row has got since.
   bool CountKeys(Row& row) {
     if (row.keys.empty()) return true;
     size_t bytes = row.keys.size() * sizeof(Value);
@@ -131,7 +131,7 @@ class OrderByOperator final : public Operator {
     return kept_.Add(bytes - std::exchange(row.counted, bytes), context_);
   }
 
-  // A row whose keys go, and with them what was counted of them but for their places, which stay with the row.
+  // Drops the keys of a row and releases their memory; the key slots themselves stay with the row.
   void ForgetKeys(Row& row) {
     for (Value& key : row.keys) key = Value();
     const size_t places = std::min(row.counted, row.keys.size() * sizeof(Value));
@@ -147,7 +147,7 @@ class OrderByOperator final : public Operator {
     }
     Row& row = memory_.emplace_back();
     row.slots.resize(width_);
-    kept_.Add(sizeof(Row) + width_ * sizeof(TermId), context_);  // beyond the limit, the next Poll tells
+    kept_.Add(sizeof(Row) + width_ * sizeof(TermId), context_);  // beyond the limit: the next Poll fails
     return &row;
   }
 
@@ -156,7 +156,7 @@ class OrderByOperator final : public Operator {
     row.keys[i] = Evaluate(*keys_[i].expression, row.slots.data(), context_);
   }
 
-  // All but those of variables.
+  // Evaluates all keys except those of variables.
   void EvaluateKeys(Row& row, size_t from) {
     for (size_t i = from; i < keys_.size(); ++i) {
       if (keys_[i].slot < 0) EvaluateKey(row, i);
@@ -171,7 +171,7 @@ class OrderByOperator final : public Operator {
     return row.keys[i];
   }
 
-  // By one key: negative where `a` stands first.
+  // Compares one key: negative if `a` comes first.
   int CompareKeys(Row& a, Row& b, size_t i) {
     const Key& key = keys_[i];
     const auto by_ids = key.slot >= 0
@@ -181,8 +181,8 @@ class OrderByOperator final : public Operator {
     return key.descending ? -order : order;
   }
 
-  // The same as Before, of a row without keys that comes after `last`; it gets them if it goes before. Most do not, and the
-  // first key tells.
+  // As Before, for a row without keys that usually comes after `last`; evaluates its keys if it comes before.
+  // Mostly the first key decides.
   bool GoesBefore(Row& row, Row& last) {
     for (size_t i = 0; i < keys_.size(); ++i) {
       if (keys_[i].slot < 0) EvaluateKey(row, i);
@@ -198,7 +198,7 @@ class OrderByOperator final : public Operator {
     const int order = CompareKeys(a, b, 0);
     return order != 0 ? order < 0 : BeforeByMore(a, b);
   }
-  // Where the first key does not tell.
+  // Compares the further keys if the first does not decide.
   bool BeforeByMore(Row& a, Row& b) {
     for (size_t i = 1; i < keys_.size(); ++i) {
       if (const int order = CompareKeys(a, b, i)) return order < 0;
@@ -214,7 +214,7 @@ class OrderByOperator final : public Operator {
   std::deque<Row> memory_;
   KeptMemory kept_;
   std::vector<Row*> rows_;
-  std::vector<Row*> spare_;   // rows of memory_ to be used again
+  std::vector<Row*> spare_;   // unused rows of memory_
   size_t surplus_bytes_ = 0;  // of keys, counted since the last cut
   size_t first_bytes_ = 0;    // of the keys of the first rows, at the last cut
   size_t next_ = 0;

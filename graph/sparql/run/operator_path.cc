@@ -1,7 +1,7 @@
-// Property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1 section 18.4
-// and 9.3). What is reachable from a node is found by breadth-first search; a node is visited once, and closures inside
-// closures are one: (p*|q+)* steps as (p|q)* does. Between two known nodes the search goes from both ends, the smaller
-// frontier first; between two unknown ones it begins where the path can begin.
+// Operator of property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1
+// section 18.4 and 9.3). Breadth-first search finds the reachable nodes and visits each once. Nested closures
+// are one closure: (p*|q+)* steps as (p|q)* does. Between two known nodes the search goes from both ends, the
+// smaller frontier first; between two unknown ones it begins at the nodes where the path can begin.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -16,7 +16,7 @@ using Kind = Path::Kind;
 
 namespace {
 
-// Nodes in the order in which they were found. Their memory is counted as long as they are kept.
+// Nodes in the order of discovery. Their memory is charged as long as they are kept.
 class Nodes {
  public:
   enum class Repeats { kKept, kLeftOut };
@@ -33,7 +33,7 @@ class Nodes {
   }
   ~Nodes() { kept_.LetGo(*context_); }
 
-  // False for a repeat that is left out, and where the run ends for want of memory.
+  // False for a repeated node, or if the memory limit ends the run.
   bool Add(TermId id) {
     if (distinct_ && !seen_.insert(id).second) return false;
     if (!kept_.Add((distinct_ ? 3 : 1) * sizeof(TermId), *context_)) return false;
@@ -78,8 +78,8 @@ class PathOperator final : public Operator {
       starts_ = Nullable(*node_.path) ? AllNodes() : Beginnings(*node_.path, true, 0);
     } else {
       const TermId start = forward_ ? from_ : to_;
-      // Between two variables a path of length zero leads from a node of the graph to itself, and from
-      // nothing else.
+      // Between two variables a path of length zero leads from each node of the graph to itself, and only
+      // there.
       const bool variables = node_.subject.slot >= 0 && node_.object.slot >= 0;
       if (!variables || IsNode(start)) starts_.Add(start);
     }
@@ -124,7 +124,7 @@ class PathOperator final : public Operator {
   Nodes List() { return Nodes(Nodes::Repeats::kKept, &context_); }
   Nodes Distinct() { return Nodes(Nodes::Repeats::kLeftOut, &context_); }
 
-  // Calls `visit(subject, predicate, object)` for each triple that fits; none is a wildcard.
+  // Calls `visit(subject, predicate, object)` for each matching triple; kNone is a wildcard.
   template <typename Visit>
   void ForTriples(TermId subject, TermId predicate, TermId object, Visit visit) {
     TermId row[4] = {subject, predicate, object, graph_};
@@ -139,7 +139,7 @@ class PathOperator final : public Operator {
     return scan.Next(row);
   }
 
-  // How many IRIs `path` holds: the constants of a path stand in the order of its IRIs.
+  // Number of IRIs in `path`: the constants of a path are in the order of its IRIs.
   static int IriCount(const Path& path) {
     int count = path.kind == Kind::kIri ? 1 : 0;
     for (const Path& child : path.children) count += IriCount(child);
@@ -147,8 +147,8 @@ class PathOperator final : public Operator {
   }
   TermId Constant(int number) const { return context_.constants[node_.path_constants[number]]; }
 
-  // The nodes that `path` leads to from `node` (against its direction if not forward). `first`: number of its
-  // first IRI.
+  // The nodes that `path` reaches from `node` (backwards if not forward). `first`: number of its first
+  // IRI.
   Nodes Expand(const Path& path, TermId node, bool forward, int first) {
     Nodes out = List();
     if (!context_.Poll()) return out;
@@ -205,7 +205,7 @@ class PathOperator final : public Operator {
   static bool IsClosure(const Path& path) {
     return path.kind == Kind::kZeroOrMore || path.kind == Kind::kOneOrMore;
   }
-  // Whether the path leads from each node to itself.
+  // True if the path leads from each node to itself.
   static bool Nullable(const Path& path) {
     switch (path.kind) {
       case Kind::kZeroOrMore:
@@ -223,7 +223,7 @@ class PathOperator final : public Operator {
     }
   }
 
-  // One step of a closure over `path`: closures inside it are stepped through, too.
+  // One step of a closure over `path`; closures inside it are stepped through, too.
   Nodes Step(const Path& path, TermId node, bool forward, int first) {
     switch (path.kind) {
       case Kind::kZeroOrMore:
@@ -259,10 +259,10 @@ class PathOperator final : public Operator {
     return out;
   }
 
-  // Whether a closure leads from one node to another.
+  // True if a closure leads from one node to another.
   bool Reaches(const Path& path, TermId from, TermId to) {
     if (from == to && Nullable(path)) return true;
-    // From the front and from the back; the frontier of a side is what follows `next`.
+    // Forward and backward search; a side's frontier is the part from `next` on.
     Nodes seen[2] = {Distinct(), Distinct()};
     size_t next[2] = {0, 0};
     for (const TermId id : Step(path, from, true, 0)) seen[0].Add(id);
@@ -280,7 +280,7 @@ class PathOperator final : public Operator {
     return found && context_.status.ok();
   }
 
-  // Nodes that `path`, which is not nullable, can lead away from (to, if not forward); maybe a few more.
+  // Nodes where the path, which is not nullable, can begin (end, if not forward); possibly a few more.
   Nodes Beginnings(const Path& path, bool forward, int first) {
     Nodes out = Distinct();
     switch (path.kind) {

@@ -1,5 +1,5 @@
-// The choice of operator for a plan node, and the simple operators: filter, union, extend, values, distinct,
-// slice.
+// Construction of operators from plan nodes, and the simple operators: filter, union, extend, values,
+// distinct, slice.
 #include "graph/sparql/run/operators.h"
 
 #include <algorithm>
@@ -116,7 +116,7 @@ class ExtendOperator final : public Operator {
     while (child_->Next(out)) {
       if (!context_.Poll()) return false;
       const TermId id = EvaluateToId(*node_.expression, out, context_);
-      if (id.IsNone()) return true;  // an error: the variable stays as it is
+      if (id.IsNone()) return true;  // an error: the variable keeps its value
       TermId& slot = out[node_.slot];
       if (!slot.IsNone() && slot != id) continue;
       slot = id;
@@ -240,7 +240,7 @@ class SliceOperator final : public Operator {
   std::optional<uint64_t> left_;
 };
 
-// Any operator, with its rows counted and its time taken.
+// Wrapper of any operator that counts its rows and measures its time.
 class MeasuredOperator final : public Operator {
  public:
   MeasuredOperator(PlanNode& node, std::unique_ptr<Operator> inner) : node_(node), inner_(std::move(inner)) {}
@@ -320,7 +320,7 @@ std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build)
     case Kind::kSlice:
       return std::make_unique<SliceOperator>(node, build);
     default:
-      return BuildOperator(*node.children[0], build);  // kProject: what it hides has slots of its own
+      return BuildOperator(*node.children[0], build);  // kProject: hidden variables have slots of their own
   }
 }
 

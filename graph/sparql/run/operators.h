@@ -1,4 +1,4 @@
-// The operators that run a plan: pull iterators over rows of slots. One thread.
+// Operators that run a plan: pull iterators over rows of slots. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_OPERATORS_H_
 #define DOCENT_GRAPH_SPARQL_RUN_OPERATORS_H_
 
@@ -11,27 +11,27 @@
 namespace docent::sparql {
 
 // Gives the solutions of its plan node that are compatible with an input row, merged with it. After an error
-// of the context (cancelled, limit) Next returns false soon; whoever pulls looks at context.status before it
-// believes the end.
+// of the context (cancelled, limit) Next soon returns false; the caller checks context.status before it takes
+// that as the end.
 class Operator {
  public:
   virtual ~Operator() = default;
-  // Begins anew with `in`, a row of all slots; copied. May be called at any time.
+  // Restarts with `in`, a row of all slots; copied. May be called at any time.
   virtual void Start(const TermId* in) = 0;
   // The next solution into `out`, a row of all slots. False: there is none; `out` then has no meaning.
   virtual bool Next(TermId* out) = 0;
-  // How many solutions are still to come; then there are none. `scratch` is a row of all slots.
+  // Number of remaining solutions; consumes them. `scratch` is a row of all slots.
   virtual uint64_t Count(TermId* scratch) {
     uint64_t count = 0;
     while (Next(scratch)) ++count;
     return count;
   }
-  // The run has ended, or another begins: what was kept must go, and its memory with it.
+  // Called when the run ends or another begins: drops kept rows and releases their memory.
   virtual void Forget() {}
 };
 
-// What building needs. `base` is the row that begins the plan this operator belongs to: the initial bindings,
-// or the row for which EXISTS is asked. Operators that run an operand once and keep its rows begin it with
+// Arguments of building. `base` is the row that begins the plan of this operator: the initial bindings, or
+// the row on which EXISTS is evaluated. Operators that run an operand once and keep its rows start it with
 // that row.
 struct BuildContext {
   EvaluationContext* context;
@@ -54,11 +54,11 @@ std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build)
 std::unique_ptr<Operator> BuildPath(PlanNode& node, const BuildContext& build);
 // Builds the operators of the EXISTS in an expression.
 void PrepareExpression(PlanExpression& e, const BuildContext& build);
-// A new run: they forget what they kept of the run before, which may have been on another version.
+// A new run begins: drops rows kept from the run before, which may have been on another version.
 void ForgetExpression(PlanExpression& e);
 
-// True if the two rows agree wherever both are bound at `slots`; then `out` (a copy of `a`) gets what `b` has
-// besides.
+// True if the two rows agree wherever both are bound at `slots`; `out` (a copy of `a`) then also gets the
+// bindings of `b`.
 bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out);
 
 }  // namespace docent::sparql

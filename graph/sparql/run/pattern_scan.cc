@@ -52,7 +52,7 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
   context_ = &context;
   valid_ = false;
   unsigned bound = 0;
-  bool known = true;  // to the store, every term
+  bool known = true;  // all terms are known to the store
   const auto value = [&](const PlanTerm& term, unsigned bit) {
     const TermId id = term.slot < 0 ? context.constants[term.constant] : row[term.slot];
     bound |= id.IsNone() ? 0 : bit;

@@ -5,7 +5,7 @@
 namespace docent::sparql {
 namespace {
 
-constexpr size_t kMoreMatches = 64;  // than were counted
+constexpr size_t kMoreMatches = 64;  // tolerated beyond the count
 
 // The slots of a pattern, each once.
 std::vector<int> SlotsOf(const PlanPattern& pattern) {
@@ -55,7 +55,7 @@ bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots, 
     }
     for (const int slot : value_slots_) values_.push_back(match[slot]);
     if (next_.size() <= matches) continue;
-    // They were counted in an older version.
+    // The matches were counted in an older version.
     if (next_.size() > 2 * matches + kMoreMatches || !context.MayKeep(bytes)) {
       pattern.matches = 2 * static_cast<double>(next_.size());
       kept_.LetGo(context);

@@ -1,5 +1,5 @@
-// The matches of one pattern's constants in a hash table, by the values of the slots that rows before it bind: what a level
-// of a basic graph pattern turns to when it has looked up the index so often that the table costs less. One thread.
+// Hash table of the matches of one pattern's constants, by the values of the slots that earlier patterns
+// bind. A level of a basic graph pattern uses it after many index lookups. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_PATTERN_TABLE_H_
 #define DOCENT_GRAPH_SPARQL_RUN_PATTERN_TABLE_H_
 
@@ -15,13 +15,13 @@ namespace docent::sparql {
 
 class PatternTable {
  public:
-  // True if the table is there and its keys are the pattern's slots that are bound in `row`.
+  // True if the table is built and its keys are the pattern's slots that are bound in `row`.
   bool Fits(const TermId* row) const;
-  // Makes it for those slots. False, and there is no table, where it would take much of the query's memory, where the
-  // pattern has no bound slot, where it has far more matches than when they were counted (pattern.matches then grows), or
-  // where the evaluation must end.
+  // Builds it for those slots. False, and there is no table, if it would take much of the query's memory, if
+  // the pattern has no bound slot, if it has far more matches than counted (pattern.matches is then raised),
+  // or if the evaluation must end.
   bool Build(PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context);
-  // Usage as PatternScan's. Requires Fits.
+  // Used as PatternScan. Requires Fits.
   void Open(const TermId* row);
   bool Next(TermId* row, EvaluationContext& context);
   void Forget();
@@ -40,7 +40,7 @@ class PatternTable {
   uint32_t at_ = kEnd;
   KeptMemory kept_;
   bool ready_ = false;
-  bool given_ = false;  // the row holds values of this table
+  bool given_ = false;  // the row holds values from this table
 };
 
 }  // namespace docent::sparql

@@ -1,5 +1,5 @@
-// Rows of a fixed number of ids, each kept once, found by hash: what DISTINCT, GROUP BY and hash joins look rows up in.
-// One flat array, no allocation a row. One thread.
+// Set of rows with a fixed number of ids, found by hash; used by DISTINCT, GROUP BY and hash joins. One flat
+// array, no allocation for each row. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_ROW_SET_H_
 #define DOCENT_GRAPH_SPARQL_RUN_ROW_SET_H_
 
@@ -14,7 +14,7 @@
 
 namespace docent::sparql {
 
-// Empties it, and gives its memory back unless that is little: who begins anew for each row asks for it again.
+// Clears the vector, and frees its memory unless it is small: operators that restart for each row reuse it.
 template <typename T>
 void Empty(std::vector<T>* values) {
   constexpr size_t kLittle = 4096;  // bytes
@@ -53,12 +53,12 @@ class RowSet {
       if (Is(at - 1, row)) return at - 1;
     }
   }
-  // Makes room for so many rows.
+  // Reserves space for `rows` rows.
   void Reserve(size_t rows) {
     cells_.reserve(rows * width_);
     if (rows * 2 > heads_.size()) Rehash(std::bit_ceil(rows * 2));
   }
-  // Whether the row of that number is the same.
+  // True if row `number` equals `row`.
   bool Is(uint32_t number, const TermId* row) const {
     const TermId* const cells = Row(number);
     for (size_t i = 0; i < width_; ++i) {
@@ -68,7 +68,7 @@ class RowSet {
   }
   const TermId* Row(uint32_t number) const { return cells_.data() + number * width_; }
   uint32_t size() const { return size_; }
-  // What one more row costs, about.
+  // Approximate memory of one more row.
   size_t bytes_a_row() const { return width_ * sizeof(TermId) + 3 * sizeof(uint32_t); }
   void Clear() {
     size_ = 0;
@@ -79,7 +79,8 @@ class RowSet {
   static constexpr uint32_t npos = ~uint32_t{0};
 
  private:
-  // Both halves of the product of two words tell of all their bits (the mixing step of wyhash, Wang Yi 2019).
+  // Mixes both halves of the product of two words, which depend on all bits (the mixing step of wyhash, Wang
+  // Yi 2019).
   uint64_t Hash(const TermId* row) const {
     __extension__ using Product = unsigned __int128;
     uint64_t hash = 0x9E3779B97F4A7C15;

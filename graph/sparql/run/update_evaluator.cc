@@ -25,10 +25,10 @@ std::string Quoted(const Term& graph) {
   return ToDisplay(graph);
 }
 
-// Quads in the order in which they came, each once.
+// Distinct quads in insertion order.
 class DistinctQuads {
  public:
-  // False if it is there.
+  // False if the quad is already there.
   bool Add(TermQuad quad) {
     quads_.push_back(std::move(quad));
     const bool added = numbers_.insert(static_cast<uint32_t>(quads_.size() - 1)).second;
@@ -54,7 +54,8 @@ class DistinctQuads {
   absl::flat_hash_set<uint32_t, Hash, Equal> numbers_{0, Hash{&quads_}, Equal{&quads_}};
 };
 
-// One request. Operations that read see a private copy of the version in which those before them are done.
+// Evaluation of one request. Operations that read see a private copy of the version with the earlier
+// operations applied.
 class Evaluation {
  public:
   Evaluation(const Dictionary& dictionary, const RunOptions& run, const UpdateOptions& options)
@@ -96,7 +97,7 @@ class Evaluation {
     }
   }
 
-  // SILENT hides what the operation's own graphs and documents do, not limits.
+  // SILENT hides errors of the operation's graphs and documents, but not limits.
   static absl::Status Silenced(const UpdateOperation& operation, absl::Status status) {
     const bool limit = status.code() == absl::StatusCode::kResourceExhausted ||
                        status.code() == absl::StatusCode::kCancelled ||
@@ -112,12 +113,12 @@ class Evaluation {
   }
   const GraphVersion& version() const { return private_graph_ ? private_graph_->current() : *run_.version; }
 
-  // Brings the private copy up to date with the operations so far.
+  // Applies the operations so far to the private copy.
   void Sync() {
     if (applied_ == effect_.operations.size()) return;
     if (!private_graph_) {
       private_dictionary_ = std::make_unique<Dictionary>(&shared_dictionary_);
-      // The copy ends before the version does, and shares its nodes.
+      // The copy shares the version's nodes and is destroyed before the version.
       private_graph_ = std::make_unique<GraphWriter>(GraphVersionPtr(GraphVersionPtr(), run_.version));
     }
     Dictionary& d = *private_dictionary_;
@@ -164,7 +165,7 @@ class Evaluation {
   }
 
   std::string BlankLabel(std::string_view label, uint64_t solution) const {
-    // ".0" is the parser's own, for []; others are the user's.
+    // ".0" is a label of the parser, for []; others are the user's.
     const bool own = label[0] == '.';
     return "u" + std::to_string(run_.seed) + "o" + std::to_string(number_) + "s" + std::to_string(solution) +
            (own ? "a" : "n") + std::string(own ? label.substr(1) : label);
@@ -218,7 +219,7 @@ class Evaluation {
     return out;
   }
 
-  // The quad of one solution; nothing where it would be no RDF (section 3.1.3.1).
+  // The quad of one solution; nullopt if it would not be RDF (section 3.1.3.1).
   std::optional<TermQuad> Instantiate(const TemplateSlots& quad, const PreparedQuery& query,
                                       uint64_t solution) {
     TermQuad out;
@@ -274,7 +275,7 @@ class Evaluation {
       }
     }
     if (!where.status().ok()) return where.status();
-    memory_.Release(bytes);  // each counts again as it is emitted
+    memory_.Release(bytes);  // each quad is counted again when it is emitted
     for (TermQuad& quad : removed.quads()) {
       absl::Status status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
       if (!status.ok()) return status;
@@ -340,7 +341,7 @@ class Evaluation {
   }
 
   absl::Status Create(const UpdateOperation& operation) {
-    if (!Exists(operation.target.graph)) return absl::OkStatus();  // a graph is there once it has a triple
+    if (!Exists(operation.target.graph)) return absl::OkStatus();  // a graph exists once it has a triple
     return absl::FailedPreconditionError("the graph " + Quoted(operation.target.graph) +
                                          " is there already; write CREATE SILENT to pass over that");
   }
@@ -355,7 +356,8 @@ class Evaluation {
     return absl::InvalidArgumentError(Quoted(graph) + " is a graph that the server alone writes");
   }
 
-  // CLEAR and DROP: a graph without triples is not there. ALL and NAMED leave what the server alone writes.
+  // CLEAR and DROP: a graph without triples does not exist. ALL and NAMED skip the graphs that only the
+  // server writes.
   absl::Status Clear(const GraphTarget& target) {
     const Term default_graph = Term::Iri(std::string(kDefaultGraph));
     if (target.kind == GraphTarget::Kind::kDefault) return RemoveAll(default_graph);

@@ -1,9 +1,9 @@
-// Evaluates a SPARQL Update on a graph version and says, as quads, what it would change. Nothing is written
-// here: the quads go through the door like any batch, and hold the values that NOW, RAND, UUID and BNODE had,
-// so that the log replays exactly. Any thread; the version is not changed.
+// Evaluator of a SPARQL Update on a graph version; the result is its changes as quads. It writes nothing: the
+// quads go through the inbox like any batch, and hold the values that NOW, RAND, UUID and BNODE had, so that
+// the log replays exactly. Any thread; the version is not changed.
 //
 // The default graph of WHERE is PrepareOptions::default_graph; templates, DATA and DEFAULT without GRAPH or
-// WITH mean docent:default whatever that is (SPARQL 1.1 Update section 2.3 leaves the union to the store).
+// WITH always mean docent:default (SPARQL 1.1 Update section 2.3 leaves the union to the store).
 #ifndef DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
 #define DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
 
@@ -20,7 +20,8 @@
 
 namespace docent::sparql {
 
-// The quads of a document for LOAD; labels of blank nodes need not be unique. An error's message says why.
+// The quads of a document for LOAD; labels of blank nodes need not be unique. An error's message gives the
+// reason.
 using LoadDocument = std::function<absl::StatusOr<std::vector<TermQuad>>(const std::string& iri)>;
 
 struct UpdateOptions {
@@ -30,13 +31,13 @@ struct UpdateOptions {
 
 struct UpdateEffect {
   std::vector<QuadOperation> operations;  // to be applied in order
-  // What the evaluation depends on: where none of it has changed, the operations are those that the update
-  // has on a later version, too. Empty: they are so on any version.
+  // The patterns that the evaluation read. If no matching quad has changed, a later version gives the same
+  // operations. Empty: every version gives them.
   std::vector<ReadPattern> reads;
 };
 
-// INVALID_ARGUMENT (with the operation's place), FAILED_PRECONDITION (a graph that must not be there is, or
-// the other way), RESOURCE_EXHAUSTED naming the limit, CANCELLED, DEADLINE_EXCEEDED, and what `load` gives.
+// INVALID_ARGUMENT (with the operation's place), FAILED_PRECONDITION (a graph exists that must not, or is
+// missing), RESOURCE_EXHAUSTED naming the limit, CANCELLED, DEADLINE_EXCEEDED, and the errors of `load`.
 // `run.seed` must differ between any two updates of one log: blank nodes are named after it.
 absl::StatusOr<UpdateEffect> EvaluateUpdate(const Update& update, const Dictionary& dictionary,
                                             const RunOptions& run, const UpdateOptions& options);

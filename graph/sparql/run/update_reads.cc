@@ -11,7 +11,7 @@ std::optional<Term> Constant(const PatternTerm& term) {
   return term.IsVariable() ? std::nullopt : std::optional<Term>(term.term());
 }
 
-// A path; GRAPH over something that is more than triples: { }, a sub-SELECT, …
+// True for a path, and for GRAPH over something other than triples: { }, a sub-SELECT, …
 bool ReadsEverything(const Algebra& a) {
   if (a.kind == Algebra::Kind::kPath) return true;
   if (a.kind != Algebra::Kind::kGraph) return false;

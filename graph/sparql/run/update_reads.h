@@ -9,8 +9,8 @@
 
 namespace docent::sparql {
 
-// Adds the patterns that `where` reads, wherever they stand in it; never too few. Graphs are left open: the
-// data set decides on them. A path, and a GRAPH whose solutions depend on which graphs there are, read
+// Adds all patterns that `where` reads, at any depth; never too few. Graphs are left open: the data
+// set decides on them. A path, and a GRAPH whose solutions depend on the set of graphs, read
 // everything.
 void AddReads(const Algebra& where, std::vector<ReadPattern>* out);
 

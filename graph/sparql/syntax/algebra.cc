@@ -72,8 +72,8 @@ void AddInScope(const Algebra& a, VariableList* out) {
 
 void AddMentioned(const Expression& e, VariableList* out);
 
-// Every variable anywhere in a pattern of EXISTS, for that substitution reaches everywhere but what a
-// sub-SELECT hides.
+// Every variable in a pattern of EXISTS, because substitution reaches all of it except the hidden variables
+// of a sub-SELECT.
 void AddMentioned(const Algebra& a, VariableList* out) {
   if (a.kind == Algebra::Kind::kProject) {
     for (const Variable& v : a.variables) out->Add(v);
@@ -109,7 +109,7 @@ void AddPatterns(const Expression& e, std::vector<PatternOccurrence>* out) {
 
 void AddPatterns(const Algebra& a, bool monotone, std::vector<PatternOccurrence>* out) {
   using Kind = Algebra::Kind;
-  // A top-level FILTER EXISTS { … } only gains solutions, too, as long as its inside does; NOT EXISTS loses
+  // A top-level FILTER EXISTS { … } only gains solutions, too, if its pattern does; NOT EXISTS loses
   // them.
   const auto add_expression = [&](const Expression& e) {
     if (e.kind == Expression::Kind::kExists && a.kind == Kind::kFilter) {
@@ -262,7 +262,7 @@ bool NeedsTripleOfGraph(const Algebra& inside) {
       return std::any_of(inside.children.begin(), inside.children.end(), needs);
     case Algebra::Kind::kUnion:
       return std::all_of(inside.children.begin(), inside.children.end(), needs);
-    case Algebra::Kind::kGroup:  // without keys there is one group, of no rows if need be
+    case Algebra::Kind::kGroup:  // without keys there is one group, even of no rows
       return !inside.group_keys.empty() && needs(inside.children[0]);
     case Algebra::Kind::kGraph:
     case Algebra::Kind::kValues:

@@ -1,10 +1,10 @@
-// A SPARQL query as its algebra (SPARQL 1.1 Query Language, section 18): what the parser makes, what the
-// planner reads, what the reasoner takes rule bodies and standing conditions from. It knows no store: terms
-// are text, variables are names.
+// A SPARQL query as its algebra (SPARQL 1.1 Query Language, section 18). The parser makes it, the planner
+// reads it, and the reasoner takes rule bodies and standing conditions from it. It is independent of the
+// store: terms are text, variables are names.
 //
-// One tagged struct a level (`Algebra`, `Expression`, `Path`) instead of a class hierarchy: every consumer is
-// a switch over `kind`, and the fields that a kind uses stand beside it below. Trees are owned by unique_ptr
-// and never shared; `Clone` copies. Values; any thread reads, one thread changes.
+// One tagged struct for each level (`Algebra`, `Expression`, `Path`) instead of a class hierarchy: every
+// consumer is a switch over `kind`, and the comments below name the fields of each kind. Trees are owned by
+// unique_ptr and never shared; `Clone` copies. Values; any thread reads, one thread changes.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_H_
 
@@ -54,7 +54,7 @@ class PatternTerm {
   bool IsVariable() const { return std::holds_alternative<Variable>(what_); }
   // Requires IsVariable().
   const Variable& variable() const { return *std::get_if<Variable>(&what_); }
-  // The IRI without text if it is none.
+  // The term; an IRI without text if it is not a term.
   const Term& term() const {
     const Term* term = std::get_if<Term>(&what_);
     return term != nullptr ? *term : NoTerm();
@@ -62,10 +62,10 @@ class PatternTerm {
   void Set(Variable variable) { what_.emplace<Variable>(std::move(variable)); }
   void SetVariable(std::string_view name) { what_.emplace<Variable>(std::string(name)); }
   void Set(Term term) { what_.emplace<Term>(std::move(term)); }
-  // Makes it the IRI that the caller writes into what is returned.
+  // Makes it an IRI, whose text the caller writes into the result.
   std::string* SetIri() { return &what_.emplace<Term>().lexical; }
 
-  // Spans do not count.
+  // Spans are not compared.
   friend bool operator==(const PatternTerm& a, const PatternTerm& b) {
     return a.IsVariable() ? b.IsVariable() && a.variable() == b.variable()
                           : !b.IsVariable() && a.term() == b.term();
@@ -75,7 +75,7 @@ class PatternTerm {
   template <typename What>
   PatternTerm(What what, const SourceSpan& span) : span(span), what_(std::move(what)) {}
   static const Term& NoTerm();
-  // Parsing moves each term once or twice: a branch for each kind costs a part of what the variant's own visitor does.
+  // Parsing moves each term once or twice: a branch for each kind is cheaper than the variant's own visitor.
   void Move(PatternTerm* from) {
     if (Variable* variable = std::get_if<Variable>(&from->what_)) {
       what_.emplace<Variable>(std::move(*variable));
@@ -222,7 +222,7 @@ struct Aggregate {
   bool distinct = false;
   ExpressionPtr expression;  // null: COUNT(*)
   std::string separator = " ";
-  Variable result;  // ".aN": what the expressions above the group use instead
+  Variable result;  // ".aN": used by the expressions above the group
   SourceSpan span;
 };
 
@@ -292,7 +292,7 @@ struct Query {
       prefixes;                  // declared in the text, in order: name without ':', IRI
   std::vector<Term> from;        // FROM <iri>
   std::vector<Term> from_named;  // FROM NAMED <iri>
-  // The graph that stands for the default graph where there is no FROM: WITH <iri> of an update.
+  // The graph that replaces the default graph if there is no FROM: WITH <iri> of an update.
   std::optional<Term> with;
   // WHERE with the solution modifiers around it. kSelect: a kProject is inside.
   AlgebraPtr algebra;
@@ -312,20 +312,20 @@ struct Query {
 std::vector<Variable> InScopeVariables(const Algebra& algebra);
 // Every variable that `expression` mentions, those inside EXISTS included.
 std::vector<Variable> MentionedVariables(const Expression& expression);
-// Both without copies: they stand in the tree.
+// Both without copies: the pointers point into the tree.
 std::vector<const Variable*> VariablesInScope(const Algebra& algebra);
 std::vector<const Variable*> VariablesMentioned(const Expression& expression);
-// Every triple pattern in `algebra`, wherever it stands (OPTIONAL, EXISTS, sub-SELECT, …), with whether the
-// answer can change for an added triple in the other direction too (below MINUS, NOT EXISTS, OPTIONAL, FILTER
-// EXISTS, …).
+// Every triple pattern in `algebra`, at any depth (OPTIONAL, EXISTS, sub-SELECT, …), and whether
+// an added triple may also remove solutions (below MINUS, NOT EXISTS, OPTIONAL, FILTER EXISTS,
+// …).
 struct PatternOccurrence {
   const TriplePattern* pattern;
   bool monotone;  // true: more triples can only add solutions
 };
 std::vector<PatternOccurrence> AllTriplePatterns(const Algebra& algebra);
-// Whether each solution of `inside`, evaluated in one graph, needs a triple of that graph. Where not ({ }, BIND, VALUES, an
-// aggregate, OPTIONAL alone, a path of length zero, another GRAPH), GRAPH has solutions only if it is known besides that the
-// dataset has the graph.
+// True if each solution of `inside`, evaluated in one graph, needs a triple of that graph. If false ({ },
+// BIND, VALUES, an aggregate, OPTIONAL alone, a path of length zero, another GRAPH), GRAPH has solutions only
+// if the dataset is known to have the graph.
 bool NeedsTripleOfGraph(const Algebra& inside);
 // True if `algebra` holds a property path anywhere.
 bool HasPath(const Algebra& algebra);

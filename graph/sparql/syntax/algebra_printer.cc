@@ -51,8 +51,8 @@ class Printer {
     return ToNTriples(docent::Term::Literal(t.lexical)) + "^^" + Iri(t.datatype);
   }
 
-  // A blank node of one basic graph pattern as such; other hidden variables (steps of paths, aggregates,
-  // blank nodes that the translation of a path carried into several patterns) as ?_name.
+  // Prints a blank node of one basic graph pattern as a blank node; other hidden variables (steps of paths,
+  // aggregates, blank nodes that path translation spread over several patterns) as ?_name.
   std::string VariableText(const Variable& v) {
     if (!v.IsHidden()) return "?" + v.name;
     if (v.name.starts_with(".b") && !spread_.contains(v.name)) {
@@ -65,7 +65,7 @@ class Printer {
     return name;
   }
 
-  // To be called before printing: finds the hidden variables that stand in more than one basic graph pattern.
+  // Call it before printing: finds the hidden variables that occur in more than one basic graph pattern.
   void Scan(const Algebra& a) {
     const auto note = [&](const PatternTerm& t) {
       if (!t.IsVariable() || !t.variable().IsHidden()) return;
@@ -124,18 +124,18 @@ class Printer {
 
   std::string Expr(const Expression& e, const std::vector<Aggregate>* aggregates = nullptr);
   std::string AggregateText(const Aggregate& a);
-  // As FILTER takes it: in parentheses unless it has its own or is a call.
+  // The condition of a FILTER: in parentheses unless it has its own or is a call.
   std::string Condition(const Expression& e, int depth) {
     depth_ = depth;
     const std::string text = Expr(e);
     const bool bare = e.kind == Expression::Kind::kVariable || e.kind == Expression::Kind::kTerm;
     return bare ? "(" + text + ")" : text;
   }
-  // The elements inside a group's braces, each line indented.
+  // The elements of a group, each line indented.
   std::string Elements(const Algebra& a, int depth);
   std::string Group(const Algebra& a, int depth);
-  // As Elements, in a group of its own where other elements after it would change what it means (a filter) or
-  // could not stand there (a sub-SELECT).
+  // As Elements, in a group of its own if later elements would change its meaning (a filter) or could not
+  // follow it (a sub-SELECT).
   std::string Part(const Algebra& a, int depth);
   std::string Select(const Algebra& a, int depth, bool is_select);
 
@@ -275,7 +275,7 @@ std::string Printer::Elements(const Algebra& a, int depth) {
       return in + Text(a.subject) + " " + PathText(a.path) + " " + Text(a.object) + " .\n";
     case Kind::kJoin: {
       std::string out;
-      bool open = false;  // triples written now would go on the last ones, over paths between them
+      bool open = false;  // further triples would continue the last ones, over paths between them
       for (const AlgebraPtr& child : a.children) {
         const bool bgp = child->kind == Kind::kBgp;
         const bool beside = bgp || child->kind == Kind::kPath || child->kind == Kind::kGraph ||
@@ -289,7 +289,7 @@ std::string Printer::Elements(const Algebra& a, int depth) {
     }
     case Kind::kLeftJoin: {
       const std::string left = Part(*a.children[0], depth);
-      // Its own filter would become the condition of the OPTIONAL.
+      // Otherwise its own filter would become the condition of the OPTIONAL.
       const bool alone = a.children[1]->kind != Kind::kFilter && !a.expression;
       std::string right = alone ? Elements(*a.children[1], depth + 1) : Part(*a.children[1], depth + 1);
       if (a.expression) right += in + "  FILTER " + Condition(*a.expression, depth + 1) + "\n";
@@ -336,7 +336,7 @@ std::string Printer::Elements(const Algebra& a, int depth) {
 }
 
 // SELECT … WHERE { … } modifiers, from the modifier operators at the top of `a`. Not `is_select` (ASK,
-// CONSTRUCT): WHERE and the modifiers; a SELECT at the top is then the one sub-SELECT of the group.
+// CONSTRUCT): WHERE and the modifiers; a SELECT at the top is then the only sub-SELECT of the group.
 std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
   const std::string in = Indent(depth);
   const Algebra* at = &a;
@@ -364,8 +364,8 @@ std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
     ordered = at;
     at = at->children[0].get();
   }
-  // (expression AS ?v) of SELECT and a BIND at the end of WHERE are the same; over a group only the first can
-  // be.
+  // (expression AS ?v) of SELECT and a BIND at the end of WHERE are the same; over a group only the first is
+  // possible.
   const Algebra* below = at;
   while (below->kind == Kind::kExtend || below->kind == Kind::kFilter ||
          (below->kind == Kind::kJoin && below->children[0]->kind == Kind::kGroup)) {

@@ -1,5 +1,5 @@
-// Algebra → SPARQL text: `docent check --ask`, error messages, tests (parse, print, parse again gives the
-// same). Any thread.
+// Printer of the algebra as SPARQL text: for `docent check --ask`, error messages, tests (parse, print, parse
+// again gives the same). Any thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_PRINTER_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_PRINTER_H_
 
@@ -13,23 +13,23 @@
 namespace docent::sparql {
 
 struct PrintOptions {
-  // Used to shorten IRIs; those that are used are declared at the head of a printed query.
+  // Used to shorten IRIs; a printed query declares the used ones at its head.
   std::vector<std::pair<std::string, std::string>> prefixes;
   bool declare_prefixes = true;
 };
 
-// A query that parses back to one that means and prints the same. Indented, one triple a line. Hidden
-// variables of blank nodes are printed as _:label, those of path steps as ?_pN.
+// A query text that parses to a query with the same meaning and the same text. Indented, one triple a line.
+// Hidden variables of blank nodes are printed as _:label, those of path steps as ?_pN.
 std::string PrintQuery(const Query& query, const PrintOptions& options = {});
-// The inside of a group: "{ … }".
+// A group: "{ … }".
 std::string PrintPattern(const Algebra& algebra, const PrintOptions& options = {});
 std::string PrintExpression(const Expression& expression, const PrintOptions& options = {});
 std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options = {});
-// A printed text with each run of white space as one blank.
+// The text with each run of white space replaced by one space.
 std::string OnOneLine(std::string_view text);
 
 // The algebra as an S-expression, in the notation of the SPARQL 1.1 examples: (join (bgp …) (filter …)). For
-// tests and for people who want to see what a query means.
+// tests and for people who study a query.
 std::string PrintAlgebra(const Algebra& algebra);
 
 }  // namespace docent::sparql

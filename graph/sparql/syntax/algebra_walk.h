@@ -1,4 +1,4 @@
-// Visiting every node of an algebra, those inside expressions (EXISTS) included. Pure functions.
+// Traversal of all nodes of an algebra, also those inside expressions (EXISTS). Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_WALK_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_ALGEBRA_WALK_H_
 
@@ -9,7 +9,7 @@
 
 namespace docent::sparql {
 
-// Calls `visit(expression)` for each expression that stands directly in `node`, and for those inside it.
+// Calls `visit(expression)` for each expression directly in `node`, and for the expressions inside it.
 template <typename Node, typename Visit>
 void ForEachExpression(Node& node, const Visit& visit) {
   const auto deep = [&visit](auto& e, const auto& self) -> void {
@@ -24,13 +24,13 @@ void ForEachExpression(Node& node, const Visit& visit) {
   for (auto& order : node.order) deep(*order.expression, deep);
 }
 
-// What `e` asks for at once: the a, b, c of a && b && c.
+// The conjuncts of `e`: the a, b, c of a && b && c.
 inline void CollectConjuncts(const Expression& e, std::vector<const Expression*>& conjuncts) {
   if (e.kind != Expression::Kind::kAnd) return conjuncts.push_back(&e);
   for (const ExpressionPtr& argument : e.arguments) CollectConjuncts(*argument, conjuncts);
 }
 
-// Whether `test(node)` holds for a node anywhere in `a`.
+// True if `test(node)` holds for a node anywhere in `a`.
 template <typename Test>
 bool AnyNode(const Algebra& a, const Test& test) {
   if (test(a)) return true;

@@ -1,4 +1,4 @@
-// The names and argument counts of SPARQL's builtin functions and aggregates. Constant tables; any thread.
+// Names and argument counts of SPARQL's builtin functions and aggregates. Constant tables; any thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_BUILTINS_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_BUILTINS_H_
 

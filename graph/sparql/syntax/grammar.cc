@@ -10,7 +10,7 @@
 namespace docent::sparql {
 namespace {
 
-constexpr size_t kMaxErrors = 20;  // more in one text are of no use to a person
+constexpr size_t kMaxErrors = 20;  // more errors in one text do not help a person
 
 }  // namespace
 
@@ -41,7 +41,7 @@ bool Grammar::ExpectWord(const Keyword& keyword, std::string_view where) {
 void Grammar::Error(const SourceSpan& span, std::string message, std::string hint) {
   if (diagnostics_.size() >= kMaxErrors || too_deep_) return;
   for (const Diagnostic& d : diagnostics_) {
-    if (d.span.offset == span.offset) return;  // what follows from an error at the same place
+    if (d.span.offset == span.offset) return;  // a follow-up error at the same place
   }
   diagnostics_.push_back({options_.file, span, std::move(message), std::move(hint)});
 }
@@ -69,7 +69,7 @@ std::string Grammar::Describe(const Token& token) const {
 
 namespace {
 
-// What people write who come from other languages, and keywords with a slip; empty: nothing better is known.
+// Hint for constructs of other languages and misspelt keywords; empty: none.
 std::string HintFor(const Token& token) {
   if (token.Is("<")) return "'<' begins no IRI here: an IRI holds no space and ends with '>'";
   if (token.Is("=")) return "SPARQL compares with one '='";
@@ -83,7 +83,7 @@ std::string HintFor(const Token& token) {
       "SERVICE",  "SILENT",  "GROUP",     "HAVING",   "ORDER",  "LIMIT",  "OFFSET", "INSERT", "DELETE",
       "DATA",     "WITH",    "USING",     "LOAD",     "CLEAR",  "CREATE", "DROP",   "EXISTS", "INTO"};
   for (const std::string& keyword : kKeywords) {
-    if (EqualsIgnoreCase(token.text, keyword)) return "";  // written right, at a wrong place
+    if (EqualsIgnoreCase(token.text, keyword)) return "";  // spelt correctly, at a wrong place
   }
   std::string word(token.text);
   for (char& c : word) c = AsciiUpper(c);
@@ -216,7 +216,7 @@ bool Grammar::IriText(std::string* out) {
     Expected("an IRI");
     return false;
   }
-  Drop();  // it stays until another is peeked at
+  Drop();  // its text stays valid until another token is peeked at
   return token.kind == TokenKind::kIri ? Resolve(token, out) : Expand(token, out);
 }
 

@@ -1,10 +1,10 @@
-// The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose
-// number stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc
-// (groups), grammar_triples.cc (triples, paths), grammar_expression.cc and grammar_update.cc. Not for use
-// outside this folder; one thread.
+// Recursive-descent parser behind parser.h: one method for each production of SPARQL 1.1 section 19.8, with
+// its number beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc
+// (groups), grammar_triples.cc (triples, paths), grammar_expression.cc and grammar_update.cc. Private to this
+// folder; one thread.
 //
-// A production that fails has reported why, returns null, false or nullopt, and leaves the place near the
-// error.
+// A production that fails has reported the error, returns null, false or nullopt, and leaves the position
+// near the error.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_GRAMMAR_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_GRAMMAR_H_
 
@@ -28,7 +28,7 @@ namespace docent::sparql {
 
 class Grammar {
  public:
-  // Both must outlive it.
+  // Both arguments must outlive it.
   Grammar(std::string_view text, const ParseOptions& options);
   Grammar(const Grammar&) = delete;
   Grammar& operator=(const Grammar&) = delete;
@@ -81,7 +81,7 @@ class Grammar {
   bool ExpectWord(const Keyword& keyword, std::string_view where);
 
   void Error(const SourceSpan& span, std::string message, std::string hint = "");
-  // "expected WHAT, not TOKEN" at the next token.
+  // Reports "expected WHAT, not TOKEN" at the next token.
   void Expected(std::string_view what, std::string hint = "");
   void SkipPastBrace();
 
@@ -91,7 +91,7 @@ class Grammar {
   bool failed() const { return !diagnostics_.empty(); }
 
  private:
-  // Counts one more level of nesting while it lives; !ok() once the limit is passed (reported).
+  // Counts one more level of nesting during its lifetime; !ok() once the limit is passed (reported).
   class Nested {
    public:
     explicit Nested(Grammar* grammar);
@@ -106,7 +106,7 @@ class Grammar {
   bool CountElement(const SourceSpan& span);
   // Counts a triple, which takes many times the memory of its shortest text. False beyond the limit.
   bool CountTriple();
-  // Counts an IRI that is longer than it is written, under a prefix or a base. False beyond the limit.
+  // Counts an IRI that is longer than its written form, under a prefix or a base. False beyond the limit.
   bool CountExpanded(const SourceSpan& span, size_t bytes);
 
   // grammar_query.cc
@@ -182,7 +182,7 @@ class Grammar {
   void CloseBgp(OpenGroup* group);
   void RecoverInGroup();
 
-  // Triples; the sink is where they go.
+  // Destination of parsed triples.
   struct TriplesSink {
     std::vector<TriplePattern> triples;
     std::vector<AlgebraPtr> paths;
@@ -190,7 +190,7 @@ class Grammar {
   };
   bool TriplesSameSubject(TriplesSink* sink);  // [75] [81]
   bool AtPlainVerb();
-  // The last triple takes *subject; so with *verb below.
+  // The last triple takes *subject by move; likewise *verb below.
   bool PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink);  // [77] [83]
   bool Property(PatternTerm* subject, TriplesSink* sink);              // a verb and its objects
   bool Verb(PatternTerm* out);                                         // [78]
@@ -210,7 +210,7 @@ class Grammar {
   std::optional<Path> PathEltOrInverse();  // [92]
   std::optional<Path> PathPrimary();       // [94]
   std::optional<Path> PathNegatedSet();    // [95]
-  // Section 18.2.2.4: what is not recursive becomes triples, UNIONs and hidden variables.
+  // Section 18.2.2.4: parts that are not recursive become triples, UNIONs and hidden variables.
   void TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object,
                      TriplesSink* sink);
   AlgebraPtr SinkToAlgebra(TriplesSink sink);
@@ -232,10 +232,10 @@ class Grammar {
   ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
   friend class ProductionParser;
 
-  // The next token that is none of the kind kError.
+  // The next token that is not of kind kError; errors are reported.
   const Token* Read(Token* place);
   void ReportError(const Token& token);  // of the kind kError
-  // Takes the token that was peeked at. Its place is used again for the next one that is read.
+  // Takes the peeked token. Its slot is reused for the next token.
   void Drop() {
     now_ = next_;
     next_ = nullptr;
@@ -253,7 +253,7 @@ class Grammar {
   bool Triples(const std::optional<PatternTerm>& graph, std::vector<QuadTemplate>* out,
                QuadsUse use);  // [52]
   bool QuadTerm(const PatternTerm& term, QuadsUse use);
-  // Goes on before the ';' that ends the operation, or at the end.
+  // Skips to the ';' that ends the operation, or to the end.
   void RecoverAtSemicolon();
 
   std::optional<Term> LiteralTail(const Token& string);
@@ -273,7 +273,7 @@ class Grammar {
   const Token* next_ = nullptr;  // the second
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
-  NameNumbers declared_;                                       // the number there of the last of each name
+  NameNumbers declared_;                                       // name → its last number in prefixes_
   Diagnostics diagnostics_;
   int depth_ = 0;
   size_t elements_ = 0;
@@ -285,9 +285,9 @@ class Grammar {
   int counter_ = 0;                               // hidden variables
   int bgp_ = 0;                                   // number of the current basic graph pattern
   std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
-  std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
+  std::vector<Aggregate>* aggregates_ = nullptr;  // destination of aggregates; null: none allowed here
   bool in_aggregate_ = false;
-  bool in_service_ = false;                 // whose functions are those of the other endpoint
+  bool in_service_ = false;                 // functions inside belong to the other endpoint
   int operation_ = 0;                       // number of the current update operation
   std::map<std::string, int> data_labels_;  // blank node label → INSERT DATA that used it
 };

@@ -22,7 +22,7 @@ ExpressionPtr Grammar::Binary(Kind kind, ExpressionPtr left, ExpressionPtr right
   return e;
 }
 
-// Expression ::= And ('||' And)*; the operands stand side by side, so a long chain is not deep.
+// Expression ::= And ('||' And)*; the operands are siblings, so a long chain is not deep.
 ExpressionPtr Grammar::ParseExpression() {
   Nested nested(this);
   if (!nested.ok()) return nullptr;
@@ -97,7 +97,7 @@ ExpressionPtr Grammar::MultiplicativeExpression() {
 ExpressionPtr Grammar::UnaryExpression() {
   const Token& token = Peek();
   const bool sign = token.Is("-") || token.Is("+");
-  if (sign) {  // a sign that touches a number is part of the literal
+  if (sign) {  // a sign directly before a number is part of the literal
     const Token& next = Peek(1);
     const bool number = next.kind == TokenKind::kInteger || next.kind == TokenKind::kDecimal ||
                         next.kind == TokenKind::kDouble;

@@ -57,7 +57,7 @@ void Grammar::Unclosed(const SourceSpan& opened) {
                          ", column " + std::to_string(opened.column) + ", not " + Describe(Peek()));
 }
 
-// Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken
+// Skips to where the next element can begin: after a '.', before '}', or after the ')' that ends a broken
 // FILTER or BIND.
 void Grammar::RecoverInGroup() {
   for (int open = 0, parentheses = 0; Peek().kind != TokenKind::kEnd;) {
@@ -121,8 +121,8 @@ void Grammar::AddToGroup(OpenGroup* group, AlgebraPtr element) {
 bool Grammar::TriplesBlock(OpenGroup* group) {
   const SourceSpan span = Peek().span;
   TriplesSink sink;
-  if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);  // these go on
-  const auto end = [&](bool ok) {  // a broken triple takes those before it along
+  if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);  // continue them
+  const auto end = [&](bool ok) {  // a broken triple discards the triples before it
     if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);
     return ok;
   };

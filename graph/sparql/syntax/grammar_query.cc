@@ -62,7 +62,7 @@ bool Grammar::PrefixDeclaration() {
     Expected("a prefix ending with ':' after PREFIX", "PREFIX ex: <http://example.org/>");
     return false;
   }
-  const std::string_view prefix = name.prefix;  // it lives as long as the lexer
+  const std::string_view prefix = name.prefix;  // valid as long as the lexer
   Drop();
   if (Peek().kind != TokenKind::kIri) {
     Expected("an IRI in <> after the prefix");
@@ -97,7 +97,7 @@ bool Grammar::QueryUnit(Query* query) {
     Expected("the end of the query");
     return false;
   }
-  query->base_iri = std::move(base_iri_);  // all is read: nothing is resolved any more
+  query->base_iri = std::move(base_iri_);  // parsing is done: no further resolution
   query->prefixes = std::move(prefixes_);
   return true;
 }
@@ -284,7 +284,7 @@ AlgebraPtr Grammar::WhereClause() {
 }
 
 bool Grammar::SolutionModifier(Modifiers* out) {
-  if (Peek().kind != TokenKind::kWord) return true;  // all of them begin with one
+  if (Peek().kind != TokenKind::kWord) return true;  // all clauses begin with a word
   return GroupClause(out) && HavingClause(out) && OrderClause(out) && LimitOffsetClauses(out) &&
          ValuesClause(out);
 }
@@ -414,7 +414,7 @@ bool Grammar::ValuesClause(Modifiers* out) {
   return out->values != nullptr;
 }
 
-// An expression above a group sees keys and aggregates only (section 18.2.4.1).
+// An expression above a group may use keys and aggregates only (section 18.2.4.1).
 void Grammar::CheckGrouped(const Expression& e, const std::set<std::string>& allowed) {
   if (e.kind == Expression::Kind::kVariable && !e.variable.IsHidden() && !allowed.contains(e.variable.name)) {
     Error(e.span, "?" + e.variable.name + " is neither a key of GROUP BY nor inside an aggregate",
@@ -455,7 +455,7 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
   const bool computed =
       select != nullptr && std::any_of(select->items.begin(), select->items.end(),
                                        [](const SelectItem& item) { return item.expression != nullptr; });
-  std::set<std::string> in_scope;  // that (expression AS ?name) may not name
+  std::set<std::string> in_scope;  // names that (expression AS ?name) may not use
   if (computed) {
     for (Variable& v : InScopeVariables(*where)) in_scope.insert(std::move(v.name));
   }

@@ -28,7 +28,7 @@ Path PathOf(Path::Kind kind, Path child) {
   return path;
 }
 
-// *from, which stays what it is only if there is a need for it.
+// Gives *from to *to: a copy if it must be kept, else a move.
 void Give(PatternTerm* from, bool keep, PatternTerm* to) {
   if (keep) {
     *to = *from;
@@ -61,7 +61,7 @@ std::optional<std::vector<TriplePattern>> Grammar::TemplateInBraces() {
 }
 
 PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
-  const std::string label = "." + std::to_string(counter_++);  // no label in a text begins with a dot
+  const std::string label = "." + std::to_string(counter_++);  // labels in a text never begin with a dot
   if (template_mode) return PatternTerm::Of(Term::Blank(label), span);
   return PatternTerm::Of(Variable{".b" + label}, span);
 }
@@ -90,7 +90,7 @@ bool Grammar::TriplesSameSubject(TriplesSink* sink) {
   return PropertyListNotEmpty(&subject, sink);
 }
 
-// An IRI, or "a", that no path operator follows.
+// An IRI, or "a", without a path operator after it.
 bool Grammar::AtPlainVerb() {
   const Token& verb = Peek();
   const bool iri = verb.kind == TokenKind::kIri || verb.kind == TokenKind::kPrefixedName;
@@ -125,7 +125,7 @@ bool Grammar::Property(PatternTerm* subject, TriplesSink* sink) {
     return ObjectList(subject, nullptr, &verb, sink);
   }
   if (sink->triples.empty()) sink->triples.reserve(4);
-  TriplePattern& triple = sink->triples.emplace_back();  // read in its place
+  TriplePattern& triple = sink->triples.emplace_back();  // filled in place
   const bool verb = Verb(&triple.predicate);
   const bool brackets = verb && (At("(") || At("["));
   if (!verb || brackets || !CountTriple() || !VarOrTerm(sink, &triple.object)) {
@@ -159,7 +159,7 @@ bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* ve
   do {
     if (!CountTriple()) return false;
     if (path != nullptr || At("(") ||
-        At("[")) {  // what stands in brackets gives triples of its own, before this one
+        At("[")) {  // the content of brackets gives triples of its own, before this one
       PatternTerm object;
       if (!GraphNode(sink, &object)) return false;
       if (path != nullptr) {
@@ -226,7 +226,7 @@ bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
   return iri ? IriText(out->SetIri()) : OtherTerm(sink, out);
 }
 
-// One that is neither variable nor IRI.
+// A term that is neither variable nor IRI.
 bool Grammar::OtherTerm(TriplesSink* sink, PatternTerm* out) {
   const Token& token = Peek();
   switch (token.kind) {

@@ -1,4 +1,4 @@
-// The update half of the grammar: SPARQL 1.1 productions [29] to [52].
+// Update half of the grammar: SPARQL 1.1 productions [29] to [52].
 #include <utility>
 
 #include "graph/sparql/syntax/grammar.h"
@@ -191,7 +191,7 @@ bool Grammar::DeleteWhere(UpdateOperation* operation) {
   return true;
 }
 
-// '{' Quads '}', with what each use of them forbids (notes 6 to 9 of section 19.8, and 10 on labels).
+// '{' Quads '}', with the restrictions of each use (notes 6 to 9 of section 19.8, and 10 on labels).
 bool Grammar::Quads(std::vector<QuadTemplate>* out, QuadsUse use) {
   if (!Expect("{", "before triples")) return false;
   bool ok = true;

@@ -69,7 +69,7 @@ struct CodePoint {
   size_t length;  // in the text
 };
 
-// The code point at `at`, whether it is written or escaped (section 19.2); nothing at the end, and at a '\\' that begins no
+// The code point at `at`, written or escaped (section 19.2); nullopt at the end, and at a '\\' that begins no
 // such escape.
 std::optional<CodePoint> CodePointOrEscape(std::string_view text, size_t at) {
   if (at >= text.size()) return std::nullopt;
@@ -210,7 +210,7 @@ void Lexer::SkipSpaceAndComments() {
 void Lexer::Next(Token* out) {
   const auto after = [this](size_t bytes) { return at_ + bytes < text_.size() ? text_[at_ + bytes] : '\0'; };
   char c = after(0);
-  if (c == ' ') {  // what stands before most tokens
+  if (c == ' ') {  // before most tokens
     ++at_;
     c = after(0);
   }
@@ -239,7 +239,7 @@ void Lexer::Next(Token* out) {
       return after(1) == ':' ? LexBlankLabel(out) : LexPunctuation(out);
     case '.':
       return IsDigit(after(1)) ? LexNumber(out) : LexPunctuation(out);
-    case '\0':  // none stands in a text
+    case '\0':  // never inside a text
       return PutAscii(out, TokenKind::kEnd, 0, "");
     default:
       break;
@@ -286,14 +286,14 @@ void Lexer::LexLanguage(Token* out) {
   return PutAscii(out, TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
 }
 
-// `<…>` is an IRI if it holds nothing that an IRI may not hold, and '<' else.
+// `<…>` is an IRI if it holds only characters of an IRI, else it is the operator '<'.
 void Lexer::LexIriOrPunctuation(Token* out) {
   const size_t begin = at_ + 1, end = IriEnd(text_, begin);
   if (end == text_.size() || text_[end] != '>') return LexWideIriOrPunctuation(out, end);
   return PutAscii(out, TokenKind::kIri, end + 1 - at_, {text_.data() + begin, end - begin});
 }
 
-// The same from where something else than an ASCII character of an IRI stands.
+// The same, continued at `i`, where a character other than ASCII of an IRI was found.
 void Lexer::LexWideIriOrPunctuation(Token* out, size_t i) {
   bool escaped = false;
   for (; i < text_.size(); ++i) {
@@ -401,7 +401,7 @@ void Lexer::LexBlankLabel(Token* out) {
   return Put(out, TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
 }
 
-// What begins with an ASCII letter.
+// A token that begins with an ASCII letter.
 void Lexer::LexWordOrName(Token* out) {
   const size_t end = WordEnd(text_, at_ + 1);
   const char after = end < text_.size() ? text_[end] : ' ';
@@ -410,7 +410,8 @@ void Lexer::LexWordOrName(Token* out) {
   return LexWideName(out, end);
 }
 
-// The same, or what begins with another character of a name, when `end` is where the ASCII letters, digits and '_' end.
+// The same, or a token that begins with another name character; `end` is the end of the ASCII letters, digits
+// and '_'.
 void Lexer::LexWideName(Token* out, size_t end) {
   const size_t name_end = NameEnd(text_, end);
   const char after = name_end < text_.size() ? text_[name_end] : ' ';
@@ -434,7 +435,8 @@ void Lexer::LexWideName(Token* out, size_t end) {
   out->code = Keyword::CodeOf(out->text);
 }
 
-// A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; false if what begins here is none.
+// A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; false if there is none
+// here.
 bool Lexer::LexNameWithWidePrefix(Token* out) {
   if (at_ < no_prefix_before_) return false;
   std::string prefix;
@@ -449,7 +451,7 @@ bool Lexer::LexNameWithWidePrefix(Token* out) {
     AppendUtf8(c->code, &prefix);
     end += c->length;
   }
-  no_prefix_before_ = end;  // what begins later in this run of characters comes to the same end
+  no_prefix_before_ = end;  // later starts in this run of characters reach the same end
   return false;
 }
 
@@ -502,7 +504,7 @@ void Lexer::LexEscapedIri(Token* out, size_t length) {
       iri.push_back(text_[i++]);
       continue;
     }
-    const auto escape = CodePointEscape(text_, i);  // it is one: seen before
+    const auto escape = CodePointEscape(text_, i);  // always an escape: checked before
     const bool allowed = escape->first >= 0x80 || Is(static_cast<char>(escape->first), kInIri);
     if (!allowed || !AppendUtf8(escape->first, &iri)) {
       return Error(out, length, "an escape in this IRI is not a character that an IRI may hold");

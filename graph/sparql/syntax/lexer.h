@@ -1,5 +1,5 @@
-// SPARQL text → tokens (SPARQL 1.1 section 19.8, productions [139] to [173]), one at a time. Escapes are
-// decoded and places counted here; names are not resolved. One thread.
+// Lexer of SPARQL (SPARQL 1.1 section 19.8, productions [139] to [173]): one token at a time. It decodes
+// escapes and counts places; it does not resolve names. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_LEXER_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_LEXER_H_
 
@@ -15,7 +15,7 @@ namespace docent::sparql {
 
 enum class TokenKind {
   kEnd,
-  kIri,           // <…>             text: what stands between, escapes decoded
+  kIri,           // <…>             text: the inner text, escapes decoded
   kPrefixedName,  // prefix:local    prefix, text: the local name, escapes decoded
   kBlankLabel,    // _:label         text: label
   kVariable,      // ?name $name     text: name
@@ -29,10 +29,11 @@ enum class TokenKind {
   kError,         // text: what is wrong; prefix: hint
 };
 
-// A word of the grammar, whatever the case of its letters.
+// A word of the grammar, in any letter case.
 class Keyword {
  public:
-  // The first eight letters, digits and '_' in lower case as a number. Words of less than eight that share it are equal.
+  // The first eight letters, digits and '_' in lower case as a number. Shorter words with the same number are
+  // equal.
   static constexpr uint64_t CodeOf(std::string_view word) {
     uint64_t code = 0;
     for (size_t i = 0; i < word.size() && i < sizeof(code); ++i) {
@@ -49,11 +50,12 @@ class Keyword {
   std::string_view text;
 };
 
-// Lives as long as the lexer that made it: its texts lie in the query's text, or, where there were escapes, in the lexer.
+// Valid as long as the lexer that made it: its texts are views of the query's text, or, with escapes, of the
+// lexer.
 struct Token {
   TokenKind kind = TokenKind::kEnd;
   uint64_t code =
-      0;  // kPunctuation: MarkOf its text; kWord: Keyword::CodeOf it. No two of them have one code
+      0;  // kPunctuation: MarkOf its text; kWord: Keyword::CodeOf it; the codes of the two never coincide
   SourceSpan span;
   std::string_view text;
   std::string_view prefix;
@@ -64,7 +66,7 @@ struct Token {
                                  (text.size() > 1 ? static_cast<uint8_t>(text[1]) << 8 : 0));
   }
   bool Is(std::string_view punctuation) const { return code == MarkOf(punctuation); }
-  // The predicate "a", a keyword whose case counts.
+  // The predicate "a", a case-sensitive keyword.
   bool IsA() const { return code == 'a' && text[0] == 'a'; }
   bool IsWord(const Keyword& keyword) const {
     return code == keyword.code &&
@@ -95,15 +97,15 @@ class Lexer {
   SourceSpan SpanOf(size_t length) const {
     return {line_, static_cast<int>(at_ - line_begin_) + 1, at_, length};
   }
-  // These write the token of that many bytes that begins here, and go on behind it. So do those below.
+  // Each function here and below writes the token of that many bytes that begins here, and moves past it.
   void Put(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
-  // The same where all of it is ASCII without a line's end.
+  // The same for ASCII text without a line end.
   void PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text,
                 std::string_view prefix = {});
   void PutMark(Token* out, size_t length);  // punctuation
   void PutWord(Token* out, size_t length);  // without escapes
   void Error(Token* out, size_t length, std::string message, std::string_view hint = {});
-  // The same text in the lexer's keeping.
+  // Stores the text in the lexer.
   std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
   void LexString(Token* out);
   void LexNumber(Token* out);
@@ -125,9 +127,9 @@ class Lexer {
   std::string_view text_;
   std::list<std::string> kept_;  // texts of tokens with escapes
   size_t at_ = 0;
-  size_t no_prefix_before_ = 0;  // no prefix with more than ASCII letters begins between at_ and there
+  size_t no_prefix_before_ = 0;  // no prefix with other than ASCII letters begins between at_ and there
   int line_ = 1;
-  size_t line_begin_;  // where the line begins, and beyond by each byte since that begins no character
+  size_t line_begin_;  // begin of the line, plus one for each byte since that begins no character
 };
 
 // Offset of the first byte that is not UTF-8 or is U+0000; npos if there is none.

@@ -1,4 +1,4 @@
-// Numbers by name. It keeps views of the names, which must outlive it. Value; one thread.
+// Map from names to numbers. It keeps views of the names, which must outlive it. Value; one thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_NAME_NUMBERS_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_NAME_NUMBERS_H_
 
@@ -12,7 +12,7 @@ namespace docent::sparql {
 
 class NameNumbers {
  public:
-  // Gives `name` this number if it has none yet. Its number, and whether it is new.
+  // Gives `name` this number unless it has one. Returns its number, and whether it is new.
   std::pair<int, bool> Add(std::string_view name, int number) {
     if (const int* known = Find(name)) return {*known, false};
     Put(name, number);
@@ -27,7 +27,7 @@ class NameNumbers {
     const auto it = rest_.find(name);
     return it == rest_.end() ? nullptr : &it->second;
   }
-  // Gives `name` this number, whatever it has.
+  // Sets the number of `name`, whether it has one or not.
   void Set(std::string_view name, int number) {
     if (int* known = Find(name)) {
       *known = number;
@@ -45,12 +45,12 @@ class NameNumbers {
     }
   }
 
-  static constexpr size_t kFew = 16;  // so many are found soonest by looking at each
-  struct Entry {  // of plain members, for nothing is to be set: what is beyond count_ is never read
+  static constexpr size_t kFew = 16;  // up to this many, linear search is fastest
+  struct Entry {  // trivial members, left uninitialised: entries beyond count_ are never read
     const char* name;
     size_t size;
     int number;
-    // Most differ in size or in the first character.
+    // Most names differ in size or in the first character.
     bool Is(std::string_view other) const {
       return size == other.size() &&
              (size == 0 || (*name == other[0] && std::string_view(name, size) == other));

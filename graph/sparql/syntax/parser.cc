@@ -6,7 +6,7 @@
 namespace docent::sparql {
 namespace {
 
-// What must hold before the lexer may look at the text.
+// Checks made before the lexer sees the text.
 std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options, bool update = false) {
   const size_t limit = update ? options.limits.update_text_bytes : options.limits.query_text_bytes;
   if (text.size() > limit) {
@@ -19,7 +19,7 @@ std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& opti
   }
   const size_t bad = FindInvalidUtf8(text);
   if (bad == std::string_view::npos) return std::nullopt;
-  SourceSpan span;  // SpanAt would count code points in what is no UTF-8
+  SourceSpan span;  // built by hand, because SpanAt counts code points and this is not UTF-8
   span = SpanAt(text.substr(0, bad), bad);
   return Diagnostic{options.file, span,
                     text[bad] == '\0' ? "U+0000 cannot stand in a query" : "this byte is not UTF-8",
@@ -109,7 +109,7 @@ std::optional<std::vector<TriplePattern>> ProductionParser::TriplesTemplateInBra
 
 AlgebraPtr ProductionParser::GroupGraphPattern() {
   impl_->grammar.blank_bgp_.clear();
-  impl_->grammar.elements_ = 0;  // a document holds many, and the limit is of one
+  impl_->grammar.elements_ = 0;  // a document holds many queries; the limit is for each
   return impl_->grammar.GroupGraphPattern();
 }
 

@@ -1,8 +1,8 @@
-// SPARQL 1.1 text → algebra. The whole grammar of the W3C recommendation (section 19.8) is read, queries and
-// updates.
+// SPARQL 1.1 parser: text → algebra. It reads the whole grammar of the W3C recommendation (section 19.8),
+// queries and updates.
 //
-// Hand-written recursive descent, one method a production. It knows no store and no clock. After an error it
-// goes on at the next '.' or '}', so several mistakes are reported at once. Any thread.
+// Hand-written recursive descent, one method for each production; independent of store and clock. After an
+// error it continues at the next '.' or '}', so several mistakes are reported at once. Any thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_PARSER_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_PARSER_H_
 
@@ -25,23 +25,23 @@ class FunctionRegistry;
 struct ParseOptions {
   std::string file;      // for diagnostics; may be empty
   std::string base_iri;  // BASE before the text's own; empty: a relative IRI is an error
-  // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may declare them anew.
+  // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may redeclare them.
   std::vector<std::pair<std::string, std::string>> prefixes;
   Limits limits;  // query_text_bytes, query_nesting, query_elements
-  // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
+  // Allows the group elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
   // expression).
   bool rule_elements = false;
-  // Calls are held to these and the casts; null: they are left to whoever prepares the query. Read while parsing.
+  // Checks function calls against these and the casts; null: Prepare checks them. Read during parsing.
   const FunctionRegistry* functions = nullptr;
-  // Constant regular expressions that can't be evaluated are errors; false: calls with them have no value. For texts that
-  // have been accepted before, by whatever rules.
+  // Constant regular expressions that cannot be evaluated are errors; false: calls with them have no value.
+  // For texts that an earlier version accepted.
   bool check_patterns = true;
 };
 
 // kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.
 std::vector<std::pair<std::string, std::string>> WellKnownPrefixes();
 
-// For a text that someone has sent to a server: with these, what the limits allow and the functions that there are.
+// Options for a text sent to a server: the prefixes above, the limits and the registered functions.
 ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* functions);
 
 struct ParsedQuery {
@@ -59,7 +59,8 @@ struct ParsedUpdate {
 // `limits.update_text_bytes` holds instead of query_text_bytes.
 ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options = {});
 
-// A lone expression, as in FILTER(…) without the word (CAWL comparisons, tests). Null where there are errors.
+// A single expression, as in FILTER(…) without the keyword (CAWL comparisons, tests). Null if there are
+// errors.
 struct ParsedExpression {
   ExpressionPtr expression;
   Diagnostics diagnostics;
@@ -67,9 +68,9 @@ struct ParsedExpression {
 };
 ParsedExpression ParseExpression(std::string_view text, const ParseOptions& options = {});
 
-// The productions of SPARQL as building blocks for languages that contain them (the rule language). It stands
-// at a token and each method reads from there. Errors are collected in diagnostics(); a method that fails has
-// reported why and returns false, null or nullopt. `text` must outlive it. One thread.
+// The productions of SPARQL as building blocks for languages that contain them (the rule language). Each
+// method reads from the current token. Errors are collected in diagnostics(); a method that fails has
+// reported the error and returns false, null or nullopt. `text` must outlive it. One thread.
 //
 //   ProductionParser p(text, options);
 //   p.Prologue();
@@ -90,7 +91,8 @@ class ProductionParser {
   bool Prologue();
   // '{' triples '}'. Blank nodes stay terms; variables stay variables; no paths.
   std::optional<std::vector<TriplePattern>> TriplesTemplateInBraces();
-  // '{' … '}' as in WHERE. Blank nodes become hidden variables, their labels end with the outermost group.
+  // '{' … '}' as in WHERE. Blank nodes become hidden variables; their labels are valid up to the end of the
+  // outermost group.
   AlgebraPtr GroupGraphPattern();
   // One expression; one IRI (full or prefixed); one IRI, literal, number or boolean; one string.
   ExpressionPtr Expression();
@@ -98,19 +100,19 @@ class ProductionParser {
   std::optional<Term> GroundTerm();
   std::optional<std::string> String();
 
-  // The next token is the keyword (any case) or punctuation: go past it.
+  // If the next token is the keyword (any case) or punctuation: moves past it.
   bool AcceptKeyword(std::string_view keyword);
   bool AtKeyword(std::string_view keyword) const;
   bool AcceptPunctuation(std::string_view punctuation);
   bool AtPunctuation(std::string_view punctuation) const;
-  bool AtWord() const;  // a keyword, or letters that are none
+  bool AtWord() const;  // a keyword, or other letters
   bool AtEnd() const;
   // The place of the next token, for errors and AST nodes.
   SourceSpan Here() const;
 
   void Error(std::string message, std::string hint = "");
   void Error(const SourceSpan& at, std::string message, std::string hint);
-  // Goes past the next '}' that closes what is open here (or to the end): recovery between rules.
+  // Moves past the next '}' that closes what is open here (or to the end): recovery between rules.
   void SkipPastBrace();
 
   const std::vector<std::pair<std::string, std::string>>& prefixes() const;

@@ -10,7 +10,7 @@ namespace docent::sparql {
 
 std::vector<PrefixPlace> PrefixPlaces(std::string_view text) {
   std::vector<PrefixPlace> places;
-  std::map<std::string, size_t, std::less<>> declared;  // the last of each name, by its number in `places`
+  std::map<std::string, size_t, std::less<>> declared;  // last declaration of each name, as index of `places`
   Lexer lexer(text);
   bool declares = false;
   for (Token token = lexer.Next(); token.kind != TokenKind::kEnd && token.kind != TokenKind::kError;

@@ -1,4 +1,4 @@
-// Unused prefix declarations of a text, with their places. Pure; any thread.
+// Prefix declarations of a text with their places and uses. Pure; any thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_PREFIX_PLACES_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_PREFIX_PLACES_H_
 
@@ -9,8 +9,8 @@
 
 namespace docent::sparql {
 
-// The prefixes that a query, an update or a text made of their productions (`.rules`) declares, in order, and how many
-// names use each. `text` must be one that its parser takes.
+// The prefixes that a query, an update or a rule document (`.rules`) declares, in order, with the number of
+// names that use each. `text` must parse without errors.
 std::vector<PrefixPlace> PrefixPlaces(std::string_view text);
 
 }  // namespace docent::sparql

@@ -11,7 +11,7 @@
 namespace docent::sparql {
 namespace {
 
-// How many bytes of a string the escape at `at` of the text stands for; *at moves past it. For any other character, its own.
+// Bytes of the string value for the character or escape at `at` of the text; moves *at past it.
 size_t TakeCharacter(std::string_view text, size_t* at) {
   if (text[*at] != '\\' || *at + 1 >= text.size()) {
     ++*at;
@@ -26,7 +26,7 @@ size_t TakeCharacter(std::string_view text, size_t* at) {
   return code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
 }
 
-// The place in the text of `length` bytes at `offset` of the string that is written at `literal`.
+// The place in the text of `length` bytes at `offset` of the string literal written at `literal`.
 SourceSpan PlaceInString(std::string_view text, const SourceSpan& literal, size_t offset, size_t length) {
   const std::string_view written = text.substr(std::min(literal.offset, text.size()));
   if (written.empty() || (written[0] != '"' && written[0] != '\'')) return literal;
@@ -40,7 +40,7 @@ SourceSpan PlaceInString(std::string_view text, const SourceSpan& literal, size_
 
 // One argument of the call.
 struct Argument {
-  const Expression* expression = nullptr;  // null: it is not given
+  const Expression* expression = nullptr;  // null: not given
   std::string_view what;                   // "pattern"
 
   bool IsComputed() const { return expression != nullptr && expression->kind != Expression::Kind::kTerm; }
@@ -60,7 +60,7 @@ class Checker {
     for (const Argument* argument : {&pattern, &flags, &replacement}) {
       if (std::optional<ArgumentMistake> mistake = FindWrongType(*argument)) return mistake;
     }
-    if (flags.IsComputed()) return std::nullopt;  // what the others mean depends on them
+    if (flags.IsComputed()) return std::nullopt;  // the meaning of the others depends on them
     if (const auto mistake = FindFlagMistake(flags.text())) return Report(flags, *mistake);
     RegexTree tree;
     if (!pattern.IsComputed()) {

@@ -1,5 +1,5 @@
-// Check of the constant arguments of REGEX and REPLACE: a pattern, flags or a replacement that stand in the text of a query
-// and can never be evaluated are a mistake of the text. Pure functions.
+// Check of the constant arguments of REGEX and REPLACE: a constant pattern, flags or replacement that can
+// never be evaluated is a mistake of the query text. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_REGEX_ARGUMENTS_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_REGEX_ARGUMENTS_H_
 
@@ -18,7 +18,7 @@ struct ArgumentMistake {
   std::string hint;
 };
 
-// `call`: any call of a builtin. `text`: what its spans point into.
+// `call`: any call of a builtin. `text`: the text that its spans point into.
 std::optional<ArgumentMistake> FindRegexMistake(const Expression& call, std::string_view text);
 
 }  // namespace docent::sparql

@@ -1,5 +1,6 @@
-// A SPARQL Update request (SPARQL 1.1 Update, section 3) as the parser makes it: a sequence of operations,
-// each seeing what the ones before it did. It knows no store: terms are text, variables are names. Values.
+// A SPARQL Update request (SPARQL 1.1 Update, section 3), made by the parser: a sequence of operations, each
+// of which sees the effects of the earlier ones. Independent of the store: terms are text, variables are
+// names. Values.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_UPDATE_ALGEBRA_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_UPDATE_ALGEBRA_H_
 
@@ -16,7 +17,7 @@ namespace docent::sparql {
 // One triple of DATA or of a template, with the GRAPH around it.
 struct QuadTemplate {
   TriplePattern triple;
-  std::optional<PatternTerm> graph;  // none: the default graph, or that of WITH
+  std::optional<PatternTerm> graph;  // nullopt: the default graph, or that of WITH
 };
 
 // DEFAULT, GRAPH <iri>, NAMED, ALL.
@@ -32,7 +33,7 @@ struct UpdateOperation {
     kDeleteData,  // DELETE DATA { quads }                      remove
     kModify,      // WITH <g> DELETE { … } INSERT { … } USING <u> USING NAMED <n> WHERE { … }
                   //                                            with, remove, insert, from, from_named, where
-                  // DELETE WHERE { quads } is one, too: remove, where
+                  // DELETE WHERE { quads } is of this kind, too: remove, where
     kLoad,        // LOAD SILENT <document> INTO GRAPH <g>      silent, document, target
     kClear,       // CLEAR SILENT GRAPH <g>                     silent, target
     kDrop,        // DROP SILENT GRAPH <g>                      silent, target

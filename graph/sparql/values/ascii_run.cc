@@ -7,8 +7,8 @@
 namespace docent::sparql {
 namespace {
 
-// Most of a text is runs longer than a few characters: sixteen bytes are looked at together. As signed numbers, those
-// beyond ASCII are below 0. A comparison gives -1 where it holds, and 0 where not.
+// Runs of a class are usually longer than a few characters, so sixteen bytes are compared at once. As signed
+// numbers, bytes beyond ASCII are negative. A comparison gives -1 for true and 0 for false.
 using SixteenBytes = int8_t __attribute__((vector_size(16)));
 static_assert(std::endian::native == std::endian::little);
 
@@ -25,7 +25,7 @@ struct InName {
 };
 struct InIri {
   static SixteenBytes Of(SixteenBytes c) {
-    const SixteenBytes even = c | 2;  // '<' is as '>', '\\' as '^'
+    const SixteenBytes even = c | 2;  // maps '<' to '>', '\\' to '^'
     return (c > 0x20) &
            ~((c == '"') | (even == '>') | (even == '^') | (c == '`') | ((c > '{' - 1) & (c < '}' + 1)));
   }
@@ -36,7 +36,7 @@ struct Ascii {
   static bool Of(char c) { return static_cast<signed char>(c) > 0; }
 };
 
-// The first of sixteen bytes that is not of the class, but for the first `without`; 16 if none is.
+// The first of sixteen bytes outside the class, ignoring the first `without`; 16 if none is.
 template <typename Class>
 size_t FirstOther(const char* begin, size_t without) {
   SixteenBytes bytes;
@@ -60,7 +60,7 @@ size_t RunEnd(std::string_view text, size_t at) {
     if (length < kTogether) return at + length;
   }
   if (at < text.size() &&
-      text.size() >= kTogether) {  // the last of them, of which some were looked at before
+      text.size() >= kTogether) {  // the last sixteen bytes, which overlap the ones before
     const size_t begin = text.size() - kTogether;
     return begin + FirstOther<Class>(text.data() + begin, at - begin);
   }
@@ -81,7 +81,7 @@ size_t IriEnd(std::string_view text, size_t at) {
 }
 size_t AsciiEnd(std::string_view text, size_t at) {
   for (std::array<SixteenBytes, 4> some; at + sizeof(some) <= text.size();
-       at += sizeof(some)) {  // a text is read whole
+       at += sizeof(some)) {  // reads the whole text
     std::memcpy(&some, text.data() + at, sizeof(some));
     const auto others = ~((some[0] > 0) & (some[1] > 0) & (some[2] > 0) & (some[3] > 0));
     const auto [low, high] = std::bit_cast<std::array<uint64_t, 2>>(others);

@@ -1,4 +1,4 @@
-// Classes of ASCII characters, and where runs of one class end. Pure functions.
+// Classes of ASCII characters, and a search for the end of a run of one class. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_ASCII_RUN_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_ASCII_RUN_H_
 
@@ -8,16 +8,16 @@
 
 namespace docent::sparql {
 
-// What an ASCII character may be part of; others are but part of a local name.
+// The tokens that an ASCII character may be part of; all other characters occur in local names only.
 enum CharacterClass : uint8_t {
   kInWord = 1,  // letters, digits, '_'
   kInName = 2,  // these and '-'
   kInIri = 4,   // [139] IRIREF
   kLetter = 8,
   kPunctuationMark = 16,
-  kMarkAlone = 32,      // whatever follows
-  kBetweenTokens = 64,  // spaces, line ends, and what begins a comment
-  kInLocalName = 128,   // [169] PN_LOCAL may go on with it, or with what is not ASCII
+  kMarkAlone = 32,      // a complete token, whatever follows
+  kBetweenTokens = 64,  // spaces, line ends, and the start of a comment
+  kInLocalName = 128,   // [169] PN_LOCAL may continue with it, or with a character beyond ASCII
 };
 inline constexpr std::array<uint8_t, 256> kCharacterClasses = [] {
   std::array<uint8_t, 256> classes{};

@@ -1,5 +1,5 @@
-// Upper and lower case of UTF-8 text: Unicode's full case mapping (XPath and XQuery Functions sections 5.4.7 and 5.4.8), by ICU
-// and for no language in particular, so that it does not depend on the process's locale. Pure functions.
+// Upper and lower case of UTF-8 text: Unicode's full case mapping (XPath and XQuery Functions sections 5.4.7
+// and 5.4.8) by ICU. It is independent of language and of the process's locale. Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_CASE_MAP_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_CASE_MAP_H_
 

@@ -21,7 +21,7 @@ std::optional<Int128> ScaleUp(Int128 value, int digits) {
   return value;
 }
 
-// Both at the larger of the two scales.
+// Both numbers at the larger of the two scales.
 std::optional<std::pair<Int128, Int128>> Align(const Decimal& a, const Decimal& b) {
   const int scale = std::max(a.scale, b.scale);
   const std::optional<Int128> x = ScaleUp(a.mantissa, scale - a.scale);
@@ -38,7 +38,7 @@ Int128 FloorDivide(Int128 value, Int128 by) {
 }  // namespace
 
 Decimal Normalised(Decimal d) {
-  while (d.scale > 0 && d.mantissa == static_cast<int64_t>(d.mantissa)) {  // whose division is much quicker
+  while (d.scale > 0 && d.mantissa == static_cast<int64_t>(d.mantissa)) {  // 64-bit division is faster
     const int64_t mantissa = static_cast<int64_t>(d.mantissa);
     if (mantissa % 10 != 0) return d;
     d.mantissa = mantissa / 10;
@@ -56,7 +56,7 @@ std::optional<Decimal> Decimal::Parse(std::string_view text) {
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
   Decimal d;
   bool point = false, digits = false;
-  if (const size_t dot = text.find('.'); dot != std::string_view::npos) {  // zeros at the end add nothing
+  if (const size_t dot = text.find('.'); dot != std::string_view::npos) {  // drops trailing zeros
     while (text.size() > dot + 1 && text.back() == '0' && text.size() > 2) text.remove_suffix(1);
   }
   for (const char c : text) {
@@ -116,7 +116,7 @@ std::string Decimal::ToString() const {
 }
 
 double Decimal::ToDouble() const {
-  // Up to 2^53 over a power of ten up to 10^22 this is correctly rounded; beyond, the text decides.
+  // Up to 2^53 over a power of ten up to 10^22 this is correctly rounded; beyond, the text is parsed.
   const Int128 exact = Int128{1} << 53;
   if (scale <= 22 && mantissa < exact && mantissa > -exact) {
     return static_cast<double>(mantissa) / std::pow(10.0, scale);
@@ -180,8 +180,8 @@ int CompareScales(const Decimal& a, const Decimal& b) {
   if (const auto aligned = Align(a, b)) {
     return aligned->first < aligned->second ? -1 : aligned->first > aligned->second ? 1 : 0;
   }
-  // One of them does not fit at the other's scale: then the whole parts differ, or the digits after the point
-  // decide.
+  // One of them does not fit at the other's scale: compare the whole parts, then the digits after the
+  // point.
   const Int128 x = a.Floor().mantissa, y = b.Floor().mantissa;
   if (x != y) return x < y ? -1 : 1;
   const double rest_a = Decimal{a.mantissa, a.scale}.ToDouble() - static_cast<double>(x);

@@ -1,6 +1,6 @@
-// Exact decimal numbers of up to 38 digits: xsd:decimal, and xsd:integer as those with scale 0 (XML Schema
-// part 2 asks for at least 18 digits). An operation whose exact result does not fit is an error, never a
-// rounded value; division alone rounds (to 18 digits after the point, toward zero). Values; any thread.
+// Exact decimal numbers of up to 38 digits: xsd:decimal, and xsd:integer as scale 0 (XML Schema part 2
+// requires at least 18 digits). An operation whose exact result does not fit is an error, never a rounded
+// value; only division rounds (to 18 digits after the point, toward zero). Values; any thread.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_DECIMAL_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_DECIMAL_H_
 
@@ -29,26 +29,26 @@ struct Decimal {
   std::string ToString() const;
   double ToDouble() const;
   bool IsZero() const { return mantissa == 0; }
-  // Whole, by dropping the digits after the point in the stated direction (XPath fn:floor, fn:ceiling,
-  // fn:round: half rounds toward positive infinity).
+  // Whole numbers, made by dropping the digits after the point in the stated direction (XPath fn:floor,
+  // fn:ceiling, fn:round: half rounds toward positive infinity).
   Decimal Floor() const;
   Decimal Ceiling() const;
   Decimal Round() const;
 };
 
-// 10^0 to the largest that fits.
+// 10^0 to the largest power that fits.
 inline constexpr std::array<int64_t, 19> kPowersOfTen = [] {
   std::array<int64_t, 19> powers = {1};
   for (size_t i = 1; i < powers.size(); ++i) powers[i] = powers[i - 1] * 10;
   return powers;
 }();
 
-// Without zeros at the end of its digits after the point.
+// Drops trailing zeros after the point.
 Decimal Normalised(Decimal d);
 std::optional<Decimal> Add(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b);
-std::optional<Decimal> Divide(const Decimal& a, const Decimal& b);  // nullopt by zero, too
+std::optional<Decimal> Divide(const Decimal& a, const Decimal& b);  // nullopt also for a zero divisor
 // As Compare, of different scales.
 int CompareScales(const Decimal& a, const Decimal& b);
 // Negative, zero or positive as a is less than, equal to or greater than b. Exact for any scales.

@@ -20,7 +20,7 @@ bool AddTo(int64_t* sum, int64_t value, int64_t unit) {
   return !__builtin_mul_overflow(value, unit, &part) && !__builtin_add_overflow(*sum, part, sum);
 }
 
-// Reads "12Y": the number, and the letter behind it. A number too large is none.
+// Reads "12Y": the number, and the letter after it. False if the number is too large.
 bool TakePart(std::string_view* text, int64_t* value, int64_t* fraction_us, char* letter) {
   size_t n = 0;
   *value = *fraction_us = 0;
@@ -72,7 +72,7 @@ std::optional<int64_t> Narrow(double value) {
   return static_cast<int64_t>(rounded);
 }
 
-// With its one part made another.
+// The duration with its only part changed.
 template <typename Change>
 std::optional<Duration> WithPart(const Duration& duration, Change change) {
   Duration out = duration;
@@ -115,7 +115,7 @@ std::optional<Duration> ParseDuration(std::string_view text, Kind kind) {
   text.remove_prefix(1);
   Duration out{kind, 0, 0};
   std::string_view letters = kind == Kind::kDayTime ? "D" : kind == Kind::kYearMonth ? "YM" : "YMD";
-  bool clock = false;  // behind the T
+  bool clock = false;  // after the T
   while (!text.empty()) {
     if (!clock && kind != Kind::kYearMonth && text.starts_with('T')) {
       clock = true;

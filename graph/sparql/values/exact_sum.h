@@ -1,7 +1,7 @@
-// The exact sum of doubles, rounded once: the same in whatever order they come, so that a sum that is made anew is the same
-// term. (Not where a part of the sum is beyond the largest double: one order may pass there, another not.)
-// Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997 (growing an expansion of parts that do not overlap).
-// Value; one thread.
+// Exact sum of doubles, rounded once. It is the same for any order of the doubles, so a recomputed sum is the
+// same term. (Exception: if a partial sum is beyond the largest double, one order may overflow and another
+// not.) Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997 (growing an expansion of parts that do
+// not overlap). Value; one thread.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_EXACT_SUM_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_EXACT_SUM_H_
 
@@ -45,7 +45,7 @@ class ExactSum {
       high = x + part;
       low = part - (high - x);
     }
-    // Half way between two doubles: the parts below decide.
+    // Half way between two doubles: the lower parts decide.
     if (i > 0 && ((low < 0 && parts_[i - 1] < 0) || (low > 0 && parts_[i - 1] > 0))) {
       const double twice = low * 2, up = high + twice;
       if (up - high == twice) high = up;
@@ -55,7 +55,7 @@ class ExactSum {
 
  private:
   std::vector<double> parts_;  // without overlap, growing
-  double special_ = 0;         // sum of those that are not finite
+  double special_ = 0;         // sum of the values that are not finite
 };
 
 }  // namespace docent::sparql

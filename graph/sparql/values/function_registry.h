@@ -1,6 +1,6 @@
-// Functions that SPARQL calls by IRI: FILTER(docent:distance(?a, ?b) < 2.0). Registered by app (spatial
-// functions live beside maps), so that queries, rules and conditions use them without knowing where they
-// come from.
+// Registry of functions that SPARQL calls by IRI: FILTER(docent:distance(?a, ?b) < 2.0). The server registers
+// them (spatial functions live beside the maps), so queries, rules and conditions use them without a
+// dependency on their folders.
 //
 // Filled once at start, then read by any thread. The xsd: casts are part of the evaluator and not in here.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_FUNCTION_REGISTRY_H_
@@ -21,8 +21,8 @@
 
 namespace docent::sparql {
 
-// From bound terms to a term. An error status is a type error of the expression: FILTER drops the row, BIND
-// leaves the variable unbound. Must depend on nothing but its arguments, be safe on any thread, and throw
+// A function from bound terms to a term. An error status is a type error of the expression: FILTER drops the
+// row, BIND leaves the variable unbound. It must depend only on its arguments, be thread-safe, and throw
 // nothing.
 using NamedFunction = std::function<absl::StatusOr<Term>(absl::Span<const Term> arguments)>;
 
@@ -34,9 +34,10 @@ struct FunctionEntry {
 
 class FunctionRegistry {
  public:
-  // ALREADY_EXISTS if the IRI is taken; INVALID_ARGUMENT for an empty function or a crossed arity.
+  // ALREADY_EXISTS if the IRI is taken; INVALID_ARGUMENT for an empty function or a minimum above the
+  // maximum.
   absl::Status Register(std::string_view iri, int min_arguments, int max_arguments, NamedFunction function);
-  // Null if unknown. The entry lives as long as the registry and is not moved by later Registers.
+  // Null if unknown. The entry lives as long as the registry; later Registers do not move it.
   const FunctionEntry* Find(std::string_view iri) const;
   // All IRIs, sorted (hints, documentation).
   std::vector<std::string> Names() const;
@@ -45,8 +46,8 @@ class FunctionRegistry {
   absl::flat_hash_map<std::string, std::unique_ptr<FunctionEntry>> functions_;
 };
 
-// What is wrong with a call: nothing of that IRI is in the registry (which may be null) or a cast, or it takes another
-// number of arguments.
+// A mistake in a call: the IRI is neither in the registry (which may be null) nor a cast, or the number of
+// arguments is wrong.
 struct CallMistake {
   std::string message, hint;
 };

@@ -1,5 +1,5 @@
-// A number alone, for comparisons: read from an inline id or a Value in a few instructions, where a Value of each operand
-// would cost more than what is to be found out. Value; any thread.
+// A number without its term, for fast comparisons: read from an inline id or a Value in a few instructions,
+// without a Value for each operand. Value; any thread.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_NUMBER_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_NUMBER_H_
 
@@ -19,7 +19,7 @@ namespace docent::sparql {
 
 class Number {
  public:
-  // None if the id is no inline number: what is in the dictionary ("007"^^xsd:integer) or local may be one all the same.
+  // None if the id is no inline number. A dictionary id ("007"^^xsd:integer) or local id may be a number.
   static Number Of(TermId id) {
     switch (id.tag()) {
       case TermId::Tag::kInteger:
@@ -47,7 +47,7 @@ class Number {
   bool IsNone() const { return kind_ == Kind::kNone; }
   bool IsNan() const { return kind_ >= Kind::kFloat && std::isnan(inexact_); }
 
-  // With the promotions of XPath; NaN is unordered. Neither may be none.
+  // Compares with the promotions of XPath; NaN is unordered. Neither may be none.
   friend std::partial_ordering Compare(const Number& a, const Number& b) {
     if (a.kind_ == Kind::kExact && b.kind_ == Kind::kExact) return Compare(a.exact_, b.exact_) <=> 0;
     return CompareInexact(a, b);
@@ -72,7 +72,7 @@ class Number {
   Decimal exact_;
 };
 
-// Of two inline integers or decimals, quicker still; nullopt where one is neither (or their scales are very far apart).
+// Compares two inline integers or decimals, faster; nullopt: one is neither, or the scales differ too much.
 inline std::optional<std::strong_ordering> CompareExact(TermId a, TermId b) {
   using Tag = TermId::Tag;
   const Tag of_a = a.tag(), of_b = b.tag();
@@ -88,7 +88,7 @@ inline std::optional<std::strong_ordering> CompareExact(TermId a, TermId b) {
       of_b == Tag::kInteger ? InlineDecimalValue{InlineInteger(b), 0} : InlineDecimal(b);
   const int further = x.scale - y.scale;
   if (std::abs(further) >= std::ssize(kPowersOfTen)) return std::nullopt;
-  // Of 60 bits each: the products fit.
+  // Mantissas have 60 bits at most: the products fit.
   const Int128 left = further < 0 ? Int128{x.mantissa} * kPowersOfTen[-further] : x.mantissa;
   const Int128 right = further > 0 ? Int128{y.mantissa} * kPowersOfTen[further] : y.mantissa;
   return left < right   ? std::strong_ordering::less
@@ -96,7 +96,7 @@ inline std::optional<std::strong_ordering> CompareExact(TermId a, TermId b) {
                         : std::strong_ordering::equal;
 }
 
-// CompareForOrder of two ids where they tell without a value of each; else nullopt.
+// CompareForOrder of two ids, if it can be decided without values; else nullopt.
 std::optional<int> CompareIdsForOrder(TermId a, TermId b, const Dictionary& dictionary);
 inline std::optional<int> CompareForOrder(TermId a, TermId b, const Dictionary& dictionary) {
   if (a == b) return 0;

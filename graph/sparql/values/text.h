@@ -1,5 +1,5 @@
-// Small operations on std::string_view (Debian's Abseil has a string_view of its own, so its string functions
-// do not take ours). Pure functions.
+// Small operations on std::string_view (Debian's Abseil has its own string_view, so its string functions do
+// not accept std::string_view). Pure functions.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
 
@@ -16,7 +16,7 @@ inline char AsciiUpper(char c) {
   return c >= 'a' && c <= 'z' ? static_cast<char>(c & ~0x20) : c;
 }
 
-// ASCII letters count as equal whatever their case.
+// Equality that ignores the case of ASCII letters.
 inline bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -31,7 +31,7 @@ inline std::string LowerAscii(std::string_view text) {
   return out;
 }
 
-// The parts one after the other.
+// Concatenates the parts.
 inline std::string Concat(std::initializer_list<std::string_view> parts) {
   size_t size = 0;
   for (const std::string_view part : parts) size += part.size();

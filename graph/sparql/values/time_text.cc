@@ -22,7 +22,7 @@ int64_t DaysFromCivil(int64_t year, int month, int day) {
   return era * 146097 + day_of_era - 719468;
 }
 
-// Reads from the front of a text.
+// Reader from the front of a text.
 class Reader {
  public:
   explicit Reader(std::string_view text) : rest_(text) {}

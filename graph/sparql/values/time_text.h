@@ -15,14 +15,14 @@ struct ZonedTime {
   std::optional<int> zone_minutes;  // east of UTC
 };
 
-// nullopt if the text is not valid. Digits of a second beyond the microsecond are cut.
+// nullopt if the text is not valid. Digits beyond the microsecond are dropped.
 std::optional<ZonedTime> ParseDateTimeText(std::string_view text);
 std::optional<ZonedTime> ParseDateText(std::string_view text);
 std::optional<ZonedTime> ParseTimeText(std::string_view text);  // of the day 1970-01-01
 std::string FormatDateTimeText(const ZonedTime& time);
 std::string FormatDateText(const ZonedTime& time);
 std::string FormatTimeText(const ZonedTime& time);
-// Midnight of a day of the Gregorian calendar, as if its zone were UTC; and the days of a month.
+// Midnight of a day of the Gregorian calendar, as if its zone were UTC. Below: the days of a month.
 TimeMicros TimeOfDay(int64_t year, int month, int day);
 int DaysInMonth(int64_t year, int month);
 // "Z", "-05:00", "" without a zone (function TZ).

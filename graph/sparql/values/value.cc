@@ -172,7 +172,7 @@ Value Value::OfDuration(const Duration& duration) {
   return v;
 }
 
-// Sets type and value by the datatype; the texts are set already.
+// Sets type and value by the datatype; the texts are already set.
 void Value::ReadLiteral(std::string_view text, std::string_view datatype) {
   type_ = Type::kOther;
   if (datatype.substr(0, kXsdNs.size()) != kXsdNs) return;

@@ -1,5 +1,5 @@
-// A term with its value read: what expressions compute with. The text of a term of the dictionary is viewed,
-// not copied; a value thus lives no longer than the dictionary. Values; one thread.
+// A term with its parsed value, the operand of expressions. It holds a view of the dictionary's text, not a
+// copy, so it must not outlive the dictionary. Values; one thread.
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_VALUE_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_VALUE_H_
 
@@ -35,7 +35,7 @@ class Value {
     kDate,        // time_us (midnight), zone
     kTime,        // time_us (of 1970-01-01), zone
     kDuration,    // duration
-    kOther,  // text(), datatype(): a datatype that is not known here, or a lexical form that is not valid
+    kOther,       // text(), datatype(): an unknown datatype, or an invalid lexical form
   };
 
   Value() = default;
@@ -54,7 +54,7 @@ class Value {
   static Value OfTime(Type type, TimeMicros local_us,
                       std::optional<int> zone_minutes);  // kDateTime, kDate or kTime
   static Value OfDuration(const Duration& duration);
-  // From a term; the texts are copied.
+  // From a term; copies the texts.
   static Value OfTerm(const Term& term);
   // From an id that `dictionary` gave or that is inline.
   static Value OfId(TermId id, const Dictionary& dictionary);
@@ -67,7 +67,7 @@ class Value {
   bool IsStringLike() const { return type_ == Type::kString || type_ == Type::kLangString; }
   bool IsTime() const { return type_ >= Type::kDateTime && type_ <= Type::kTime; }
 
-  // The id it was made from; none if it was computed.
+  // The id it was made from; kNone if it was computed.
   TermId id() const { return id_; }
   void set_id(TermId id) { id_ = id; }
 
@@ -76,7 +76,7 @@ class Value {
   double number() const { return number_; }
   // Any numeric type as a double.
   double AsDouble() const { return IsExact() ? decimal_.ToDouble() : number_; }
-  // The wall-clock time as written, as if its zone were UTC; and the zone in minutes, if it has one.
+  // The local time as written, as if its zone were UTC. Below: the zone in minutes, if it has one.
   TimeMicros local_time_us() const { return time_us_; }
   std::optional<int> zone_minutes() const { return zone_; }
   // The instant; a time without zone counts as UTC (XPath's implicit timezone).
@@ -84,11 +84,11 @@ class Value {
 
   Duration duration() const { return {duration_kind_, months_, time_us_}; }
 
-  // Of kIri, kBlank, kString, kLangString, kOther; of other literals as written, where they were read from a text.
+  // For kIri, kBlank, kString, kLangString, kOther; for other literals the original text, if there was one.
   std::string_view text() const { return text_; }
   std::string_view language() const { return tag_; }
   std::string_view datatype() const { return tag_; }  // kOther
-  // xsd:… of a literal that is none of kString, kLangString, kOther, as computed: not a type derived from xsd:integer.
+  // The datatype xsd:… of other literals, as computed: not a type derived from xsd:integer.
   std::string_view CanonicalDatatype() const;
 
   // Memory of computed texts, shared with the copies.
@@ -96,11 +96,11 @@ class Value {
     return owned_ == nullptr ? 0 : sizeof(Texts) + owned_->text.capacity() + owned_->tag.capacity();
   }
 
-  // The term: as written where it was read from a text, else in canonical lexical form. Not for kError.
+  // The term with its original text, else in canonical lexical form. Not for kError.
   Term ToTerm() const;
   std::string Lexical() const;
   std::string_view DatatypeIri() const;  // a literal's
-  // The lexical form of the value, however it was written.
+  // The canonical lexical form of the value, whatever its original text.
   std::string CanonicalText() const;
 
  private:
@@ -116,37 +116,37 @@ class Value {
   std::optional<int> zone_;
   TermId id_;
   double number_ = 0;
-  TimeMicros time_us_ = 0;  // of a duration, what is not months
+  TimeMicros time_us_ = 0;  // for a duration: the part without months
   int64_t months_ = 0;
   Decimal decimal_;
   std::string_view text_, tag_;
-  std::shared_ptr<const Texts> owned_;  // what they view, unless it is the dictionary's: copies share it
+  std::shared_ptr<const Texts> owned_;  // the viewed texts, unless they are the dictionary's; copies share it
 };
 
 // Section 17.2.2; nullopt is a type error.
 std::optional<bool> EffectiveBooleanValue(const Value& value);
-// The operator `=` (section 17.3, RDFterm-equal for what no row of the table names); nullopt is a type error.
+// The operator `=` (section 17.3; RDFterm-equal for pairs not in the table); nullopt is a type error.
 std::optional<bool> ValuesEqual(const Value& a, const Value& b);
-// The operator `<` and its kin: negative, zero, positive; nullopt is a type error (or NaN: see `unordered`).
+// The operators `<`, `>`, …: negative, zero, positive; nullopt is a type error (or NaN: see `unordered`).
 std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered);
-// Section 15.1 made total over all values; negative, zero, positive.
+// Section 15.1 as a total order over all values; negative, zero, positive.
 int CompareForOrder(const Value& a, const Value& b);
 
 enum class Arithmetic : uint8_t { kAdd, kSubtract, kMultiply, kDivide };
-// With the promotions of XPath; an error value where the operation has no meaning for the operands, by a zero divisor, on
-// overflow.
+// With the promotions of XPath; an error value if the operation is not defined for the operands, for a zero
+// divisor, and on overflow.
 Value Compute(Arithmetic operation, const Value& a, const Value& b);
 
-// Of times and durations (value_times.cc). Two times of one type, one of them without zone, are incomparable when less than 14
-// hours apart (XML Schema part 2, section 3.2.7.4).
+// For times and durations (value_times.cc). Two times of one type, one of them without zone, are incomparable
+// if they are less than 14 hours apart (XML Schema part 2, section 3.2.7.4).
 std::optional<int> CompareTimes(const Value& a, const Value& b);
 int CompareTimesForOrder(const Value& a, const Value& b);
 Value ComputeTimes(Arithmetic operation, const Value& a, const Value& b);
-// From a value that is not a text.
+// Casts a value that is not a text.
 Value CastTime(std::string_view datatype, const Value& value);
 
 // The xsd: constructor functions (section 17.5); an error value if the cast fails. nullopt if `datatype` is
-// no cast.
+// not a cast.
 std::optional<Value> Cast(std::string_view datatype, const Value& value);
 bool IsIntegerType(std::string_view datatype);  // xsd:integer and the types derived from it
 bool IsCast(std::string_view datatype);

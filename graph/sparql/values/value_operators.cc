@@ -115,14 +115,14 @@ std::optional<bool> ValuesEqual(const Value& a, const Value& b) {
         if (!order) return std::nullopt;
         return *order == 0;
       }
-      default:  // kOther: the same term is equal; of others nobody knows
+      default:  // kOther: the same term is equal; for others the result is unknown
         if (a.text() == b.text() && a.datatype() == b.datatype()) return true;
         return std::nullopt;
     }
   }
-  // Literals of different kinds: what has a language tag differs from what has none; a value of a known
-  // datatype differs from one of another known datatype whose values are disjoint. Of unknown datatypes
-  // nobody knows.
+  // Literals of different kinds: one with a language tag differs from one without. Values of two
+  // known datatypes with disjoint value spaces differ. For unknown datatypes the result is
+  // unknown.
   if (a.type() == Type::kOther || b.type() == Type::kOther) {
     if (a.type() == Type::kLangString || b.type() == Type::kLangString) return false;
     return std::nullopt;
@@ -273,7 +273,7 @@ std::string PlainDigits(const Value& v) {
   return {buffer.data(), written.ptr};
 }
 
-// A float or double as a decimal; nullopt for NaN, infinities and what has more than 38 digits.
+// A float or double as a decimal; nullopt for NaN, infinities and numbers of more than 38 digits.
 std::optional<Decimal> DecimalOf(const Value& v) {
   if (!std::isfinite(v.number()) || std::abs(v.number()) >= 1e37) return std::nullopt;
   const std::string digits = PlainDigits(v);
@@ -332,7 +332,7 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     if (read.type() == Type::kDuration) return Value::OfDuration(read.duration());
     return read.type() == Type::kOther
                ? Value::Error()
-               : read;  // a time stays as written: its fraction may be finer than ours
+               : read;  // a time keeps its text: its fraction may be finer than a microsecond
   }
   if (datatype == kXsdBoolean) {
     if (v.type() == Type::kBoolean) return Value::Boolean(v.boolean());

@@ -18,7 +18,7 @@ TimeMicros StartOfDay(TimeMicros local_us) {
   return local_us - rest - (rest < 0 ? kDayMicros : 0);
 }
 
-// The digits of a second's fraction beyond the microsecond, as written; without zeros at the end.
+// The digits of a second's fraction beyond the microsecond, as written, without trailing zeros.
 std::string_view FinerDigits(const Value& v) {
   constexpr size_t kKept = 6;
   std::string_view text = v.text();
