@@ -6,7 +6,7 @@
 namespace docent::maps {
 namespace {
 
-// Distance along the unit direction (dx, dy) from `o` to the circle, or `limit` if it is not met before.
+// Distance along the unit direction (dx, dy) from `o` to the circle; `limit` if it is not hit before.
 double RayToDisc(const Point2& o, double dx, double dy, const Disc& disc, double limit) {
   const double ox = o.x_m - disc.center.x_m, oy = o.y_m - disc.center.y_m;
   const double b = ox * dx + oy * dy;
@@ -83,7 +83,7 @@ LaserScan AnalyticScanner::Scan(const Pose2& robot_in_hall, const std::vector<Di
   std::normal_distribution<double> noise(0, settings_.range_sigma_m);
   std::uniform_real_distribution<double> share(0, 1);
   for (float& range : scan.range_m) {
-    // Both are drawn for every beam, so that one beam's fate does not shift the noise of the others.
+    // Both are drawn for every beam, so that the result of one beam does not shift the noise of the others.
     const double error = noise(random);
     const bool lost = share(random) < settings_.dropout;
     if (range == 0) continue;

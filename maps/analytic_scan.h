@@ -1,5 +1,6 @@
-// The simulator's laser: rays against the layout's own shapes (segments and circles), never against the map that
-// the robot localises in, so that the map's voxels cannot flatter the localiser.
+// Simulated laser scanner: casts rays against the layout's own shapes (segments and circles), never against
+// the map in which the robot localises, so that the map's voxels cannot make the localiser look better than
+// it is.
 #ifndef DOCENT_MAPS_ANALYTIC_SCAN_H_
 #define DOCENT_MAPS_ANALYTIC_SCAN_H_
 
@@ -16,7 +17,7 @@ struct ScannerSettings {
   double field_of_view_rad =
       4.712;                // 0..2 pi; 270 degrees: a common safety scanner (SICK S300, Hokuyo UTM-30LX)
   double max_range_m = 20;  // > 0
-  double height_m = 0.30;   // of the scan plane above the floor; what is lower is not seen
+  double height_m = 0.30;   // of the scan plane above the floor; lower things are not seen
   Pose2 sensor_in_robot = {0, 0, 0};
   double range_sigma_m = 0.02;  // standard deviation of one range; data sheets say 1 to 3 cm
   double dropout = 0.01;        // 0..1, share of beams that return nothing
@@ -28,11 +29,11 @@ class AnalyticScanner {
   // Keeps the shapes that reach up to `settings.height_m`. The hall's outline counts as a wall.
   AnalyticScanner(const HallLayout& layout, const ScannerSettings& settings);
 
-  // Distance from `from` along `bearing_rad` (hall frame) to the first shape or to the first of `people`, at most
-  // max_range_m. Exact; no noise.
+  // Distance from `from` along `bearing_rad` (hall frame) to the first shape or the first of `people`, at
+  // most max_range_m. Exact; no noise.
   double CastRay(const Point2& from, double bearing_rad, const std::vector<Disc>& people = {}) const;
 
-  // What the sensor of a robot at `robot_in_hall` reports, without noise. Beams that reach nothing are 0.
+  // The noise-free scan of a robot at `robot_in_hall`. Beams without a return are 0.
   LaserScan ExactScan(const Pose2& robot_in_hall, const std::vector<Disc>& people = {}) const;
 
   // The same with range noise and dropouts drawn from `random` (the caller's, seeded).
@@ -52,7 +53,7 @@ class AnalyticScanner {
   Polygon hall_outline_;
   std::vector<Segment> segments_;    // in the scan plane
   std::vector<Disc> discs_;          // in the scan plane
-  std::vector<Obstacle> obstacles_;  // all, for Collides
+  std::vector<Obstacle> obstacles_;  // of all heights, for Collides
 };
 
 }  // namespace docent::maps

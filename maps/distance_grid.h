@@ -21,9 +21,10 @@ struct DistanceGrid {
   int height = 0;             // cells along y
   double max_distance_m = 0;  // distances are cut off here
 
-  // At the cell's centre, row by row (index = j * width + i): distance to the surface of the nearest occupied
-  // cell, negative inside occupied space. The surface lies half a cell outside the outermost occupied centres; in
-  // maps made from measurements it runs through those centres and nothing is negative (HallModelSettings::measured).
+  // At each cell's centre, row by row (index = j * width + i): distance to the surface of the nearest
+  // occupied cell, negative inside occupied space. The surface lies half a cell outside the outermost
+  // occupied centres. In maps made from measurements it runs through those centres, and no distance is
+  // negative (HallModelSettings::measured).
   std::vector<float> distance_m;
   std::vector<CellState> state;
 

@@ -42,15 +42,15 @@ struct Bounds {
 // `angle_rad` within (-pi, pi].
 double WrapAngle(double angle_rad);
 
-// The pose `b`, given in the frame of `a`, in the frame that `a` is given in (SE(2) composition).
+// Transforms the pose `b`, given in the frame of `a`, into the parent frame of `a` (SE(2) composition).
 Pose2 Compose(const Pose2& a, const Pose2& b);
-// The pose `b` seen from `a`, both given in one frame: Compose(a, Between(a, b)) == b.
+// The pose `b` relative to `a`, both given in one frame: Compose(a, Between(a, b)) == b.
 Pose2 Between(const Pose2& a, const Pose2& b);
 
 double Distance(const Point2& a, const Point2& b);
-// From `p` to the nearest point of the segment a–b.
+// Distance from `p` to the nearest point of the segment a–b.
 double DistanceToSegment(const Point2& p, const Point2& a, const Point2& b);
-// From `p` to the nearest point of the polygon's outline (0 only on the outline itself).
+// Distance from `p` to the nearest point of the polygon's outline (0 only on the outline itself).
 double DistanceToOutline(const Point2& p, const Polygon& polygon);
 
 // Even-odd rule. A point on the outline may count as either.
@@ -59,7 +59,7 @@ bool Contains(const Polygon& polygon, const Point2& p);
 double Area(const Polygon& polygon);
 // Requires a non-empty polygon.
 Bounds BoundsOf(const Polygon& polygon);
-// The mean of the corners weighted by area; of the corners where the area is 0.
+// The area-weighted centroid; the mean of the corners if the area is 0.
 Point2 Centroid(const Polygon& polygon);
 
 }  // namespace docent::maps

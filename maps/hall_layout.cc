@@ -27,7 +27,7 @@ std::string LastPart(const std::string& iri) {
   return cut == std::string::npos || cut + 1 == iri.size() ? iri : iri.substr(cut + 1);
 }
 
-// One reading of a set of quads; mistakes are collected, so that all are told at once.
+// Reader of a set of quads; it collects all mistakes and reports them together.
 class LayoutReader {
  public:
   explicit LayoutReader(const std::vector<TermQuad>& quads) {
@@ -54,7 +54,7 @@ class LayoutReader {
     mistakes_.push_back(NameOfResource(resource) + ": " + what);
   }
 
-  // The values in term order: the same layout whatever order the quads came in.
+  // The values in term order: the layout does not depend on the order of the quads.
   std::vector<Term> Values(const Term& subject, const std::string& predicate) const {
     const auto of_subject = facts_.find(subject);
     if (of_subject == facts_.end()) return {};
@@ -83,7 +83,7 @@ class LayoutReader {
     return value ? value->lexical : std::string();
   }
 
-  // A finite number of `subject`, or nullopt; a value that is none is a mistake of `resource`.
+  // A finite number of `subject`, or nullopt; a value that is no number is a mistake of `resource`.
   std::optional<double> Number(const Term& resource, const Term& subject, std::string_view local,
                                bool positive) {
     const std::vector<Term> values = Values(subject, DocentIri(local));
@@ -103,7 +103,7 @@ class LayoutReader {
     return number;
   }
 
-  // The well-known text of geo:hasGeometry/geo:asWKT; a mistake where there is not exactly one.
+  // The well-known text of geo:hasGeometry/geo:asWKT; a mistake unless there is exactly one.
   std::optional<std::string> Geometry(const Term& resource) {
     std::vector<Term> texts;
     for (const Term& geometry : Values(resource, Concat(kGeoNs, "hasGeometry"))) {

@@ -1,5 +1,5 @@
-// The hall as its RDF layout says it: the one source of truth for where a wall or a booth is. The OctoMap, the
-// distance fields and the simulator's walls are made from it, and the regions in the graph are the same quads.
+// The hall layout as read from RDF: the only source for the places of walls and booths. The OctoMap, the
+// distance fields and the simulator's walls are made from it; the regions in the graph are the same quads.
 //
 // Vocabulary (ontology/place): docent:Hall, docent:Wall, docent:BoothWall, docent:Counter, docent:Pillar,
 // docent:Obstacle, docent:Region, docent:Booth, geo:hasGeometry/geo:asWKT, docent:height, docent:radius,
@@ -21,7 +21,7 @@ namespace docent::maps {
 
 enum class ObstacleKind { kWall, kBoothWall, kCounter, kPillar, kOther };
 
-// Something solid that stands on the floor: a prism over `outline`, or a cylinder over `disc` (a pillar).
+// A solid object on the floor: a prism over `outline`, or a cylinder over `disc` (a pillar).
 struct Obstacle {
   std::string iri;  // "_:label" for a blank node
   ObstacleKind kind = ObstacleKind::kOther;
@@ -38,21 +38,21 @@ struct Region {
   std::string exhibitor;    // the name of a booth's docent:exhibitor; may be empty
   bool is_booth = false;
   Polygon outline;
-  std::optional<Pose2> service_point;  // where a robot stands to present it, and which way it looks
+  std::optional<Pose2> service_point;  // pose of a robot that presents it
 };
 
 struct HallLayout {
   std::string iri;
   std::string name;
-  Polygon outline;                  // inner face of the hall's outer wall: nothing is known beyond it
-  double height_m = 3;              // docent:height of the hall; the height of an obstacle that gives none
+  Polygon outline;                  // inner face of the hall's outer wall; the space beyond is unknown
+  double height_m = 3;              // docent:height of the hall; the default height of obstacles
   std::vector<Obstacle> obstacles;  // by IRI
   std::vector<Region> regions;      // by IRI
 
-  // Reads the layout out of `quads`; quads about other things are passed over, graphs do not matter.
-  // INVALID_ARGUMENT lists every mistake, one a line, each naming its resource: no hall or more than one, a
-  // missing or unreadable geometry, a height or radius that is not a number above 0, a service point without a
-  // heading or inside an obstacle.
+  // Reads the layout from `quads`; quads about other things are ignored, and so are graphs. INVALID_ARGUMENT
+  // lists every mistake, one a line, each naming its resource: no hall or more than one, a missing or
+  // unreadable geometry, a height or radius that is not a number above 0, a service point without a heading
+  // or inside an obstacle.
   static absl::StatusOr<HallLayout> FromQuads(const std::vector<TermQuad>& quads);
 
   // Reads an RDF file (format by its ending). NOT_FOUND, or INVALID_ARGUMENT with the parser's diagnostics.

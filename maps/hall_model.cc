@@ -39,8 +39,8 @@ std::string SystemError(const std::string& what) {
   return what + ": " + std::strerror(errno);
 }
 
-// Header of a .bt file as octomap::AbstractOccupancyOcTree::writeBinary writes it. Read and written here because
-// octomap's own functions print to the standard streams.
+// Header of a .bt file as octomap::AbstractOccupancyOcTree::writeBinary writes it. Our own code reads and
+// writes it because octomap's functions print to the standard streams.
 constexpr std::string_view kBtFirstLine = "# Octomap OcTree binary file";
 
 absl::StatusOr<double> ReadBtHeader(std::istream& in) {
@@ -155,7 +155,7 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromScans(const std:
     tree->insertPointCloud(ends, origin, -1, true);
   }
   tree->updateInnerOccupancy();
-  tree->toMaxLikelihood();  // what a .bt file can hold: the saved map is this map
+  tree->toMaxLikelihood();  // as a .bt file stores it, so that the saved map equals this one
   tree->prune();
   return FromOctoMap(std::move(tree), settings);
 }

@@ -171,7 +171,7 @@ class Painter {
     return extents.x_advance;
   }
 
-  // Text with a light halo, so that it can be read over lines.
+  // Text with a light halo, readable over lines.
   void Text(double x_px, double y_px, const std::string& text, const Color& color) {
     cairo_new_path(cr_);
     cairo_move_to(cr_, x_px, y_px);

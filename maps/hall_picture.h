@@ -1,5 +1,5 @@
-// A picture (PNG) of the hall seen from above: walls, booths and regions with their names, and what happened there:
-// paths, places, a robot. For people; cairo draws. Pure except for the file; any thread.
+// Picture (PNG) of the hall from above: walls, booths and regions with their names, and paths, places and a
+// robot. For people; cairo draws. Pure except for the file; any thread.
 #ifndef DOCENT_MAPS_HALL_PICTURE_H_
 #define DOCENT_MAPS_HALL_PICTURE_H_
 
@@ -18,8 +18,8 @@ struct Color {
   double blue = 0;
 };
 
-inline constexpr Color kTruthColor = {0.16, 0.44, 0.72};     // where the robot was
-inline constexpr Color kEstimateColor = {0.87, 0.35, 0.13};  // where it thought it was
+inline constexpr Color kTruthColor = {0.16, 0.44, 0.72};     // true poses
+inline constexpr Color kEstimateColor = {0.87, 0.35, 0.13};  // estimated poses
 inline constexpr Color kReferenceColor = {0.35, 0.35, 0.40};
 
 struct PicturePath {
@@ -32,7 +32,7 @@ struct PicturePath {
 struct PictureMark {
   enum class Kind { kStart, kGoal, kPerson, kRobot };
   Kind kind = Kind::kStart;
-  Pose2 pose;         // the heading shows for kRobot
+  Pose2 pose;         // the heading is drawn for kRobot
   std::string label;  // beside the mark; may be empty
 };
 
@@ -41,13 +41,13 @@ struct HallPicture {
   std::string subtitle;  // one line, smaller; may be empty
   std::vector<PicturePath> paths;
   std::vector<PictureMark> marks;
-  std::vector<std::string> highlighted;      // IRIs of regions to stress
+  std::vector<std::string> highlighted;      // IRIs of regions to highlight
   const DistanceGrid* background = nullptr;  // occupied cells drawn beneath: the map of a real building
   int width_px = 1600;                       // 200..8000; the height follows from the hall's outline
 };
 
-// Writes the picture (through a temporary file in the same folder). INVALID_ARGUMENT: a width out of range or a
-// layout without outline; otherwise what the system says.
+// Writes the picture (through a temporary file in the same folder). INVALID_ARGUMENT: a width out of range or
+// a layout without outline; otherwise the system's error.
 absl::Status WritePng(const HallLayout& layout, const HallPicture& picture, const std::string& path);
 
 }  // namespace docent::maps

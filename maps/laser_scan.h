@@ -11,8 +11,8 @@ namespace docent::maps {
 struct LaserScan {
   double first_bearing_rad = 0;  // of range_m[0], in the sensor's frame
   double bearing_step_rad = 0;   // between neighbours; negative for a sensor that turns clockwise
-  double max_range_m = 0;        // beyond it the sensor reports nothing
-  Pose2 sensor_in_robot;         // where the sensor sits
+  double max_range_m = 0;        // maximum range of the sensor
+  Pose2 sensor_in_robot;         // mounting pose of the sensor
   std::vector<float> range_m;    // 0: no return (nothing within range, or the reading was lost)
 };
 

@@ -10,10 +10,10 @@
 namespace docent::maps {
 namespace {
 
-// The slab's known leaves painted from above; pruned leaves cover many cells at once.
+// Paints the slab's known leaves from above; pruned leaves cover many cells at once.
 void PaintStates(const octomap::OcTree& tree, const SliceSettings& settings, DistanceGrid& grid) {
   const double far = 1e4;
-  const double inner = 1e-6;  // so that a slab that ends on a voxel's face does not touch the next voxel
+  const double inner = 1e-6;  // a slab that ends on a voxel's face must not touch the next voxel
   const octomap::point3d low(static_cast<float>(std::max(-far, grid.origin_x_m)),
                              static_cast<float>(std::max(-far, grid.origin_y_m)),
                              static_cast<float>(settings.min_z_m + inner));

@@ -11,17 +11,18 @@ class OcTree;
 namespace docent::maps {
 
 struct SliceSettings {
-  double min_z_m = 0;  // voxels that the slab [min_z, max_z] touches
+  double min_z_m = 0;  // voxels that touch the slab [min_z, max_z] count
   double max_z_m = 0;
   double max_distance_m = 0;
-  double margin_m = 0;               // unknown cells kept around the tree's known space
-  bool unknown_is_obstacle = false;  // whether distances are measured to unknown cells as well
+  double margin_m = 0;               // unknown cells added around the tree's known space
+  bool unknown_is_obstacle = false;  // measure distances to unknown cells as well
   bool surface_at_centers =
       false;  // surfaces run through the middle of occupied cells, not along their faces
 };
 
-// A cell is occupied if any voxel of its column in the slab is, else free if any is, else unknown. Distances by
-// dynamicEDT3D (Lau, Sprunk, Burgard: Efficient grid-based spatial representations, RAS 2013) on that one layer.
+// A cell is occupied if any voxel of its column in the slab is, else free if any is, else unknown. Distances
+// by dynamicEDT3D (Lau, Sprunk, Burgard: Efficient grid-based spatial representations, RAS 2013) on that
+// layer.
 DistanceGrid SliceOctree(const octomap::OcTree& tree, const SliceSettings& settings);
 
 }  // namespace docent::maps

@@ -25,7 +25,7 @@ const Region* RegionIndex::Innermost(const Point2& p) const {
 const Region* RegionIndex::Innermost(const Point2& p, const Region* current, double margin_m) const {
   const Region* found = Innermost(p);
   if (current == nullptr || found == current) return found;
-  // A region inside `current` is entered at once; only leaving outwards is held back.
+  // A region inside `current` is entered at once; only leaving is delayed by the margin.
   if (found != nullptr && found < current) return found;
   return DistanceToOutline(p, current->outline) <= margin_m ? current : found;
 }

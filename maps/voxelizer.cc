@@ -12,8 +12,8 @@ namespace {
 constexpr int kTreeDepth = 16;                     // of every octomap::OcTree
 constexpr int kCenterKey = 1 << (kTreeDepth - 1);  // key of the voxel whose corner is the origin
 
-// The hall seen from above. Everything solid stands on the floor, so a column is one number: how many voxels above
-// the floor are solid.
+// The hall from above. All solid objects stand on the floor, so a column is one number: the count of solid
+// voxels above the floor.
 class ColumnMap {
  public:
   static constexpr int kUnknownColumn = -1;
@@ -30,7 +30,7 @@ class ColumnMap {
     for (const Obstacle& obstacle : layout.obstacles) DrawObstacle(obstacle);
   }
 
-  // What fills the cube of `size` voxels whose lowest corner is voxel (x, y, z), counted from the origin.
+  // Content of the cube of `size` voxels whose lowest corner is voxel (x, y, z), counted from the origin.
   enum class Fill { kUnknown, kFree, kOccupied, kMixed };
   Fill FillOf(int x, int y, int z, int size) const {
     if (z + size <= -1 || z >= ceiling_) return Fill::kUnknown;
@@ -57,7 +57,7 @@ class ColumnMap {
 
  private:
   int Voxel(double metres) const { return static_cast<int>(std::floor(metres / resolution_m_ + 1e-9)); }
-  // Voxels whose centre is below `height_m`.
+  // Number of voxels whose centre is below `height_m`.
   int Layers(double height_m) const {
     return static_cast<int>(std::ceil(height_m / resolution_m_ - 0.5 - 1e-9));
   }
@@ -133,7 +133,7 @@ class ColumnMap {
     return footprint;
   }
 
-  // Where an obstacle is thinner than a voxel no centre may lie in it: there the voxels of its outline are drawn.
+  // An obstacle thinner than a voxel may contain no centre: there the voxels of its outline are drawn.
   void DrawThinParts(const Polygon& outline, const Footprint& footprint, int layers) {
     for (size_t i = 0; i < outline.size(); ++i) {
       const Point2 &a = outline[i], &b = outline[(i + 1) % outline.size()];
@@ -158,7 +158,7 @@ class ColumnMap {
   std::vector<int> solid_;
 };
 
-// Builds a pruned tree from the root down: 50 times quicker than setting 14 million voxels one by one.
+// Builds a pruned tree from the root down: 50 times faster than setting 14 million voxels one by one.
 class HallTree : public octomap::OcTree {
  public:
   explicit HallTree(double resolution_m) : OcTree(resolution_m) {}

@@ -14,7 +14,7 @@ class WktReader {
  public:
   explicit WktReader(std::string_view text) : text_(text) {}
 
-  // POINT, POLYGON: case does not matter (OGC 06-103r4, 7.2.1).
+  // POINT, POLYGON: case is ignored (OGC 06-103r4, 7.2.1).
   absl::Status Keyword(std::string_view word) {
     SkipReferenceSystem();
     SkipSpace();

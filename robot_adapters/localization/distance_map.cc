@@ -17,7 +17,7 @@ mrpt::obs::CObservation2DRangeScan::Ptr ToMrpt(const maps::LaserScan& scan) {
   observation->aperture =
       static_cast<float>(std::abs(scan.bearing_step_rad) * static_cast<double>(n > 0 ? n - 1 : 0));
   observation->maxRange = static_cast<float>(scan.max_range_m);
-  // MRPT's scans lie symmetrically about the sensor's x axis: what is left over turns the sensor.
+  // MRPT's scans are symmetric about the sensor's x axis: the remaining angle turns the sensor.
   const double middle =
       scan.first_bearing_rad + scan.bearing_step_rad * (n > 0 ? static_cast<double>(n - 1) / 2 : 0);
   observation->sensorPose = mrpt::poses::CPose3D(scan.sensor_in_robot.x_m, scan.sensor_in_robot.y_m, 0,

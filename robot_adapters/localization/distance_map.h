@@ -1,5 +1,5 @@
-// Our sensor model as an MRPT metric map, so that MRPT's particle filters weigh their particles by it.
-// Only the localiser and its benchmark include this header: it shows MRPT.
+// Our sensor model as an MRPT metric map, by which MRPT's particle filters weigh their particles. Only the
+// localiser and its benchmark include this header, because it exposes MRPT.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_DISTANCE_MAP_H_
 #define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_DISTANCE_MAP_H_
 
@@ -14,12 +14,12 @@
 
 namespace docent::robot {
 
-// MRPT's scan from ours and back. The observation's time stamp is left unset.
+// Conversion of scans to MRPT and back. The observation's time stamp is left unset.
 mrpt::obs::CObservation2DRangeScan::Ptr ToMrpt(const maps::LaserScan& scan);
 maps::LaserScan FromMrpt(const mrpt::obs::CObservation2DRangeScan& observation);
 
-// Weighs 2D range scans; every other observation cannot be weighed. Read-only: nothing is ever inserted.
-// One thread at a time (it remembers the beams of the last scan).
+// Weighs 2D range scans only, no other observations. Read-only: it supports no insertion. One thread at a
+// time (it caches the beams of the last scan).
 class DistanceMap : public mrpt::maps::CMetricMap {
   DEFINE_SERIALIZABLE(DistanceMap, docent::robot)
 
@@ -28,7 +28,7 @@ class DistanceMap : public mrpt::maps::CMetricMap {
   DistanceMap(std::shared_ptr<const SensorModel> model, int max_beams)
       : model_(std::move(model)), max_beams_(max_beams) {}
 
-  // Converts the beams of `observation` once; likelihoods of this very object are then looked up without converting.
+  // Converts the beams of `observation` once; later likelihoods of this object need no conversion.
   void Prepare(const mrpt::obs::CObservation2DRangeScan& observation);
 
   bool isEmpty() const override { return model_ == nullptr; }

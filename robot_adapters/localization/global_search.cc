@@ -7,7 +7,7 @@
 namespace docent::robot {
 namespace {
 
-// Centres of the free places of a lattice over the map.
+// Centres of the free places on a lattice over the map.
 std::vector<maps::Point2> FreePlaces(const maps::DistanceGrid& clearance, const LocaliserSettings& settings) {
   std::vector<maps::Point2> places;
   const double width_m = clearance.width * clearance.resolution_m,
@@ -24,7 +24,7 @@ std::vector<maps::Point2> FreePlaces(const maps::DistanceGrid& clearance, const 
   return places;
 }
 
-// Coordinate descent from `start` with shrinking steps: finds the top of the likelihood's hill.
+// Coordinate descent from `start` with shrinking steps to a local maximum of the likelihood.
 Candidate Refine(const SensorModel& model, const BeamEnds& ends, const maps::Pose2& start,
                  const LocaliserSettings& settings) {
   Candidate best = {start, model.LogLikelihood(ends, start)};
@@ -67,12 +67,12 @@ std::vector<Candidate> SearchGlobally(const maps::HallModel& hall, const SensorM
   const BeamEnds few = EndsOf(scan, settings.search_beams);
   const BeamEnds all = EndsOf(scan, settings.sensor.max_beams);
   if (few.size() == 0 || count < 1) return {};
-  // On the coarse lattice the truth may be half a step away: score with a spread that forgives that.
+  // On the coarse lattice the true pose may be half a step away, so the score uses a larger spread.
   SensorModelSettings coarse_settings = settings.sensor;
   coarse_settings.sigma_hit_m = std::max(settings.sensor.sigma_hit_m, settings.search_step_m / 2);
   const SensorModel coarse(hall.laser_field(), coarse_settings);
 
-  const size_t kept = static_cast<size_t>(count) * 8;  // of each round, to be refined
+  const size_t kept = static_cast<size_t>(count) * 8;  // candidates of each round that are refined
   std::vector<Candidate> found;
   const auto prune = [&found, kept] {
     if (found.size() <= kept) return;

@@ -24,14 +24,14 @@ namespace {
 
 using maps::Pose2;
 
-// Guards MRPT's process-wide random generator; held while a filter draws from it.
+// Guards MRPT's process-wide random generator; held while a filter draws numbers.
 absl::Mutex& MrptRandomMutex() {
   static absl::Mutex mutex;
   return mutex;
 }
 
-constexpr int kCandidates = 32;     // of a global search that get particles
-constexpr double kSureXy_m = 0.10;  // standard deviations below which a search's many particles are thinned
+constexpr int kCandidates = 32;     // candidates of a global search that get particles
+constexpr double kSureXy_m = 0.10;  // standard deviation below which the search's particles are thinned
 constexpr double kSureHeading_rad = 0.05;
 
 bool Finite(const Pose2& pose) {
@@ -68,7 +68,7 @@ struct Localiser::Impl {
     motion.gaussianModel.minStdPHI = static_cast<float>(with.motion.min_heading_rad);
   }
 
-  // Replaces all particles by draws around `centres`, each chosen in proportion to its weight.
+  // Replaces all particles by samples around `centres`, which are chosen in proportion to their weights.
   void Spread(const std::vector<std::pair<Pose2, double>>& centres, double sigma_xy_m,
               double sigma_heading_rad, int count) {
     std::vector<double> weights;
@@ -86,7 +86,7 @@ struct Localiser::Impl {
     lost_share = 0;
   }
 
-  // Keeps `settings.particles` of a search's many, drawn by weight.
+  // Keeps `settings.particles` of the search's particles, drawn by weight.
   void Thin() {
     std::vector<std::pair<Pose2, double>> centres;
     for (const auto& particle : pdf.m_particles) {
@@ -97,7 +97,7 @@ struct Localiser::Impl {
     lost_share = before;
   }
 
-  // What MRPT does: move every particle, weigh it, resample if few carry the weight.
+  // One MRPT filter step: moves every particle, weighs it, resamples if few carry the weight.
   absl::Status Step(const Pose2& increment, const maps::LaserScan& scan) {
     try {
       mrpt::obs::CActionRobotMovement2D movement;
@@ -172,7 +172,8 @@ struct Localiser::Impl {
            settings.search_particles);
   }
 
-  // A global search whose answer is taken only if it explains the scan better and passes fewer walls.
+  // Runs a global search; its pose is used only if it explains the scan better and passes through fewer
+  // walls.
   void Relocalise(const maps::LaserScan& scan, const Pose2& current) {
     const std::vector<Candidate> candidates = SearchGlobally(*hall, *model, scan, settings, kCandidates);
     if (candidates.empty()) return;

@@ -1,12 +1,12 @@
 // Localiser: MRPT's particle filter with our sensor model on the hall's distance field.
 //
-// Why not MRPT's own sensor models: COctoMap scores a pose outside the map above the true one, and the likelihood
-// fields on grids cost 8 to 20 times as much per particle (bench/localisation_bench.h shows the figures).
-// MRPT does not show here. Its errors are exceptions; they end at this border as absl::Status.
+// Why not MRPT's own sensor models: COctoMap scores a pose outside the map above the true one, and the
+// likelihood fields on grids cost 8 to 20 times as much per particle (bench/localisation_bench.h has the
+// figures). This header does not expose MRPT. MRPT's exceptions become absl::Status here.
 //
-// One thread at a time per Localiser. Any number of them may live in one process: MRPT's one random generator is
-// shared, so each update takes it under a lock and seeds it with this localiser's own next seed. The same seed
-// and inputs give the same estimates.
+// One thread at a time per Localiser. A process may have any number of them: they share MRPT's only random
+// generator, so each update takes it under a lock and seeds it with this localiser's own next seed. The same
+// seed and inputs give the same estimates.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_LOCALISER_H_
 #define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_LOCALISER_H_
 
@@ -27,33 +27,34 @@ struct Estimate {
   double y_m = 0;
   double heading_rad = 0;
   std::array<double, 9> covariance = {};  // x, y, heading; row by row
-  bool localised = false;                 // sure enough to drive by (LocaliserSettings)
+  bool localised = false;                 // accurate enough to drive (LocaliserSettings)
   double neff = 0;                        // effective number of particles before resampling
   int particles = 0;
-  double lost_share = 0;    // smoothed share of beams through walls
-  int relocalisations = 0;  // global searches whose answer was taken, so far
+  double lost_share = 0;    // smoothed share of beams that pass through walls
+  int relocalisations = 0;  // global searches whose pose was used, so far
 
   maps::Pose2 pose() const { return {x_m, y_m, heading_rad}; }
 };
 
 class Localiser {
  public:
-  // `settings` must be valid (Validate). Not localised until one of the two Initialise… has been called.
+  // `settings` must be valid (Validate). Not localised until one of the two Initialise… functions is called.
   Localiser(std::shared_ptr<const maps::HallModel> hall, const LocaliserSettings& settings, uint64_t seed);
   ~Localiser();
   Localiser(const Localiser&) = delete;
   Localiser& operator=(const Localiser&) = delete;
 
-  // The robot stands about here (standard deviations, > 0). INVALID_ARGUMENT: not finite or not > 0.
+  // The robot is near this pose (standard deviations, > 0). INVALID_ARGUMENT: not finite or not > 0.
   absl::Status InitialiseAt(const maps::Pose2& robot_in_hall, double sigma_xy_m, double sigma_heading_rad);
 
-  // The robot stands anywhere in the hall and sees `scan`. NOT_FOUND: the map has no free place to stand on, or the
-  // scan has no return; the state is then unchanged.
+  // The robot may be anywhere in the hall and sees `scan`. NOT_FOUND: the map has no free place, or the scan
+  // has no return; the state is then unchanged.
   absl::Status InitialiseGlobally(const maps::LaserScan& scan);
 
   // One step: the robot has moved by `odometry_increment` (in its own frame) and then sees `scan`.
-  // FAILED_PRECONDITION: not initialised. INVALID_ARGUMENT: a number that is not finite; unchanged then.
-  // INTERNAL: what MRPT threw; the filter then keeps the particles of before, moved by the increment.
+  // FAILED_PRECONDITION: not initialised. INVALID_ARGUMENT: a number that is not finite; the state is
+  // unchanged. INTERNAL: an MRPT exception; the filter then keeps the particles of before, moved by the
+  // increment.
   absl::StatusOr<Estimate> Update(const maps::Pose2& odometry_increment, const maps::LaserScan& scan);
 
   const Estimate& estimate() const { return estimate_; }

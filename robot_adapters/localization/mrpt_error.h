@@ -1,4 +1,4 @@
-// MRPT's exceptions carry a stack trace in their text; a message for people is its first line. Pure; any thread.
+// Message of an MRPT exception for people: its first line, without the stack trace. Pure; any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_MRPT_ERROR_H_
 #define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_MRPT_ERROR_H_
 

@@ -72,7 +72,7 @@ double ShareThroughWalls(const maps::DistanceGrid& laser_field, const BeamEnds& 
     const maps::Pose2 end = maps::Compose(robot_in_hall, {ends.x_m[k], ends.y_m[k], 0});
     const double range_m = maps::Distance(sensor.position(), end.position());
     const double dx = (end.x_m - sensor.x_m) / range_m, dy = (end.y_m - sensor.y_m) / range_m;
-    // Sphere tracing (Hart 1996): the field says how far no surface can be.
+    // Sphere tracing (Hart 1996): the field gives a distance that is free of surfaces.
     double t = 0;
     while (t < range_m - margin_m) {
       const double d = laser_field.DistanceAt({sensor.x_m + t * dx, sensor.y_m + t * dy});

@@ -1,8 +1,8 @@
-// Likelihood of a laser scan from a pose: a table of tempered log-likelihoods over the laser's plane, looked up at
-// every beam's end.
+// Sensor model: the likelihood of a laser scan from a pose, from a table of tempered log-likelihoods over the
+// laser's plane that is read at every beam's end.
 //
-// Honest: a beam that ends outside the map or far from any surface gets log(z_random), never 0, so no pose gains by
-// looking at nothing. Immutable; any thread; no MRPT.
+// A beam that ends outside the map or far from any surface gets log(z_random), never 0, so a pose gains
+// nothing from beams that hit nothing. Immutable; any thread; no MRPT.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_SENSOR_MODEL_H_
 #define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_SENSOR_MODEL_H_
 
@@ -14,11 +14,11 @@
 
 namespace docent::robot {
 
-// The ends of a scan's beams in the robot's frame, beams without return left out.
+// The ends of a scan's beams in the robot's frame; beams without return are left out.
 struct BeamEnds {
   std::vector<float> x_m;
   std::vector<float> y_m;
-  maps::Point2 sensor;  // where the beams begin
+  maps::Point2 sensor;  // origin of the beams
   size_t size() const { return x_m.size(); }
 };
 
@@ -29,11 +29,11 @@ class SensorModel {
  public:
   SensorModel(const maps::DistanceGrid& laser_field, const SensorModelSettings& settings);
 
-  // temper * sum over the beams of log p(beam | pose), p scaled so that a beam that ends on a surface has p = 1.
-  // 0 is the best there is; the worst is ends.size() * worst_beam().
+  // temper * sum over the beams of log p(beam | pose), with p scaled so that a beam that ends on a surface
+  // has p = 1. The maximum is 0; the minimum is ends.size() * worst_beam().
   double LogLikelihood(const BeamEnds& ends, const maps::Pose2& robot_in_hall) const;
 
-  // The tempered log-likelihood of a beam that explains nothing.
+  // The tempered log-likelihood of a beam that fits no surface.
   double worst_beam() const { return worst_; }
 
  private:
@@ -46,8 +46,9 @@ class SensorModel {
   std::vector<float> table_;
 };
 
-// The share of beams that end more than `margin_m` behind the first mapped surface on their way: 0 for the true
-// pose whatever people stand around, large for a wrong one. Rays are followed by sphere tracing on the field.
+// The share of beams that end more than `margin_m` behind the first mapped surface on their way: 0 for the
+// true pose, even with people around, large for a wrong one. Rays are followed by sphere tracing on the
+// field.
 double ShareThroughWalls(const maps::DistanceGrid& laser_field, const BeamEnds& ends,
                          const maps::Pose2& robot_in_hall, double margin_m);
 

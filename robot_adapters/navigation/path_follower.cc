@@ -20,7 +20,7 @@ absl::Status CheckRange(const char* name, double value, double low, double high)
       absl::StrFormat("follower setting %s = %g is not within %g..%g", name, value, low, high));
 }
 
-// Where on the segment a–b `p` is nearest: 0 at a, 1 at b.
+// Position on the segment a–b nearest to `p`: 0 at a, 1 at b.
 double ShareAlong(const Point2& p, const Point2& a, const Point2& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
   const double square = dx * dx + dy * dy;
@@ -33,7 +33,7 @@ Point2 Between(const Point2& a, const Point2& b, double share) {
 
 constexpr double kSpeedSteps[] = {1.0, 0.7, 0.45, 0.25, 0.1};
 constexpr double kSimulationStepS = 0.1;
-constexpr double kSmallestTurn = 0.12;  // rad/s: slower the wheels of a real robot would stick
+constexpr double kSmallestTurn = 0.12;  // rad/s: at lower speeds the wheels of a real robot would stick
 
 }  // namespace
 
@@ -76,7 +76,7 @@ DriveCommand PathFollower::Step(const Pose2& robot_in_hall, const maps::LaserSca
   if (state_ != State::kDriving && state_ != State::kBlocked) return last_ = {};
   DriveCommand wanted = Wanted(robot_in_hall);
   if (state_ == State::kArrived) return last_ = {};
-  // Speeding up takes time; slowing down is left to the wheels' lag.
+  // Acceleration is limited here; deceleration follows from the wheels' lag.
   wanted.speed_m_per_s = std::min(
       wanted.speed_m_per_s, last_.speed_m_per_s + settings_.acceleration_m_per_s2 * std::max(dt_s, 0.01));
   const std::vector<Point2> points = PointsOf(scan, scan_pose_in_hall, robot_in_hall);
@@ -95,7 +95,7 @@ DriveCommand PathFollower::Step(const Pose2& robot_in_hall, const maps::LaserSca
 
 DriveCommand PathFollower::Wanted(const Pose2& robot_in_hall) {
   const Point2 at = robot_in_hall.position();
-  // On which segment? The nearest among those not much further on; the robot never goes back.
+  // Chooses the current segment: the nearest of those not much further on; the robot never goes back.
   double best_m = std::numeric_limits<double>::infinity(), ahead_m = 0;
   size_t best = segment_;
   for (size_t i = segment_; i + 1 < path_.size() && ahead_m < 2 * settings_.look_ahead_m; ++i) {
@@ -146,7 +146,7 @@ DriveCommand PathFollower::Wanted(const Pose2& robot_in_hall) {
   return {speed, speed * curvature};
 }
 
-// The last look-ahead: straight for the goal, slower and slower.
+// The last look-ahead: straight to the goal, with decreasing speed.
 DriveCommand PathFollower::Approach(const Pose2& robot_in_hall) {
   const Point2 goal = path_.back();
   const double distance_m = maps::Distance(robot_in_hall.position(), goal);
@@ -179,24 +179,24 @@ std::vector<Point2> PathFollower::PointsOf(const maps::LaserScan& scan, const Po
   return points;
 }
 
-// Moves in thought: the command for the lag and one step, then braking to a stand.
+// Simulates the motion: the command for the lag and one step, then braking to a stop.
 bool PathFollower::IsSafe(const DriveCommand& command, const std::vector<Point2>& points) const {
   const double reach_m = settings_.robot_radius_m + settings_.safety_m;
-  Pose2 pose;  // in the robot's frame now
+  Pose2 pose;  // in the robot's current frame
   double speed = command.speed_m_per_s;
   double time_s = 0;
   while (speed > 1e-3) {
     pose = maps::Compose(pose, {speed * kSimulationStepS, 0, command.turn_rad_per_s * kSimulationStepS});
     for (const Point2& point : points) {
       const double distance_m = maps::Distance(pose.position(), point);
-      // What is too near already may be left, but not approached.
+      // The robot may move away from a point that is already too near, but not towards it.
       if (distance_m < reach_m && distance_m < std::hypot(point.x_m, point.y_m)) return false;
     }
     time_s += kSimulationStepS;
     if (time_s >= settings_.lag_s + kSimulationStepS)
       speed -= settings_.acceleration_m_per_s2 * kSimulationStepS;
   }
-  return true;  // a round robot touches nothing by turning on the spot
+  return true;  // turning on the spot is always safe for a round robot
 }
 
 }  // namespace docent::robot

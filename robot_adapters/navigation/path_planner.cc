@@ -188,7 +188,7 @@ bool PathPlanner::IsFreeLine(const Point2& a, const Point2& b, double least_m,
   return true;
 }
 
-// Replaces runs of cells by straight lines that come no nearer to anything than the run did (or than is
+// Replaces runs of cells by straight lines, if their clearance is at least that of the run (or
 // comfortable).
 std::vector<Point2> PathPlanner::Shorten(const std::vector<Point2>& way,
                                          const std::vector<float>& clearance) const {
@@ -202,7 +202,7 @@ std::vector<Point2> PathPlanner::Shorten(const std::vector<Point2>& way,
       least_m = std::min<double>(least_m, clearance[cell]);
       if (IsFreeLine(way[at], way[i], std::min<double>(least_m, clearance[CellOf(way[at])]), clearance))
         next = i;
-      if (i > next + 15) break;  // a metre and a half without a line: there will be none soon
+      if (i > next + 15) break;  // no line for a metre and a half: a later one is unlikely
     }
     out.push_back(way[next]);
     at = next;

@@ -1,8 +1,8 @@
-// The way from here to there: A* on the hall model's clearance, preferring to keep away from walls.
+// Path planner: A* on the hall model's clearance; it prefers to keep away from walls.
 //
 // Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths (1968), on
-// 8-connected cells, then shortened by straight lines where they keep as much clearance. Deterministic: same
-// map, same path. Immutable after construction; any thread.
+// 8-connected cells. The path is then shortened by straight lines with the same clearance. Deterministic:
+// same map, same path. Immutable after construction; any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_PLANNER_H_
 #define DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_PLANNER_H_
 
@@ -15,13 +15,13 @@
 namespace docent::robot {
 
 struct PlannerSettings {
-  double robot_radius_m = 0.25;  // 0.05..1: nothing may come nearer to the robot's centre
-  double margin_m = 0.10;        // 0..1: kept besides, for errors of pose and control
-  double comfort_m = 0.80;       // 0.05..2: clearance beyond which more is not worth a longer way
+  double robot_radius_m = 0.25;  // 0.05..1: minimum distance of obstacles from the robot's centre
+  double margin_m = 0.10;        // 0..1: additional distance, for errors of pose and control
+  double comfort_m = 0.80;       // 0.05..2: larger clearance is not worth a longer path
   double discomfort = 3.0;       // 0..100: cost of a metre at no clearance beyond the margin is 1 + this
   double cell_m = 0.10;          // 0.02..0.5: edge of a planning cell, rounded to whole map cells
   double leave_radius_m =
-      0.60;  // 0..2: this near to the start less clearance is allowed, to get away from a wall
+      0.60;  // 0..2: within this distance of the start less clearance is allowed, to get away from a wall
 };
 
 // INVALID_ARGUMENT naming the first field out of its range.
@@ -32,10 +32,10 @@ class PathPlanner {
   // `settings` must be valid.
   PathPlanner(std::shared_ptr<const maps::HallModel> hall, const PlannerSettings& settings);
 
-  // Points from `from` to exactly `to`, a straight line between neighbours being free. `obstacles` are points
-  // seen now that the map does not know (people). INVALID_ARGUMENT: a coordinate that is not finite.
-  // FAILED_PRECONDITION: the robot does not fit at `to` (says what its clearance is). NOT_FOUND: there is no
-  // way.
+  // Points from `from` to exactly `to`; the straight line between neighbours is free. `obstacles` are seen
+  // points that are not in the map (people). INVALID_ARGUMENT: a coordinate that is not finite.
+  // FAILED_PRECONDITION: the robot does not fit at `to` (gives the clearance there). NOT_FOUND: there is no
+  // path.
   absl::StatusOr<std::vector<maps::Point2>> Plan(const maps::Point2& from, const maps::Point2& to,
                                                  const std::vector<maps::Point2>& obstacles = {}) const;
 
@@ -63,7 +63,7 @@ class PathPlanner {
   std::vector<float> clearance_m_;  // at each planning cell's centre, row by row
 };
 
-// Metres along the points.
+// Length of the path in metres.
 double LengthOf(const std::vector<maps::Point2>& path);
 
 }  // namespace docent::robot

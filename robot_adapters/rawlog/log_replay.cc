@@ -12,7 +12,7 @@ absl::StatusOr<ReplayedStep> LogReplay::Next() {
   const RecordedStep& recorded = drive_.steps[next_];
   absl::StatusOr<Estimate> estimate;
   if (next_ == 0) {
-    // The search has used this scan already; weighing it a second time would be counting it twice.
+    // The search has already used this scan; weighing it again would count it twice.
     if (absl::Status status = localiser_.InitialiseGlobally(recorded.scan); !status.ok()) return status;
     estimate = localiser_.estimate();
   } else {

@@ -1,4 +1,5 @@
-// A recorded drive through the same localiser that our own robot uses: poses, and the named regions they lie in.
+// Replay of a recorded drive through the localiser of our own robot: poses, and the named regions that
+// contain them.
 #ifndef DOCENT_ROBOT_ADAPTERS_RAWLOG_LOG_REPLAY_H_
 #define DOCENT_ROBOT_ADAPTERS_RAWLOG_LOG_REPLAY_H_
 
@@ -21,8 +22,8 @@ struct ReplayedStep {
   const maps::Region* region = nullptr;  // innermost; nullptr: none, or not localised
 };
 
-// Feeds the drive to a localiser that knows nothing but the building: it searches with the first scan, then tracks.
-// One thread.
+// Feeds the drive to a localiser without a start pose: it searches with the first scan, then tracks. One
+// thread.
 class LogReplay {
  public:
   // `regions` may be nullptr; it must outlive the replay.
@@ -30,9 +31,9 @@ class LogReplay {
             const maps::RegionIndex* regions, const LocaliserSettings& settings, uint64_t seed);
 
   bool Done() const { return next_ == drive_.steps.size(); }
-  // The next step of the recording. Requires !Done(). An error of the localiser ends the replay.
+  // Processes the next step of the recording. Requires !Done(). An error of the localiser ends the replay.
   absl::StatusOr<ReplayedStep> Next();
-  // The time of the step that Next() will give, as recorded. Requires !Done().
+  // The recorded time of the next step. Requires !Done().
   TimeMicros NextTime() const { return drive_.steps[next_].time_us; }
 
  private:

@@ -19,7 +19,7 @@
 namespace docent::robot {
 namespace {
 
-// Beams beyond this are too sparse to draw walls with (half a degree apart: 35 cm at 40 m).
+// Longer beams are too sparse to draw walls (half a degree apart: 35 cm at 40 m).
 constexpr double kMapRange_m = 40;
 
 absl::Status Missing(const std::string& path) {
@@ -98,7 +98,7 @@ absl::StatusOr<std::shared_ptr<const maps::HallModel>> BuildingFromSimplemap(con
   if (!scans.ok()) return scans.status();
   maps::HallModelSettings settings;
   settings.measured = true;
-  // One plane is all that a 2D laser has seen of the building: the robot's body is planned in it, too.
+  // A 2D laser has seen only one plane of the building, so paths of the robot's body are planned in it, too.
   settings.body_min_z_m = settings.laser_min_z_m;
   settings.body_max_z_m = settings.laser_max_z_m;
   return maps::HallModel::FromScans(*scans, kMapRange_m, settings);

@@ -1,5 +1,6 @@
-// A real robot's recording: its odometry and laser scans (an MRPT rawlog), and the map of its building (an MRPT
-// simple map: scans at known poses). MRPT reads the files; its types do not show here. Free functions; any thread.
+// Recording of a real robot: its odometry and laser scans (an MRPT rawlog), and the map of its building (an
+// MRPT simple map: scans at known poses). MRPT reads the files; its types are not exposed. Free functions;
+// any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
 #define DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
 
@@ -25,19 +26,20 @@ struct RecordedDrive {
   std::vector<RecordedStep> steps;  // in the order of recording
 };
 
-// Where Debian's mrpt-common (or an own build of MRPT) has put the data set `name`, e.g.
-// "localization_demo.rawlog": <prefix>/share/mrpt/datasets for /usr, /usr/local and /opt/mrpt.
-// NOT_FOUND names the package to install.
+// The path of the data set `name`, e.g. "localization_demo.rawlog", installed by Debian's mrpt-common (or an
+// own build of MRPT): <prefix>/share/mrpt/datasets for /usr, /usr/local and /opt/mrpt. NOT_FOUND names the
+// package to install.
 absl::StatusOr<std::string> FindMrptDataset(const std::string& name);
 
-// A rawlog of action and observation pairs with a 2D laser. Where an observation holds several scans the first is
-// taken; movements without a scan are added to the next. NOT_FOUND; INVALID_ARGUMENT: not a rawlog, or no scan in it.
+// Reads a rawlog of action and observation pairs with a 2D laser. The first scan of an observation is used;
+// movements without a scan are added to the next. NOT_FOUND; INVALID_ARGUMENT: not a rawlog, or no scan in
+// it.
 absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path);
 
 // The scans of a simple map (.simplemap, .simplemap.gz) with their mean poses. Errors as ReadRawlog.
 absl::StatusOr<std::vector<maps::PosedScan>> ReadSimplemap(const std::string& path);
 
-// The building of a simple map as the model to localise in: OctoMap from its scans, voxels of 5 cm.
+// The map of a simple map's building, for localisation: OctoMap from its scans, voxels of 5 cm.
 absl::StatusOr<std::shared_ptr<const maps::HallModel>> BuildingFromSimplemap(const std::string& path);
 
 }  // namespace docent::robot

@@ -38,7 +38,7 @@ std::string PointsOf(const maps::Polygon& polygon, double height_m) {
   return points;
 }
 
-// A plan of the hall with one booth stressed and the robot on it.
+// A plan of the hall with one highlighted booth and the robot.
 std::string PlanOf(const maps::HallLayout& hall, std::string_view booth_iri, const maps::Pose2* robot) {
   if (hall.outline.empty()) return "";
   const maps::Bounds bounds = maps::BoundsOf(hall.outline);
@@ -151,7 +151,7 @@ std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_nam
 
 std::string SpokenText(const BoothInfo& booth) {
   std::string text = "Welcome to booth ";
-  // "B03" is spoken letter by letter, zeros and all: "B 3" is what people say.
+  // "B03" would be spoken letter by letter with its zero; people say "B 3".
   const size_t digits = booth.name.find_first_of("0123456789");
   if (digits == std::string::npos) {
     text += booth.name;

@@ -1,4 +1,4 @@
-// The page on the robot's screen: a booth presented, with its place in the hall. Pure; any thread.
+// Page for the robot's screen: presents a booth, with its place in the hall. Pure; any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_BOOTH_PAGE_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_BOOTH_PAGE_H_
 
@@ -13,15 +13,15 @@ namespace docent::robot {
 // &, <, >, " and ' as character references.
 std::string EscapeHtml(std::string_view text);
 
-// A whole HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside.
-// Texts of `booth` are plain text; they are escaped here.
+// A complete HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside.
+// The texts of `booth` are plain text; they are escaped here.
 std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
                       std::string_view robot_name);
 
-// What the screen shows while there is nothing to present.
+// The page while there is no booth to present.
 std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_name);
 
-// What the voice says about a booth.
+// The spoken text about a booth.
 std::string SpokenText(const BoothInfo& booth);
 
 }  // namespace docent::robot

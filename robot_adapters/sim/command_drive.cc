@@ -22,7 +22,7 @@ namespace {
 
 struct DriveArguments {
   GuideRobotOptions options;
-  std::string hall;  // empty: the one of scenario s01
+  std::string hall;  // empty: the hall of scenario s01
   std::string map;
   std::string start;
 };

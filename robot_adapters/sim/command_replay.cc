@@ -1,4 +1,4 @@
-// docent-robot replay: what a real robot recorded, through the same localiser, into the live graph.
+// docent-robot replay: plays the recording of a real robot through the localiser into the live graph.
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
@@ -32,7 +32,7 @@ struct ReplayArguments {
   int wait_s = 30;
 };
 
-// A path as given, or the name of one of MRPT's data sets.
+// A path as given, or the name of an MRPT data set.
 absl::StatusOr<std::string> Find(const std::string& name) {
   return std::filesystem::exists(name) ? absl::StatusOr<std::string>(name) : FindMrptDataset(name);
 }
@@ -55,7 +55,7 @@ void Tell(RobotAdapter& adapter, const std::string& robot, const ReplayedStep& s
   adapter.facts().SetAll(robot, std::move(facts));
 }
 
-// Steps at the recorded pace. False when a signal ended it.
+// Plays the steps at the recorded pace. False if a signal ended it.
 absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const ReplayArguments& arguments,
                           Replayed* played) {
   const auto begun = std::chrono::steady_clock::now();
@@ -81,7 +81,7 @@ absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const Replay
       played->entered.push_back(line);
     }
     played->steps.push_back(*step);
-    // Each step is a turn of its own, so that none is merged into the next while the server works.
+    // Each step is sent alone, so that it is a turn of its own, even if the server is slow.
     if (!adapter.facts().Flush(absl::Seconds(arguments.wait_s))) {
       return absl::DeadlineExceededError(absl::StrCat("the server at ", arguments.adapter.server,
                                                       " did not take the facts within ", arguments.wait_s,

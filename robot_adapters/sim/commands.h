@@ -1,5 +1,5 @@
-// The subcommands of docent-robot. Each adds itself to the command line; what it does runs in its callback,
-// which sets the exit code (graph/command_line/program.h).
+// The subcommands of docent-robot. Each function adds one to the command line; its callback does the work and
+// sets the exit code (graph/command_line/program.h).
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 
@@ -11,7 +11,7 @@ namespace docent::robot {
 
 // docent-robot without a subcommand: the simulated guide robot.
 void AddDriveCommand(CLI::App* app, int* exit_code);
-// docent-robot replay: the recorded log of a real robot.
+// docent-robot replay: the recording of a real robot.
 void AddReplayCommand(CLI::App* app, int* exit_code);
 
 // Prints "docent-robot: message" to stderr.

@@ -31,14 +31,14 @@ PathError ErrorOf(const std::vector<TracePoint>& trace);
 struct DriveReport {
   std::string robot;  // IRI
   uint64_t seed = 0;
-  double path_m = 0;  // driven, true
+  double path_m = 0;  // true length of the driven path
   double simulated_s = 0;
-  int bumps = 0;  // times that the robot touched something
+  int bumps = 0;  // number of collisions
   int relocalisations = 0;
-  std::vector<TracePoint> trace;  // one a scan while the robot moved and was localised
+  std::vector<TracePoint> trace;  // one point for each scan while the robot moved and was localised
 };
 
-// Writes path.csv, report.json and path.png into `folder`, which exists. The first error ends it.
+// Writes path.csv, report.json and path.png into `folder`, which must exist. Stops at the first error.
 absl::Status WriteReport(const DriveReport& report, const maps::HallLayout& layout,
                          const std::string& folder);
 

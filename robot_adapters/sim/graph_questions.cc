@@ -38,7 +38,7 @@ std::string TextOf(const std::optional<Term>& term) {
 absl::StatusOr<std::string> IriArgument(const OperationContext& context, std::string_view name) {
   auto term = context.Argument(name);
   if (!term.ok()) return term.status();
-  // What may stand between < and > (SPARQL 1.1, production 139).
+  // Characters allowed between < and > (SPARQL 1.1, production 139).
   const bool fits = std::none_of(term->lexical.begin(), term->lexical.end(), [](char c) {
     return static_cast<unsigned char>(c) <= ' ' ||
            std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos;

@@ -1,6 +1,6 @@
-// Queries of the guide robot to the graph: where a visitor is, what a booth shows.
+// Queries of the guide robot to the graph: the place of a visitor, the data of a booth.
 //
-// A server that is away is waited for, until the command must stop. Any thread.
+// If the server is away, they wait for it until the command must stop. Any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GRAPH_QUESTIONS_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_GRAPH_QUESTIONS_H_
 
@@ -15,7 +15,7 @@
 
 namespace docent::robot {
 
-// What is told about a booth; any field may be empty.
+// Data of a booth; any field may be empty.
 struct BoothInfo {
   std::string iri;
   std::string name;  // "B03"
@@ -25,16 +25,16 @@ struct BoothInfo {
   std::vector<std::string> products;
 };
 
-// Where a person is, as precisely as the graph says it.
+// Place of a person, as precise as the graph has it.
 struct Whereabouts {
   std::optional<maps::Point2> point;  // docent:x, docent:y
   std::vector<std::string> regions;   // IRIs, docent:isAt
 };
 
-// CANCELLED when the command must stop first; otherwise what the server says about the query.
+// CANCELLED if the command must stop first; otherwise the server's result.
 absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context,
                                         const std::string& booth_iri);
-// NOT_FOUND: nothing is told about where the person is.
+// NOT_FOUND: the graph has no place for the person.
 absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& context,
                                        const std::string& person_iri);
 

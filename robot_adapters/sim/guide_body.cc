@@ -13,16 +13,16 @@ using maps::Pose2;
 
 namespace {
 
-// Of three random sequences that must not be the same: scans, wheels, particles.
+// Seeds of three random sequences that must differ: scans, wheels, particles.
 constexpr uint64_t kWheelStream =
     0x9E3779B97F4A7C15;  // the golden ratio, as in Knuth's multiplicative hashing
 constexpr uint64_t kLocaliserStream = 0xC2B2AE3D27D4EB4F;
 
-// Seen obstacles matter for a new plan within this distance.
+// Seen obstacles within this distance count for a new plan.
 constexpr double kObstacleRangeM = 4.0;
-// A scanned point this far from anything mapped is something that the map does not know.
+// A scanned point at least this far from any mapped surface is not in the map.
 constexpr double kUnmappedM = 0.25;
-// Slower than this the robot stands, and its trace does not grow.
+// Below this speed the robot counts as standing, and its trace does not grow.
 constexpr double kMovingMPerS = 0.01;
 constexpr double kMovingRadPerS = 0.01;
 
@@ -80,7 +80,7 @@ void GuideBody::Tick(const std::vector<maps::Disc>& people) {
 void GuideBody::Sense(const std::vector<maps::Disc>& people) {
   scan_ = scanner_.Scan(base_.truth(), people, scan_random_);
   if (!searched_) {
-    if (!localiser_.InitialiseGlobally(scan_).ok()) return;  // nothing seen: again with the next scan
+    if (!localiser_.InitialiseGlobally(scan_).ok()) return;  // no return: try again with the next scan
     searched_ = true;
   } else if (auto updated = localiser_.Update(odometry_since_scan_, scan_); !updated.ok()) {
     return;  // the increment is kept for the next scan
@@ -125,7 +125,7 @@ void GuideBody::Steer() {
   }
 }
 
-// Another way round what the scan shows and the map does not; if there is none, the same way again.
+// Plans a path around scanned points that are not in the map; if there is none, keeps the path.
 void GuideBody::Replan() {
   std::vector<Point2> obstacles;
   for (const Point2& in_robot : PathFollower::PointsOf(scan_, estimate_at_scan_, estimate_)) {

@@ -1,9 +1,9 @@
-// The guide robot without its mind: the simulated world around it, its senses, and driving by what they say.
+// Body of the simulated guide robot: the simulated world around it, its sensors, and driving.
 //
-// The world (truth, walls, laser, wheels) is simulated; everything the robot decides rests on scans and
-// odometry alone: it localises with the particle filter in the OctoMap's distance field, plans with A* and
-// drives on the *estimated* pose. The laser is cast on the layout's analytic shapes, never on that map. No
-// clock, no threads: the same seed and calls give the same drive. One thread.
+// The world (truth, walls, laser, wheels) is simulated; the robot's decisions use scans and odometry alone:
+// it localises with the particle filter in the OctoMap's distance field, plans with A* and drives on the
+// *estimated* pose. The laser is cast on the layout's analytic shapes, never on that map. No clock, no
+// threads: the same seed and calls give the same drive. One thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_BODY_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_BODY_H_
 
@@ -26,7 +26,7 @@ namespace docent::robot {
 struct GuideBodySettings {
   double tick_s = 0.05;           // 0.01..0.2: one control step
   int ticks_per_scan = 4;         // 1..50: the laser turns at 5 Hz
-  double replan_after_s = 2.0;    // 0.5..60: standing before something for so long looks for another way
+  double replan_after_s = 2.0;    // 0.5..60: time blocked by an obstacle before a new plan
   double give_up_after_s = 40.0;  // 1..600
   maps::ScannerSettings scanner;  // 180 beams, sigma 2 cm, 1 % lost
   BaseSettings base;
@@ -38,8 +38,8 @@ struct GuideBodySettings {
 struct DriveStatus {
   enum class State { kIdle, kDriving, kArrived, kFailed };
   State state = State::kIdle;
-  double progress = 0;  // 0..1 of the way
-  std::string message;  // kDriving: what it does; kFailed: why
+  double progress = 0;  // 0..1 of the path
+  std::string message;  // kDriving: current action; kFailed: reason
 };
 
 class GuideBody {
@@ -50,10 +50,10 @@ class GuideBody {
                                                            const GuideBodySettings& settings,
                                                            const maps::Pose2& start_in_hall, uint64_t seed);
 
-  // One control step of settings.tick_s. People are discs that the laser sees and the map does not know.
+  // One control step of settings.tick_s. `people` are discs that the laser sees and the map does not have.
   void Tick(const std::vector<maps::Disc>& people = {});
 
-  // Begins to drive; ends what it did before. Errors as PathPlanner::Plan, and FAILED_PRECONDITION while not
+  // Starts to drive and ends the drive before. Errors as PathPlanner::Plan, and FAILED_PRECONDITION while not
   // localised.
   absl::Status DriveTo(const maps::Pose2& goal_in_hall);
   void Halt();
@@ -86,7 +86,7 @@ class GuideBody {
   std::mt19937_64 scan_random_;
 
   int64_t ticks_ = 0;
-  bool searched_ = false;  // the first scan has been searched with
+  bool searched_ = false;  // the first scan was used for the search
   maps::Pose2 odometry_since_scan_;
   maps::Pose2 estimate_at_scan_;
   maps::Pose2 estimate_;
@@ -94,7 +94,7 @@ class GuideBody {
   DriveCommand command_;
   DriveStatus drive_;
   maps::Pose2 goal_;
-  double standing_s_ = 0;  // blocked, over all plans for this goal
+  double standing_s_ = 0;  // blocked time, over all plans for this goal
   int bumps_ = 0;
   std::vector<TracePoint> trace_;
 };

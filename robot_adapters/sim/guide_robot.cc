@@ -28,13 +28,13 @@ using maps::Pose2;
 
 namespace {
 
-constexpr double kSocialDistanceM = 1.0;  // how far from a visitor the robot stops
-constexpr double kSearchRadiusM = 3.0;    // around a place where it does not fit
-constexpr double kRegionMarginM = 0.15;   // leaving a region takes so much, see RegionIndex
-// A pose is told again when it has moved by this much: the filter's noise of a standing robot is smaller.
+constexpr double kSocialDistanceM = 1.0;  // distance from a visitor at which the robot stops
+constexpr double kSearchRadiusM = 3.0;    // search for a free place around an occupied one
+constexpr double kRegionMarginM = 0.15;   // margin for leaving a region, see RegionIndex
+// A pose is reported again after a move of this length; the filter's noise of a standing robot is smaller.
 constexpr double kToldMoveM = 0.02;
 constexpr double kToldTurnRad = 0.02;
-constexpr std::chrono::milliseconds kScreenChange{1500};  // simulated: until a page can be read
+constexpr std::chrono::milliseconds kScreenChange{1500};  // simulated time until a page can be read
 
 absl::Status CheckOptions(const GuideRobotOptions& options) {
   if (!(options.speed >= 0.1 && options.speed <= 100)) {
@@ -75,7 +75,7 @@ class GuideRobot::Impl {
   Impl(GuideRobotOptions options, const maps::HallLayout& layout)
       : options_(std::move(options)), layout_(layout), regions_(layout_) {}
 
-  // Operations use everything, so they end first; then the body, which tells its pose.
+  // Operations use all other members, so they end first; then the body, which reports its pose.
   ~Impl() {
     if (adapter_ != nullptr) adapter_->Shutdown();
     body_.reset();
@@ -131,7 +131,7 @@ class GuideRobot::Impl {
   std::vector<Operation> Operations() {
     auto bind = [this](absl::StatusOr<NamedTerms> (Impl::*method)(OperationContext&)) {
       return [this, method](OperationContext& context) {
-        ready_.WaitForNotification();  // a command may come before the body lives
+        ready_.WaitForNotification();  // a command may arrive before the body exists
         return (this->*method)(context);
       };
     };
@@ -168,12 +168,12 @@ class GuideRobot::Impl {
 
   absl::StatusOr<NamedTerms> Drive(const Pose2& goal, OperationContext& context) {
     absl::Status driven = body_->Drive(goal, context);
-    TellPose(body_->pose());  // where it stands now is on its way before the end of the command is
+    TellPose(body_->pose());  // the final pose is sent before the end of the command
     if (!driven.ok()) return driven;
     return NamedTerms{};
   }
 
-  // Beside a person whose coordinates are known; otherwise where one stands in the region that they are in.
+  // A goal beside a person whose coordinates are known; otherwise the service point of the person's region.
   absl::StatusOr<Pose2> GoalNear(const Whereabouts& whereabouts) {
     if (!whereabouts.point) {
       absl::StatusOr<Pose2> goal = absl::NotFoundError("");
@@ -237,7 +237,7 @@ class GuideRobot::Impl {
     return NamedTerms{{"file", Term::Literal(file)}};
   }
 
-  // What the graph tells of the booth, completed by the robot's own layout.
+  // The graph's data of the booth, completed by the robot's own layout.
   absl::StatusOr<BoothInfo> BoothOf(OperationContext& context) {
     auto iri = IriArgument(context, "booth");
     if (!iri.ok()) return iri.status();
@@ -288,7 +288,7 @@ class GuideRobot::Impl {
   std::unique_ptr<LivingBody> body_;
   absl::Notification ready_;
   absl::Mutex mutex_;
-  const maps::Region* region_ ABSL_GUARDED_BY(mutex_) = nullptr;  // told as docent:isAt
+  const maps::Region* region_ ABSL_GUARDED_BY(mutex_) = nullptr;  // last reported as docent:isAt
   std::optional<Pose2> told_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<RobotAdapter> adapter_;
 };

@@ -1,10 +1,10 @@
-// docent-robot: the simulated guide robot as a process. Lets the body live in (scaled) real time, offers its
-// operations through the sdk, tells its context as facts, shows pages and speaks.
+// docent-robot: the simulated guide robot as a process. It runs the body in (scaled) real time, offers its
+// operations through the sdk, reports its context as facts, shows pages and speaks.
 //
-// Operations: moveToUser(user), moveToBooth(booth), displayBoothInfo(booth), briefBoothInfo(booth).
-// Facts: docent:x, docent:y, docent:heading, docent:isAt, docent:localised, docent:screenPage,
-// docent:spokenFile; docent:status, docent:currentCommand and docent:progress by the sdk. The thread of the
-// body ticks it; operations run on the sdk's threads and share it under a lock.
+// Operations: moveToUser(user), moveToBooth(booth), displayBoothInfo(booth), briefBoothInfo(booth). Facts:
+// docent:x, docent:y, docent:heading, docent:isAt, docent:localised, docent:screenPage, docent:spokenFile;
+// docent:status, docent:currentCommand and docent:progress by the sdk. The body's thread ticks it; operations
+// run on the sdk's threads and share it under a lock.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_ROBOT_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_ROBOT_H_
 
@@ -21,14 +21,14 @@
 namespace docent::robot {
 
 struct GuideRobotOptions {
-  AdapterOptions adapter;  // its journal is set by the robot: commands.journal in `folder`
+  AdapterOptions adapter;  // the robot sets the journal: commands.journal in `folder`
   GuideBodySettings body;
-  std::string folder;   // for journal, pages, sound files and reports; made if it is not there
-  int screen_port = 0;  // 0: any free one
-  double speed = 1;     // 0.1..100: simulated seconds a real second, speaking included
+  std::string folder;   // for journal, pages, sound files and reports; created if absent
+  int screen_port = 0;  // 0: any free port
+  double speed = 1;     // 0.1..100: simulated seconds per real second, also for speaking
   uint64_t seed = 1;
   std::optional<maps::Pose2>
-      start;  // nullopt: where the simulated world left it (world.state in `folder`), or the dock
+      start;  // nullopt: the last pose of the simulated world (world.state in `folder`), or the dock
 };
 
 class GuideRobot {
@@ -38,10 +38,10 @@ class GuideRobot {
   static absl::StatusOr<std::unique_ptr<GuideRobot>> Start(GuideRobotOptions options,
                                                            const maps::HallLayout& layout,
                                                            std::shared_ptr<const maps::HallModel> hall);
-  // Ends running commands, tells the last facts. No report is written by itself.
+  // Ends running commands and sends the last facts. Writes no report.
   ~GuideRobot();
 
-  // Writes report.json, path.csv and path.png into the folder; gives the errors for people.
+  // Writes report.json, path.csv and path.png into the folder; returns the localisation errors.
   absl::StatusOr<PathError> WriteReportNow();
 
   const std::string& address() const;  // of the adapter
@@ -54,8 +54,8 @@ class GuideRobot {
   std::unique_ptr<Impl> impl_;
 };
 
-// Where a robot stands that nobody has placed: at the service point of the first region named "…dock…", else
-// of the first region that is no booth, else of the first. INVALID_ARGUMENT: the layout has no service point.
+// Default start pose: the service point of the first region named "…dock…", else of the first region that is
+// no booth, else of the first region. INVALID_ARGUMENT: the layout has no service point.
 absl::StatusOr<maps::Pose2> DockOf(const maps::HallLayout& layout);
 
 }  // namespace docent::robot

@@ -14,7 +14,7 @@ using Steady = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPosePeriod{250};
 constexpr std::chrono::milliseconds kLookPeriod{20};
-// A process that was stopped for longer than this does not catch up: the world stood still with it.
+// A process that was stopped for longer than this does not catch up: its world stopped with it.
 constexpr std::chrono::milliseconds kMostBehind{200};
 
 }  // namespace

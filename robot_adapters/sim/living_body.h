@@ -1,5 +1,5 @@
-// The body in real time: a thread ticks it at `speed` times real time and hands out what others ask for.
-// Thread-safe.
+// The body in real time: a thread ticks it at `speed` times real time, and gives other threads access to its
+// state. Thread-safe.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_LIVING_BODY_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_LIVING_BODY_H_
 
@@ -18,19 +18,19 @@ namespace docent::robot {
 
 class LivingBody {
  public:
-  // What the body knows of itself.
+  // Pose and state of the body.
   struct Pose {
     maps::Pose2 estimate;
     bool localised = false;
   };
-  // `on_pose` is called from the body's thread four times a real second. The world is kept in `world_path`
-  // once a simulated second.
+  // The body's thread calls `on_pose` four times a real second. It saves the world to `world_path` once a
+  // simulated second.
   LivingBody(std::unique_ptr<GuideBody> body, double speed, std::string world_path,
              std::function<void(const Pose&)> on_pose);
   ~LivingBody();
 
-  // Drives to the goal; blocks until it is reached, failed, or the command must stop. ABORTED: it drives
-  // already.
+  // Drives to the goal; blocks until it is reached, the drive has failed, or the command must stop. ABORTED:
+  // a drive is already under way.
   absl::Status Drive(const maps::Pose2& goal_in_hall, OperationContext& context);
 
   Pose pose() const;

@@ -1,4 +1,5 @@
-// docent-robot: a simulated guide robot, or the replay of a real one's log, as an adapter of a docent server.
+// docent-robot: a simulated guide robot, or the replay of a real robot's recording, as an adapter of a docent
+// server.
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 

@@ -26,7 +26,7 @@ namespace {
 constexpr std::chrono::seconds kConnectionTimeout{15};
 constexpr size_t kRequestBodyBytes = 1024;
 
-// What is shown; shared by the server's thread and whoever shows something.
+// The shown pages; shared by the server's thread and the callers of Show.
 class Pages {
  public:
   void Put(const std::string& name, std::string html) {

@@ -13,14 +13,14 @@ namespace docent::robot {
 
 class ScreenServer {
  public:
-  static constexpr int kConnectionLimit = 64;  // that wait to be accepted
+  static constexpr int kConnectionLimit = 64;  // connections waiting to be accepted
 
-  // `port` 0 takes a free one. UNAVAILABLE: the port is taken.
+  // `port` 0: any free port. UNAVAILABLE: the port is in use.
   static absl::StatusOr<std::unique_ptr<ScreenServer>> Start(int port);
   ~ScreenServer();
 
   // Serves `html` at /NAME and on the screen itself, /. NAME: letters, digits, - and _ (see FileNameOf).
-  // The address of /NAME.
+  // Returns the address of /NAME.
   std::string Show(const std::string& name, std::string html);
 
   int port() const;

@@ -1,4 +1,5 @@
-// Signals as calls: blocked everywhere, taken by whoever waits here, so that a program ends in its own order.
+// Signals as function calls: blocked in all threads and received by one waiting call, so that a program shuts
+// down in order.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_SIGNALS_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_SIGNALS_H_
 
@@ -6,12 +7,12 @@
 
 namespace docent::robot {
 
-// Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and all that it begins later. Call it before any thread
-// begins.
+// Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and all threads that it starts later. Call it before any
+// thread starts.
 void BlockSignals();
 
 enum class Signal { kNone, kEnd, kReport };
-// kEnd: SIGINT or SIGTERM; kReport: SIGUSR1; kNone: none came within `timeout`.
+// kEnd: SIGINT or SIGTERM; kReport: SIGUSR1; kNone: no signal within `timeout`.
 Signal WaitForSignal(std::chrono::milliseconds timeout);
 
 }  // namespace docent::robot

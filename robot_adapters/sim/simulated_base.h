@@ -1,5 +1,5 @@
-// The simulated wheels: a differential drive that follows its commands with a lag, and odometry that is wrong
-// the way real odometry is. Deterministic by seed. One thread.
+// Simulated wheels: a differential drive that follows commands with a lag, and odometry with realistic
+// errors. Deterministic by seed. One thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_SIMULATED_BASE_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_SIMULATED_BASE_H_
 
@@ -14,7 +14,7 @@ namespace docent::robot {
 struct BaseSettings {
   double lag_s =
       0.2;  // 0.01..2: time constant of the wheels' speed (measured on small research robots: 0.1 to 0.3)
-  // Odometry: random errors of each increment, and a wheel's wear as an error of scale drawn once.
+  // Odometry: random errors of each increment, and wheel wear as a scale error drawn once.
   double xy_per_m = 0.05;         // 0..1, standard deviation, m for each m driven
   double heading_per_rad = 0.05;  // 0..1, rad for each rad turned
   double heading_per_m = 0.02;    // 0..1, rad for each m driven
@@ -27,10 +27,10 @@ class SimulatedBase {
 
   // Moves for `dt_s` under the newest command.
   void Advance(const DriveCommand& command, double dt_s);
-  // The robot bumped into something: it stands where it was before the last Advance.
+  // Collision: returns to the pose before the last Advance.
   void Undo();
 
-  // What the wheels report since the last call, in the robot's frame of then. Standing still reports no
+  // Wheel odometry since the last call, in the robot's frame at that call. Standing still reports no
   // movement.
   maps::Pose2 TakeOdometry();
 

@@ -28,7 +28,7 @@ uint32_t ReadU32(const char* bytes) {
   return value;
 }
 
-// The child's exit code, or an error. The child must not inherit blocked signals, or it could not be ended.
+// The child's exit code, or an error. The child must not inherit blocked signals, because they end it.
 absl::StatusOr<int> RunChild(const std::vector<std::string>& arguments, const std::function<bool()>& go_on) {
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
