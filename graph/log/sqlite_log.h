@@ -45,8 +45,7 @@ class SqliteLog final : public ContextLog {
   // checks format, head and last record. The errors are one line each:
   //   PERMISSION_DENIED, INVALID_ARGUMENT  the folder cannot be used, or holds something else
   //   FAILED_PRECONDITION                  another server uses it, or the log has a newer format
-  //   DATA_LOSS                            the log is damaged, is missing, or ends before an acknowledged
-  //   record
+  //   DATA_LOSS                            the log is damaged, missing, or lacks acknowledged records
   // Creates nothing in a folder whose log is missing or ends too early.
   // The records in between are verified when they are read.
   static absl::StatusOr<std::unique_ptr<SqliteLog>> Open(const std::string& folder,

@@ -1,9 +1,8 @@
 // The log's database file: tables, format number, settings. Only graph/log includes this.
 //
 //   ctxlog(seq, epoch, crc, prev_hash, data)           one row a record
-//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the
-//   hash
-//        of the newest record, and offset and hash of the last trimmed record (0 and zeros: none)
+//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch,
+//        the hash of the newest record, and offset and hash of the last trimmed record (0 and zeros: none)
 //
 // The format number is the file's user_version; its application_id marks it as a Docent log.
 #ifndef DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_

@@ -1,7 +1,7 @@
 // The first stage of a turn: turns a batch of text into changes of the graph.
 //
 //  - terms are checked and interned; quads without a graph go to the batch's source, or to
-//  docent:default
+//    docent:default
 //  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same
 //    subject and graph; the last in the batch wins
 //  - a fact with a lifetime is withdrawn when the lifetime ends, unless it is asserted again: with a new

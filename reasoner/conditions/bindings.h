@@ -1,4 +1,4 @@
-// Order of bindings, as users see them. Private to this folder. Any thread.
+// Order of bindings in answers to users. Private to this folder. Any thread.
 #ifndef DOCENT_REASONER_CONDITIONS_BINDINGS_H_
 #define DOCENT_REASONER_CONDITIONS_BINDINGS_H_
 

@@ -111,7 +111,7 @@ int Condition::NewSlot(const Key& key) {
 
 void Condition::SetRow(Witness& witness, uint32_t slot, absl::Span<const TermId> row) {
   if (!witness.watches.empty()) {
-    if (row == absl::MakeConstSpan(witness.row)) return;  // it was kept
+    if (row == absl::MakeConstSpan(witness.row)) return;  // it is the kept witness
     kind_->indexes.RemoveAll(witness.watches);
   }
   if (witness.row.size() == row.size()) {
@@ -196,11 +196,11 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
   for (size_t i = 0; i < key.size(); ++i) {
     if (kind_->body.columns()[keys()[i]].certain) seed[keys()[i]] = key[i];
   }
-  // What lost a match has most often no other.
+  // A pattern that lost a match usually has no other match.
   bool found = false;
   const bool known = trigger != WatchIndexes::kSomeTrigger;
   if (known && matching::Body::RejectsAll(kind_->body.triggers()[trigger], seed)) {
-    // what must not be is there
+    // a match of a forbidden pattern
   } else if (known && HasNoMatch(trigger, seed, *run.version)) {
     blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
   } else {
@@ -311,8 +311,8 @@ bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed,
          !version.ContainsMatch(matching::Body::ConstantsOf(lost, seed));
 }
 
-// A required pattern without any match: nothing can rise before it has one. The most specific of them; the one that is
-// watched already where it is as good.
+// A required pattern without any match: the condition cannot rise before it has one. The most specific of
+// them; the one already watched if it is equally good.
 int Condition::BlockingTrigger(const GraphVersion& version) const {
   int best = -1;
   int best_constants = -1;
@@ -357,7 +357,8 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
     if (!in_vain_ && version != nullptr) return false;
     wanted = Armed::kNothing;
   } else if (!holds() && version != nullptr && armed_ == Armed::kAll && !(probed && unlooked_)) {
-    // it may rise as it fell; whether less would do is looked at when that costs something
+    // keep all watches, since it may rise as it fell; a single watch is tried once these watches cost
+    // something
     unlooked_ = unlooked_ || !probed;
     return false;
   } else if (!holds() && version != nullptr && kind_->body.triggers().size() > 1 &&

@@ -13,10 +13,10 @@ namespace {
 using sparql::Algebra;
 using sparql::PatternTerm;
 
-// A probe gives up where it finds this many solutions more than twice the members.
+// A probe gives up when it finds more than this many solutions beyond twice the number of members.
 constexpr size_t kSpareSolutions = 64;
 
-// The same constant is the same variable.
+// Equal constants become the same variable.
 void OpenTerm(PatternTerm& term, TemplateForm& form) {
   if (term.IsVariable()) return;
   const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
@@ -29,7 +29,7 @@ void OpenTerm(PatternTerm& term, TemplateForm& form) {
   term = PatternTerm::Of(sparql::Variable{form.parameters[place]});
 }
 
-// Inside EXISTS, what stands outside, too, is the variable that it is there.
+// Inside EXISTS, a constant that also occurs outside becomes the same variable.
 void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope, const TemplateForm& form) {
   if (term.IsVariable()) return;
   const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
@@ -65,7 +65,7 @@ bool SameConstants(const QuadPattern& a, const QuadPattern& b) {
   return a.subject == b.subject && a.predicate == b.predicate && a.object == b.object && a.graph == b.graph;
 }
 
-// The patterns that every solution matches: those of the outermost conjunction.
+// Opens the constants of the patterns that every solution matches: those of the outermost conjunction.
 void OpenConstants(Algebra& node, TemplateForm& form) {
   switch (node.kind) {
     case Algebra::Kind::kBgp:
@@ -159,7 +159,8 @@ ConditionKind& ConditionTemplate::KindWith(const ConditionKind::Keys& keys) {
   return kind;
 }
 
-// Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
+// True if the body with these constants matches the same quads as `member`, and binds the same values from
+// them.
 bool ConditionTemplate::IsSame(const matching::Body& member, const Constants& constants) const {
   ConditionKind kind(*body_, {}, parameters_, indexes_);
   const std::vector<TermId>& seed = kind.SeedWith(constants);

@@ -1,10 +1,10 @@
-// Many conditions that differ only in constants: ASK { ?v ex:carries ?i . ?i ex:ownedBy ex:owner1 }, …
-// ex:owner2, …
+// Template of many conditions that differ only in constants: ASK { ?v ex:carries ?i . ?i ex:ownedBy ex:owner1
+// }, … ex:owner2, …
 //
 // A change that matches a pattern with such a constant finds its condition by hash. A change that matches a
-// pattern without one (?v ex:carries ?i) concerns them all: the template watches it once, joins it once with the
-// constants left open, and the solutions say which of the waiting conditions they are for. The cost is that
-// of the solutions, not of the conditions. Private to this folder. Writer thread only.
+// pattern without one (?v ex:carries ?i) concerns all conditions: the template watches that pattern once and
+// joins it once with the constants open; the solutions then name the waiting conditions. The cost depends on
+// the solutions, not on the number of conditions. Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_
 #define DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_
 
@@ -28,12 +28,13 @@
 
 namespace docent::conditions {
 
-// A query as a template: constants that are subjects or objects of the patterns that every solution matches are
-// variables, there and inside EXISTS. Objects of rdf:type stay: classes make another template.
+// A query as a template. Constants that are subjects or objects of the patterns that every solution matches
+// become variables, there and inside EXISTS. Objects of rdf:type stay: different classes make different
+// templates.
 struct TemplateForm {
   sparql::Query shared;
-  std::vector<std::string> parameters;  // the variables, and
-  std::vector<Term> constants;          // what they stand for
+  std::vector<std::string> parameters;  // the new variables, and
+  std::vector<Term> constants;          // their constants in this query
 };
 // nullopt: there is no such constant.
 std::optional<TemplateForm> SplitConstants(const sparql::Query& query);
@@ -42,8 +43,8 @@ class ConditionTemplate {
  public:
   using Constants = absl::InlinedVector<TermId, 2>;
 
-  // `form` with all its members' columns in the order of `member`. nullptr: nothing would be shared. `number`
-  // is what references call it, with kIsTemplate.
+  // `form`, with the columns of all members in the order of `member`. nullptr: the conditions would share
+  // nothing. `number`: its number in references, with kIsTemplate.
   static absl::StatusOr<std::unique_ptr<ConditionTemplate>> Make(uint32_t number, const TemplateForm& form,
                                                                  const matching::Body& member,
                                                                  WatchIndexes& indexes,
@@ -53,33 +54,34 @@ class ConditionTemplate {
   ConditionTemplate(const ConditionTemplate&) = delete;
   ConditionTemplate& operator=(const ConditionTemplate&) = delete;
 
-  // Whether members need no body of their own: this one with their constants in it is the same. Such a member's
-  // columns are the template's.
+  // True if members need no body of their own, because this body with their constants is the same. The
+  // columns of such members are the template's.
   bool lends_body() const { return lends_body_; }
   matching::Body& body() { return *body_; }
-  // Of members that borrow the body and have these keys.
+  // The kind of the members that borrow the body and have these keys.
   ConditionKind& KindWith(const ConditionKind::Keys& keys);
-  // The template's columns in the order of those of a member with a body of its own.
+  // The template's columns, in the column order of a member with a body of its own.
   const std::vector<int16_t>& columns() const { return columns_; }
 
-  // Whether the template watches this trigger for its members, or any.
+  // True if the template watches this trigger (any trigger) for its members.
   bool SharesAny() const { return shares_any_; }
   bool Shares(size_t trigger) const { return shared_[trigger]; }
 
-  // The condition waits for a solution with these constants. The first that comes makes the template watch.
+  // Adds a condition that waits for a solution with these constants. With the first one the template starts
+  // to watch.
   void Join(uint32_t condition, const Constants& constants);
   void Leave(uint32_t condition, const Constants& constants);
   size_t waiting() const { return waiting_; }
   std::vector<uint32_t> Waiting() const;
 
-  // Calls `visit` with each solution that `quad` gives through `trigger` and the conditions that wait for it,
-  // the row in the template's columns. False: there are many more solutions than members, it is
-  // cheaper to ask them. No quad: all solutions.
+  // Calls `visit` with each solution that `quad` gives through `trigger` and each condition that waits for
+  // it; the row has the template's columns. False: there are many more solutions than members, so probing the
+  // members is cheaper. Without a quad: all solutions.
   using Visitor = absl::FunctionRef<void(uint32_t condition, absl::Span<const TermId> row)>;
   absl::StatusOr<bool> Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
                              Visitor visit);
 
-  // For the caller's own use: the changes of this update that its watches matched; 0 at first.
+  // For use by the caller: the changes of this update that matched its watches; 0 at first.
   int& RisesIn(uint64_t update) {
     if (std::exchange(rises_in_, update) != update) rises_ = 0;
     return rises_;
@@ -96,7 +98,7 @@ class ConditionTemplate {
   const bool all_certain_;  // columns of body_
   WatchIndexes& indexes_;
   std::vector<int16_t> parameters_;  // columns of body_
-  std::vector<int16_t> columns_;     // of body_, for each of a member's
+  std::vector<int16_t> columns_;     // of body_, one for each column of a member
   std::vector<bool> shared_;         // by trigger
   absl::flat_hash_map<Constants, absl::InlinedVector<uint32_t, 1>> members_;
   size_t waiting_ = 0;

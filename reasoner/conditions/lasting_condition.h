@@ -1,12 +1,12 @@
-// A condition of which some parts must have held for a while: "a visitor is at the booth (for at least 5 s) and a
+// A condition with parts that must have held for a while: "a visitor is at the booth (for at least 5 s) and a
 // robot is free".
 //
-// It is told which solutions the whole and its parts have, and counts the time of each binding of a part's
-// variables. A solution of the whole is *open* while every part's binding in it has held for the part's time
-// without a break. What is told outside are the open solutions, projected to the key variables.
+// The caller reports the solutions of the whole and of its parts; this class measures the time of each
+// binding of a part's variables. A solution of the whole is *open* while every part's binding in it has held
+// without a break for the part's time. The result is the open solutions, projected to the key variables.
 //
-// It reads no clock: time comes with the calls and does not decrease. Time is looked at by Settle alone, so what
-// ends before the Settle at or after its time never opens. Writer thread only.
+// It reads no clock: the calls pass the time, which does not decrease. Only Settle compares times, so a
+// binding that ends before the Settle at or after its time never opens. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_LASTING_CONDITION_H_
 #define DOCENT_REASONER_CONDITIONS_LASTING_CONDITION_H_
 
@@ -28,26 +28,26 @@ namespace docent::conditions {
 class LastingCondition {
  public:
   struct Part {
-    std::vector<std::string> variables;  // what tells its solutions apart
+    std::vector<std::string> variables;  // they distinguish its solutions
     TimeMicros at_least_us = 0;
   };
   LastingCondition(std::vector<std::string> keys, std::vector<Part> parts);
   LastingCondition(const LastingCondition&) = delete;
   LastingCondition& operator=(const LastingCondition&) = delete;
 
-  // What tells solutions of the whole apart: the keys and the variables of all parts.
+  // The variables that distinguish solutions of the whole: the keys and the variables of all parts.
   const std::vector<std::string>& variables() const { return variables_; }
 
-  // The whole has, or has no longer, a solution with these values of variables(). Saying it twice does no harm.
+  // The whole has gained or lost a solution with these values of variables(). Repeated calls are harmless.
   void SetWhole(const Binding& solution, bool present);
-  // Likewise of a part with its variables; its time begins at `now_us`.
+  // The same for a part and its variables; the time of a new binding begins at `now_us`.
   void SetPart(size_t part, const Binding& binding, bool present, TimeMicros now_us);
 
-  // What is open now, against the Settle before.
+  // Changes of the open solutions since the Settle before.
   struct Changes {
     bool rose = false;
     bool fell = false;
-    std::vector<Binding> appeared;  // of the keys, in no particular order
+    std::vector<Binding> appeared;  // bindings of the keys, in no particular order
     std::vector<Binding> disappeared;
     bool any() const { return rose || fell || !appeared.empty() || !disappeared.empty(); }
   };
@@ -55,28 +55,28 @@ class LastingCondition {
 
   // As of the last Settle.
   bool holds() const { return !open_.empty(); }
-  // Whether the times of all parts are full for this solution.
+  // True if the times of all parts have passed for this solution.
   bool Admits(const Binding& solution) const;
-  // When Settle has something to do next, if nothing else changes.
+  // The time of the next Settle that is needed if nothing else changes.
   std::optional<TimeMicros> NextDeadline() const;
 
-  // The turn is done; or back to the last Commit.
+  // Commit at the end of a turn; Rollback returns to the last Commit.
   void Commit() { undo_.clear(); }
   void Rollback();
 
-  // How long the bindings of the parts have held, for a snapshot, in no particular order.
+  // How long the bindings of the parts have held, for a snapshot; in no particular order.
   struct Since {
     uint32_t part = 0;
     Binding binding;
     TimeMicros since_us = 0;
-    bool full = false;  // its time is full
+    bool full = false;  // its time has passed
   };
   std::vector<Since> Times() const;
-  // Puts back the time of a binding that is present. The next Settle opens what it opens.
+  // Restores the time of a present binding. The next Settle opens the solutions that are due.
   void SetTime(const Since& since);
 
  private:
-  using Row = absl::InlinedVector<TermId, 4>;  // none: unbound
+  using Row = absl::InlinedVector<TermId, 4>;  // kNone: unbound
   struct Time {
     TimeMicros since_us = 0;
     bool full = false;
@@ -86,22 +86,22 @@ class LastingCondition {
     TimeMicros at_least_us = 0;
     std::vector<size_t> columns;  // of variables_
     absl::flat_hash_map<Row, Time> times;
-    absl::btree_set<std::pair<TimeMicros, Row>> waiting;    // when the time will be full
-    absl::flat_hash_map<Row, absl::btree_set<Row>> wholes;  // solutions of the whole with this binding
+    absl::btree_set<std::pair<TimeMicros, Row>> waiting;    // by the time at which they become full
+    absl::flat_hash_map<Row, absl::btree_set<Row>> wholes;  // binding → solutions of the whole with it
   };
   struct Undo {
     static constexpr size_t kWhole = SIZE_MAX;
     size_t part = kWhole;
     Row row;
-    std::optional<Time> time;  // of a part's binding, before
-    std::optional<bool> open;  // of a solution of the whole, before
+    std::optional<Time> time;  // old value of a part's binding
+    std::optional<bool> open;  // old value of a solution of the whole
   };
 
   static Row RowOf(const Binding& binding, const std::vector<std::string>& variables);
   static Row Project(const Row& whole, const std::vector<size_t>& columns);
   Binding BindingOf(const Row& row, const std::vector<std::string>& variables) const;
   bool AllFull(const Row& whole) const;
-  // The only places that change anything; nullopt: it is not there.
+  // Only these functions change state; nullopt: removes the entry.
   void PutTime(size_t part, const Row& row, std::optional<Time> time);
   void PutWhole(const Row& row, std::optional<bool> open);
   void CountOpen(const Row& whole, int by);
@@ -113,8 +113,8 @@ class LastingCondition {
   std::vector<PartState> parts_;
   absl::flat_hash_map<Row, bool> wholes_;  // solution → open
   absl::flat_hash_map<Row, int> open_;     // key → open solutions with it
-  absl::btree_set<Row> stale_;             // solutions that Settle has to look at
-  absl::btree_map<Row, bool> before_;  // keys that changed since the last Settle → whether they were open
+  absl::btree_set<Row> stale_;             // solutions for Settle to check
+  absl::btree_map<Row, bool> before_;      // keys changed since the last Settle → were they open
   std::vector<Undo> undo_;
   bool undoing_ = false;
 };

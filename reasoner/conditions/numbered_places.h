@@ -1,4 +1,5 @@
-// Objects by number that stay where they are, side by side. Finding one reads its own cache lines and a short list. Private to this folder. Writer thread only.
+// Container of numbered objects with stable addresses, stored side by side. An access reads the object's own
+// cache lines and a short list. Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_NUMBERED_PLACES_H_
 #define DOCENT_REASONER_CONDITIONS_NUMBERED_PLACES_H_
 
@@ -24,9 +25,9 @@ class NumberedPlaces {
   NumberedPlaces(const NumberedPlaces&) = delete;
   NumberedPlaces& operator=(const NumberedPlaces&) = delete;
 
-  // Of the next that is made: the one that was given up last, or a new one.
+  // The number of the next object: the last one freed, or a new one.
   uint32_t Next() const { return free_.empty() ? static_cast<uint32_t>(taken_.size()) : free_.back(); }
-  // Made of `arguments`, with the number Next().
+  // Constructs an object from `arguments`, with the number Next().
   template <typename... Arguments>
   T& Make(Arguments&&... arguments) {
     const uint32_t number = Next();
@@ -40,7 +41,7 @@ class NumberedPlaces {
     }
     return *made;
   }
-  // There must be one.
+  // Requires that the object exists.
   void Remove(uint32_t number) {
     At(number).object.~T();
     taken_[number] = false;
@@ -48,7 +49,7 @@ class NumberedPlaces {
   }
 
   bool Has(uint32_t number) const { return taken_[number]; }
-  // There must be one.
+  // Requires that the object exists.
   T& operator[](uint32_t number) { return At(number).object; }
   const T& operator[](uint32_t number) const { return At(number).object; }
 

@@ -13,7 +13,7 @@
 namespace docent::conditions {
 namespace {
 
-// Two queries with the same fingerprint have the same answers.
+// Queries with the same fingerprint have the same answers.
 std::string Fingerprint(const sparql::Query& query, const std::vector<std::string>& keys) {
   std::string text = sparql::PrintAlgebra(matching::WithoutModifiers(*query.algebra));
   for (const Term& term : query.from) absl::StrAppend(&text, "\nFROM ", term.lexical);
@@ -126,13 +126,13 @@ void StandingConditions::Impl::JoinTemplate(uint32_t number, const TemplateForm&
   for (auto& [alone, values] : std::exchange(like.alone, {})) {
     if (like.hopeless) continue;
     conditions[alone].SetTemplate(templates[*like.template_number].get(), std::move(values));
-    if (alone == number) continue;  // its maker arms it
+    if (alone == number) continue;  // its creator arms it
     conditions[alone].Arm(&now);
     journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
   }
 }
 
-// After its condition is gone.
+// Called after the condition is removed.
 void StandingConditions::Impl::LeaveTemplate(const std::string& template_name, uint32_t number) {
   const auto found = alike.find(template_name);
   if (found == alike.end()) return;
@@ -150,7 +150,7 @@ absl::StatusOr<uint32_t> StandingConditions::Impl::FindOrMake(const sparql::Quer
   return found != by_fingerprint.end() ? found->second : Make(query, now, options, std::move(fingerprint));
 }
 
-// nullopt: too few alike, or too many values to remember.
+// nullopt: too few similar conditions, or too many values to remember.
 absl::StatusOr<std::optional<uint32_t>> StandingConditions::Impl::GroupCondition(
     const ThresholdForm& form, const GraphVersion& now, const RegisterOptions& options) {
   const RegisterOptions grouped{{form.variable}, options.now_us, options.cancellation};

@@ -1,24 +1,24 @@
-// Standing conditions: SPARQL ASK queries whose answer is known at every moment, and told when it changes.
+// Standing conditions: SPARQL ASK queries whose answer is always known, and reported when it changes.
 //
-// The comparator of the paper: a workflow node waits for a condition to rise, an activator for each new
-// binding. The cost of an update depends on the conditions that it can touch, not on how many exist or how
-// large the graph is:
+// They are the comparator of the paper: a workflow node waits for a condition to rise, an activator for each
+// new binding. The cost of an update depends on the conditions that it can affect, not on the number of
+// conditions or the size of the graph:
 //
-//   - What does not hold watches the patterns through which it could begin to hold. A matching change is
-//   bound into the
-//     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that
-//     one alone is watched.
-//   - Conditions that differ only in constants share the patterns without them: one delta join for all, whose
-//   solutions say which of them rise.
-//   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very
-//   solution.
+//   - A condition that does not hold watches the patterns through which it could begin to hold. A matching
+//     change is bound into the query, and only the rest is evaluated ("delta join"). If one of its patterns
+//     has no match at all, only that pattern is watched.
+//   - Conditions that differ only in constants share the patterns without them: one delta join for all,
+//     whose solutions tell which of them rise.
+//   - A condition that holds keeps one *witness* (a solution) for each key, and watches only the changes
+//     that could break that solution.
 //
-// Patterns inside NOT EXISTS, MINUS, OPTIONAL, EXISTS are watched too, in the direction in which they count.
-// What cannot be analysed so (sub-SELECT, aggregates, recursive paths) is evaluated whole when one of its
-// patterns is touched, and NOW() or RAND() at every update: correct, slower, and visible in the counters.
+// Patterns inside NOT EXISTS, MINUS, OPTIONAL, EXISTS are watched too, in the direction that matters. Queries
+// that cannot be analysed in this way (sub-SELECT, aggregates, recursive paths) are evaluated whole when one
+// of their patterns is touched, and queries with NOW() or RAND() at every update: correct, slower, and
+// visible in the counters.
 //
-// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. One thread:
-// the one that interns into its dictionary.
+// Levels are exact after each Update. Rollback undoes the changes since the last Commit. One thread: the one
+// that interns into its dictionary.
 #ifndef DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_
 #define DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_
 
@@ -57,26 +57,26 @@ class ConditionId {
   uint64_t value_ = 0;
 };
 
-// One solution: variable name (without "?") and value, in the query's order of variables; unbound ones are
-// left out. Ids are the dictionary's: computed values are interned.
+// One solution: variable name (without "?") and value, in the query's order of variables; unbound variables
+// are left out. Ids are the dictionary's: computed values are interned.
 using Binding = std::vector<std::pair<std::string, TermId>>;
 
-// What an Update changed about one condition.
+// The change of one condition by an Update.
 struct ConditionChange {
   enum class Edge : uint8_t {
     kRose,             // did not hold, holds now
     kFell,             // held, does not hold now
-    kBindingsChanged,  // holds as before, but with other key bindings (only where key variables are tracked)
+    kBindingsChanged,  // holds as before, but with other key bindings (only with key variables)
   };
   ConditionId id;
   Edge edge = Edge::kRose;
-  // With key variables: the bindings of the keys that began and ceased to be answers, in term order.
+  // With key variables: the key bindings that became and ceased to be answers, in term order.
   std::vector<Binding> appeared;
   std::vector<Binding> disappeared;
 };
 
 struct RegisterOptions {
-  // Variables whose distinct bindings are followed (an activator's). Empty: only whether it holds.
+  // Variables whose distinct bindings are followed (by an activator). Empty: only whether it holds.
   std::vector<std::string> key_variables;
   TimeMicros now_us = 0;                 // NOW()
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
@@ -90,38 +90,39 @@ class StandingConditions {
   StandingConditions(const StandingConditions&) = delete;
   StandingConditions& operator=(const StandingConditions&) = delete;
 
-  // Begins to follow `ask` (form ASK; the WHERE of a SELECT is taken likewise). `now` is the version that the
-  // next Update's delta starts from; the level on it is known at once and is not reported as a change.
+  // Begins to follow `ask` (form ASK; the WHERE of a SELECT is also accepted). `now` is the version from
+  // which the next Update's delta starts; the level on it is known at once and is not reported as a change.
   // INVALID_ARGUMENT for a key variable that the query does not bind or another form of query; UNIMPLEMENTED
-  // for what the evaluator cannot do. Queries that are the same share their work.
+  // for queries that the evaluator does not support. Equal queries share their work.
   absl::StatusOr<ConditionId> Register(const sparql::Query& ask, const GraphVersion& now,
                                        const RegisterOptions& options = {});
-  // Ends following; unknown ids are ignored.
+  // Stops following; unknown ids are ignored.
   void Remove(ConditionId id);
 
-  // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
-  // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
+  // `delta` leads from the version of the last Update to `version`. Returns the changes in order of id, valid
+  // until the next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then
+  // rolls back.
   absl::StatusOr<absl::Span<const ConditionChange>> Update(const GraphVersion& version, const Delta& delta,
                                                            TimeMicros now_us = 0,
                                                            Cancellation* cancellation = nullptr);
 
-  // Whether it holds as of the last Update. False for an unknown id.
+  // True if it held at the last Update. False for an unknown id.
   bool Holds(ConditionId id) const;
-  // The key bindings as of the last Update, in term order. One empty binding for a condition without keys
-  // that holds.
+  // The key bindings at the last Update, in term order. A condition without keys that holds has one empty
+  // binding.
   std::vector<Binding> Keys(ConditionId id) const;
-  // Solutions on `version` that have the values of `fixed`, with all visible variables, distinct, in term order, the
-  // first `limit` of them. None where `fixed` has another variable. NOT_FOUND for an unknown id.
+  // Solutions on `version` with the values of `fixed`: all visible variables, distinct, in term order, the
+  // first `limit` of them. None if `fixed` has another variable. NOT_FOUND for an unknown id.
   absl::StatusOr<std::vector<Binding>> Solutions(ConditionId id, const GraphVersion& version,
                                                  const Binding& fixed, size_t limit, TimeMicros now_us = 0,
                                                  Cancellation* cancellation = nullptr);
 
-  // The turn is done: what was registered, removed and learnt since the last Commit stays.
+  // The turn succeeded: keeps registrations, removals and changes since the last Commit.
   void Commit();
-  // The turn failed: back to the last Commit. Ids given since then are unknown.
+  // The turn failed: returns to the last Commit. Ids given since then become unknown.
   void Rollback();
 
-  // What time costs are counted in: monotonic nanoseconds. Nothing is decided by it.
+  // The clock for measuring costs, in monotonic nanoseconds. No decision depends on it.
   using StopWatch = uint64_t (*)();
   void SetStopWatch(StopWatch now_ns);
 
@@ -129,10 +130,10 @@ class StandingConditions {
   // Since construction, for /metrics.
   struct Counters {
     uint64_t updates = 0;      // calls of Update
-    uint64_t candidates = 0;   // (condition, changed quad) pairs that the index found
+    uint64_t candidates = 0;   // (condition, changed quad) pairs found by the index
     uint64_t evaluations = 0;  // queries or delta joins run by Update
-    uint64_t changes = 0;      // edges reported
-    // Of these evaluations, those that no change narrowed: what they cost grows with the graph.
+    uint64_t changes = 0;      // changes reported
+    // Those of the evaluations that no change narrowed: their cost grows with the graph.
     uint64_t whole_evaluations = 0;
     uint64_t whole_ns = 0;  // by the stop watch; 0 without one
   };

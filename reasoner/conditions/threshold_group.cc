@@ -31,7 +31,7 @@ Expression::Kind KindOf(matching::Comparison op) {
   return Expression::Kind::kLess;
 }
 
-// ?variable op number, either way round.
+// ?variable op number, in either order.
 bool ReadThreshold(const Expression& expression, ThresholdForm& form) {
   const std::optional<matching::NumberComparison> comparison = matching::ReadNumberComparison(expression);
   if (!comparison || !comparison->op) return false;
@@ -122,7 +122,7 @@ absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& m
                                              const sparql::RunOptions& run) const {
   if (above_ ? extreme > place.first : extreme < place.first) return true;
   if (extreme == place.first) {
-    // As doubles the same: ask for each value that looks so.
+    // Equal as doubles: each such value is compared exactly.
     for (auto it = numbers_.lower_bound({extreme, TermId()}); it != numbers_.end() && it->first == extreme;
          ++it) {
       const absl::StatusOr<bool> holds = comparer_.Compare(it->second, member.op, member.constant, run);

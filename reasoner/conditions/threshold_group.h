@@ -1,9 +1,10 @@
-// Many conditions that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21, … 0.3.
+// Group of many conditions that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21,
+// … 0.3.
 //
-// They share one condition, the query without that comparison with ?b as its key variable, and are kept here
-// in the order of their numbers. Which of them hold depends on the extreme value of ?b alone, so when it
-// moves only those between the old and the new extreme are looked at. Private to this folder. Writer thread
-// only.
+// They share one condition, the query without that comparison and with ?b as its key variable. The group
+// keeps them ordered by their numbers. Which of them hold depends only on the extreme value of ?b, so a move
+// of the extreme affects only the members between its old and new value. Private to this folder. Writer
+// thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_
 #define DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_
 
@@ -34,10 +35,10 @@ struct ThresholdForm {
   matching::Comparison op = matching::Comparison::kLess;  // ?variable op constant
   Term constant;
 };
-// nullopt where `query` does not have exactly one such comparison in its outermost filters.
+// nullopt if `query` does not have exactly one such comparison in its outermost filters.
 std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query);
 
-// `a op b` of SPARQL, decided on ids where they can and by the evaluator otherwise.
+// `a op b` of SPARQL, decided on ids if possible and by the evaluator otherwise.
 class NumberComparer {
  public:
   explicit NumberComparer(const Dictionary& dictionary) : dictionary_(dictionary) {}
@@ -52,26 +53,26 @@ class NumberComparer {
 
 class ThresholdGroup {
  public:
-  // `above`: its members ask for a value above their number (> and >=); otherwise for one below.
+  // `above`: its members require a value above their number (> and >=); otherwise one below.
   ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer);
 
   static bool IsAbove(matching::Comparison op) {
     return op == matching::Comparison::kGreater || op == matching::Comparison::kGreaterOrEqual;
   }
 
-  // `key` is, or is no longer, a value of the variable. Levels follow at the next Relevel.
+  // `key` has become, or is no longer, a value of the variable. The next Relevel updates the levels.
   void SetKey(TermId key, bool present);
-  // Its level is right for the keys as of the last Relevel.
+  // Its level is correct for the keys at the last Relevel.
   absl::Status AddMember(ConditionId id, matching::Comparison op, TermId constant,
                          const sparql::RunOptions& run);
   void RemoveMember(ConditionId id, TermId constant);
   bool Holds(ConditionId id, TermId constant) const;
-  // Whether `value` of the variable makes the member hold.
+  // True if `value` of the variable makes the member hold.
   absl::StatusOr<bool> Admits(ConditionId id, TermId constant, TermId value,
                               const sparql::RunOptions& run) const;
   bool empty() const { return members_.empty(); }
 
-  // Brings the levels in line with the keys and calls `visit` with each that changed.
+  // Updates the levels to the keys and calls `visit` with each changed one.
   absl::Status Relevel(const sparql::RunOptions& run, absl::FunctionRef<void(ConditionId, bool level)> visit);
 
  private:
@@ -85,7 +86,7 @@ class ThresholdGroup {
 
   static Place PlaceOf(ConditionId id, TermId constant) { return {matching::ViewNumber(constant).value, id}; }
   double Extreme() const;
-  // The first with a number not below `low`, which is at most settled_extreme_.
+  // The first member with a number not below `low`, which must be at most settled_extreme_.
   Members::iterator FirstFrom(double low);
   absl::StatusOr<bool> LevelOf(const Place& place, const Member& member, double extreme,
                                const sparql::RunOptions& run) const;
@@ -94,13 +95,13 @@ class ThresholdGroup {
   const Dictionary& dictionary_;
   NumberComparer& comparer_;
   Members members_;
-  // The first with a number not below settled_extreme_, where known: the next extreme is most often near.
+  // The first member with a number not below settled_extreme_, if known: the next extreme is usually near.
   std::optional<Members::iterator> settled_at_;
-  absl::btree_set<std::pair<double, TermId>> numbers_;  // keys whose double says where they stand
+  absl::btree_set<std::pair<double, TermId>> numbers_;  // keys that are ordered by their double
   absl::btree_set<TermId>
       irregular_;  // other numeric keys (xsd:float, numbers too long for an id): tried one by one
   bool irregular_changed_ = false;
-  double settled_extreme_;  // as of the last Relevel
+  double settled_extreme_;  // at the last Relevel
 };
 
 }  // namespace docent::conditions

@@ -1,4 +1,4 @@
-// The indexes that all conditions and templates share. Private to this folder. Writer thread only.
+// The indexes of watches, shared by all conditions and templates. Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
 #define DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
 
@@ -11,18 +11,18 @@
 
 namespace docent::conditions {
 
-// Who is concerned by a quad that comes, and by one that goes. A reference's owner is a condition, its pattern one of
-// its triggers, which may rise, or one of its witnesses, which may be broken; the detail then is the trigger.
+// Finds the conditions affected by an added and by a removed quad. A reference's owner is a condition. Its
+// pattern is a trigger, which may rise, or a witness, which may be broken; then the detail is the trigger.
 struct WatchIndexes {
   static constexpr uint32_t kIsTemplate = 0x80000000u;  // in an owner: it is a template
   static constexpr uint32_t kIsWitness = 0x80000000u;   // in a pattern: it is a witness
-  static constexpr uint16_t kSomeTrigger = 0xffff;      // in a detail: too many triggers to say which
+  static constexpr uint16_t kSomeTrigger = 0xffff;      // in a detail: too many triggers to name one
 
   // A handle of on_add, or with kGoes of on_remove.
   using Watch = matching::PatternIndex::Handle;
   static constexpr Watch kGoes = 0x80000000u;
 
-  // `match` with `constants` instead of its own.
+  // Watches additions that match `match`, with `constants` instead of its own.
   Watch Comes(const matching::MatchPattern& match, const QuadPattern& constants,
               matching::PatternIndex::Reference reference) {
     return on_add.Add(match, constants, reference);
@@ -49,13 +49,13 @@ struct WatchIndexes {
   matching::PatternIndex on_remove;
 };
 
-// Nothing in any column. (Most often it has the size; then this is quicker than assign.)
+// Clears all columns. (Usually the size is right already; then this is faster than assign.)
 inline void ClearSeed(size_t columns, std::vector<TermId>& seed) {
   if (seed.size() != columns) seed.resize(columns);
   std::fill(seed.begin(), seed.end(), TermId());
 }
 
-// In which direction a trigger can make a condition rise.
+// True if an added match of such a trigger can make a condition rise.
 inline bool RisesOnAdd(matching::Polarity polarity) {
   return polarity != matching::Polarity::kNegative;
 }

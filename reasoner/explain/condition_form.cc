@@ -22,10 +22,10 @@ void Append(std::vector<T>& to, std::vector<T> from) {
   std::move(from.begin(), from.end(), std::back_inserter(to));
 }
 
-// Names that stand for other names inside an EXISTS or a sub-SELECT.
+// Renaming of variables inside an EXISTS or a sub-SELECT.
 struct Scope {
-  std::string prefix;           // of what is local here; empty: the outermost scope
-  std::set<std::string> outer;  // names that keep their meaning
+  std::string prefix;           // of local names; empty: the outermost scope
+  std::set<std::string> outer;  // names that are not renamed
   const Scope* parent = nullptr;
 
   std::string NameOf(const std::string& name) const {
@@ -43,7 +43,7 @@ int Variable(Clause& clause, const std::string& name, const std::string& written
   return static_cast<int>(clause.names.size()) - 1;
 }
 
-// `to` and `from` together, the variables of the same name being one.
+// The conjunction of `to` and `from`; variables of the same name are one variable.
 Clause Merge(const Clause& to, const Clause& from) {
   Clause out = to;
   std::vector<int> place(from.names.size());
@@ -126,7 +126,7 @@ class Builder {
   }
 
  private:
-  // What SELECT and HAVING compute of a group, too: without that it would not be the query that was written.
+  // Also true for the expressions of SELECT and HAVING over a group: they belong to the query as written.
   static bool IsOfGroup(const Algebra& node) {
     const Algebra* at = &node;
     while (at->kind == Algebra::Kind::kProject || at->kind == Algebra::Kind::kExtend ||
@@ -152,7 +152,7 @@ class Builder {
     return atom;
   }
 
-  // Any fact, of the graph that is looked at.
+  // Any fact of the current graph.
   Atom AnyFact(Clause& clause) {
     const std::string prefix = absl::StrCat(".s", ++fresh_, ".");
     const Scope own{prefix, {}, nullptr};
@@ -168,7 +168,7 @@ class Builder {
     return {std::move(clause)};
   }
 
-  // Sequences, alternatives and inverses are triple patterns with variables between them.
+  // Sequences, alternatives and inverses become triple patterns with variables between them.
   absl::StatusOr<Clauses> ExpandPath(const Algebra& node, const Scope& scope) {
     if (!IsPlain(node.path) && paths_ == PathForm::kWhole) return Whole(node, scope);
     return PathClauses(node.path, node.subject, node.object, scope);
@@ -216,7 +216,7 @@ class Builder {
     return all;
   }
 
-  // path* and path+ as PathForm::kWithGap says, path? as nothing or one step.
+  // path* and path+ as described at PathForm::kWithGap, path? as nothing or one step.
   absl::StatusOr<Clauses> WithGap(const sparql::Path& path, const PatternTerm& from, const PatternTerm& to,
                                   const Scope& scope) {
     using Kind = sparql::Path::Kind;
@@ -281,7 +281,7 @@ class Builder {
     return Filter(*std::move(all), *node.expression, scope, visible);
   }
 
-  // `node` itself where only modifiers and filters stand around it.
+  // `node` itself if only modifiers and filters are around it.
   static const Algebra* OutermostFilter(const Algebra& whole, const Algebra& node) {
     const Algebra* at = &whole;
     while (at != &node) {
@@ -337,7 +337,7 @@ class Builder {
     return all;
   }
 
-  // Each match of what must not be there is to come once.
+  // Each match of the forbidden pattern must come once.
   absl::StatusOr<Clauses> ExpandAbsent(const Algebra& node, const Scope& scope) {
     const PathForm paths = std::exchange(paths_, PathForm::kWhole);
     auto clauses = Expand(node, scope);
@@ -357,7 +357,7 @@ class Builder {
     return Expand(*node.children[0], scope);
   }
 
-  // Whether nothing but an outermost SELECT list looks at the variable; MentionedBeside counts that as well.
+  // True if only an outermost SELECT list uses the variable; MentionedBeside counts that as well.
   bool IsOnlyShown(const std::string& name) const {
     const Algebra& where = matching::WithoutModifiers(whole_);
     if (&where == &whole_) return false;
@@ -379,7 +379,7 @@ class Builder {
     const auto right = sparql::InScopeVariables(*node.children[1]);
     const bool shares = std::any_of(right.begin(), right.end(),
                                     [&](const sparql::Variable& v) { return left.contains(v.name); });
-    if (!shares) return all;  // section 8.3.2: nothing is taken away
+    if (!shares) return all;  // section 8.3.2: MINUS removes nothing
     const Scope local{absl::StrCat(".m", ++fresh_, "."), left, &scope};
     auto pattern = ExpandAbsent(*node.children[1], local);
     if (!pattern.ok()) return pattern;
@@ -399,7 +399,7 @@ class Builder {
     }
     auto all = Expand(*node.children[0], scope);
     if (all.ok() &&
-        !sparql::NeedsTripleOfGraph(*node.children[0])) {  // that there is the graph, is a fact of it
+        !sparql::NeedsTripleOfGraph(*node.children[0])) {  // a fact of the graph shows that it exists
       for (Clause& clause : *all) clause.atoms.push_back(AnyFact(clause));
     }
     graph_ = graph;
@@ -436,7 +436,7 @@ class Builder {
     return {std::move(clause)};
   }
 
-  // A sub-SELECT: what it does not show is its own.
+  // A sub-SELECT: variables that it does not project are local.
   absl::StatusOr<Clauses> ExpandProject(const Algebra& node, const Scope& scope) {
     if (&node == &whole_ || IsOutermost(node)) return Expand(*node.children[0], scope);
     std::set<std::string> shown;
@@ -463,7 +463,7 @@ class Builder {
       part.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
     }
     sparql::AlgebraPtr pattern = node.Clone();
-    // a step between two paths is a variable that the evaluator shows, under a name that nobody has
+    // a step between two paths is a variable that the evaluator shows, under a unique name
     for (PatternTerm* end : {&pattern->subject, &pattern->object}) {
       if (!end->IsVariable() || !end->variable().IsHidden()) continue;
       end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1), "_between_paths")});

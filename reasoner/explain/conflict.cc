@@ -9,7 +9,7 @@
 namespace docent::explain {
 namespace {
 
-constexpr size_t kFills = 20;  // solutions of one absence, of one size, that are looked at
+constexpr size_t kFills = 20;  // solutions of one absence, of one size, that are tried
 constexpr int kDeepest = 4;    // absences in absences
 
 template <typename T>
@@ -17,7 +17,7 @@ bool Has(const std::vector<T>& all, const T& one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
 
-// False: it was there.
+// False: already present.
 template <typename T>
 bool AddNew(const T& one, std::vector<T>& to) {
   if (Has(to, one)) return false;
@@ -106,7 +106,7 @@ absl::StatusOr<std::vector<Conflict>> ConflictFinder::Find(const std::vector<Abs
   return conflicts;
 }
 
-// The ways to make one match go.
+// The ways to break one match.
 absl::Status ConflictFinder::Break(const Match& match, const std::string& absence, int depth,
                                    Conflict& conflict) {
   if (depth > kDeepest) {
@@ -145,8 +145,8 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   return absl::OkStatus();
 }
 
-// Takes as a way that `told` is withdrawn, from all graphs or from that which it names, `fact` being it or inferred from it.
-// What the changes so far tell stays.
+// Adds as a way the withdrawal of the asserted fact `told`, from all graphs or from the one that it names;
+// `fact` is this fact or one inferred from it. Facts asserted by the changes so far stay.
 void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::string& absence,
                               Conflict& conflict) {
   const Dictionary& dictionary = *parts_.dictionary;
@@ -181,8 +181,8 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
   }
 }
 
-// Takes as ways what would be there for the absence not to hold: facts told, or, where the absence's pattern would hold
-// but for an absence in its turn, what breaks that.
+// Adds as ways the additions that make the absence's pattern hold: asserted facts, or, if only an inner
+// absence keeps the pattern from holding, changes that break that absence.
 absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absence, int depth,
                                   Conflict& conflict) {
   conflict.lasts = false;
@@ -223,7 +223,7 @@ absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absenc
       }
     }
   }
-  // larger ways are of no use but to a set that is larger by as much
+  // larger ways matter only for sets that are larger by the same number
   if (more) conflict.left_out = std::min(conflict.left_out, options.missing);
   return absl::OkStatus();
 }

@@ -1,10 +1,11 @@
 // Conflicts: matches that keep an absence from holding, and the changes that would break them.
 //
-// A conflict is one match of what must not be there, with all ways to make just this match go: a told fact under it
-// withdrawn, be it one of its facts or one that they are inferred from; or facts told that an absence in it, or in a
-// rule on the way, forbids. A set of changes that makes the absence hold has one of the ways of each conflict: it is a
-// hitting set (Reiter, A Theory of Diagnosis from First Principles, Artificial Intelligence 32, 1987). Conflicts are
-// looked for one by one, on the graph as it would be with the changes so far: a fact with two derivations has two.
+// A conflict is one match of a forbidden pattern, with all ways to break just this match. A way withdraws an
+// asserted fact (one of the match's facts, or one from which they are inferred), or asserts facts that an
+// absence in the match, or in a rule on the way, forbids. A set of changes makes the absence hold if it
+// contains one way of each conflict: it is a hitting set (Reiter, A Theory of Diagnosis from First
+// Principles, Artificial Intelligence 32, 1987). Conflicts are searched one by one, on the graph with the
+// changes so far: a fact with two derivations gives two conflicts.
 //
 // One thread.
 #ifndef DOCENT_REASONER_EXPLAIN_CONFLICT_H_
@@ -28,42 +29,42 @@ namespace docent::explain {
 struct Conflict {
   static constexpr int kNothing = std::numeric_limits<int>::max();
 
-  std::vector<Repair> ways;  // what each tells or withdraws, and how that is shown
-  bool lasts = true;  // whatever else is told or withdrawn, the match stays until one of the ways is taken
-  int left_out = kNothing;     // ways of so many changes, or of more, were not looked for
-  bool spared_schema = false;  // axioms that a rule asks for were not taken as ways
+  std::vector<Repair> ways;    // the changes of each, and their display form
+  bool lasts = true;           // only one of the ways can break the match, whatever other changes are made
+  int left_out = kNothing;     // ways with this many changes, or more, were not searched
+  bool spared_schema = false;  // axioms in rule bodies were not used as ways
 
-  // Whether `repair` has one of the ways.
+  // True if `repair` contains one of the ways.
   bool IsHitBy(const Repair& repair) const;
 };
 
-// Adds what `way` tells and withdraws to what `repair` does. False: nothing new.
+// Adds the changes of `way` to `repair`. False: nothing new.
 bool Join(const Repair& way, Repair& repair);
 
 class ConflictFinder {
  public:
   struct Parts {
-    const GraphVersion* base = nullptr;   // its told facts may be withdrawn
-    const GraphVersion* graph = nullptr;  // where conflicts are looked for: `base`, or as that would be
+    const GraphVersion* base = nullptr;   // its asserted facts may be withdrawn
+    const GraphVersion* graph = nullptr;  // where conflicts are searched: `base`, or `base` with changes
     Dictionary* dictionary = nullptr;
     Prover* prover = nullptr;  // on `graph`
     const sparql::FunctionRegistry* functions = nullptr;
     sparql::RunOptions run;  // on `graph`
     const Display* display = nullptr;
-    SolveOptions telling;  // what may be told: `missing` is not looked at
-    int room = 0;          // changes of a way, at most
+    SolveOptions telling;  // which facts may be asserted; `missing` is ignored
+    int room = 0;          // maximum changes of a way
     size_t steps = 0;
   };
   explicit ConflictFinder(const Parts& parts);
 
-  // At most `most` conflicts of these absences, open variables being what `examples` says and called as `names` says.
-  // Empty: all of them hold. CANCELLED, DEADLINE_EXCEEDED.
+  // At most `most` conflicts of these absences; open variables have the values in `examples` and the names in
+  // `names`. Empty: all absences hold. CANCELLED, DEADLINE_EXCEEDED.
   absl::StatusOr<std::vector<Conflict>> Find(const std::vector<AbsenceOf>& absences, const Examples& examples,
                                              const OpenNames& names, size_t most);
   size_t steps() const { return solver_.steps(); }
 
  private:
-  // One solution of what must not be there.
+  // One solution of a forbidden pattern.
   struct Match {
     const AbsenceOf* of = nullptr;
     Row row;

@@ -26,13 +26,13 @@ using sparql::PatternTerm;
 using sparql::Variable;
 using Names = std::set<std::string>;
 
-// At least so many, and fewer than so many.
+// A range of counts: at least `least`, and fewer than `below`.
 struct Bounds {
   int least = 0;
   std::optional<int> below;
 };
 
-// ?name compared with a whole number, either way round, as bounds of it.
+// ?name compared with a whole number, in either order, as bounds.
 struct CountTest {
   std::string name;
   Bounds bounds;
@@ -86,7 +86,7 @@ Names ShownBy(const Algebra& node) {
   return names;
 }
 
-// A conjunction of triple patterns and filters, whose solutions come once each.
+// True for a conjunction of triple patterns and filters, each of whose solutions comes once.
 bool IsPlain(const Algebra& node) {
   if (node.kind != Algebra::Kind::kBgp && node.kind != Algebra::Kind::kJoin &&
       node.kind != Algebra::Kind::kFilter)
@@ -109,10 +109,10 @@ ExpressionPtr VariableNamed(const std::string& name) {
   return e;
 }
 
-// What is counted, by what.
+// The counted pattern with its group keys.
 class Counted {
  public:
-  // nullopt: counts of `group` cannot be written out.
+  // nullopt: counts of `group` cannot be rewritten.
   static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate,
                                    const Names& shown) {
     Counted counted(*group.children[0]);
@@ -128,7 +128,7 @@ class Counted {
     MentionedBeside(counted.pattern_, nullptr, counted.named_);
     counted.others_ = counted.named_;
     for (const Variable& key : counted.keys_) counted.others_.erase(key.name);
-    // what only a filter mentions is no part of what is counted
+    // variables that only a filter mentions are not counted
     const Names bound = ShownBy(counted.pattern_);
     if (!std::includes(bound.begin(), bound.end(), counted.others_.begin(), counted.others_.end()))
       return std::nullopt;
@@ -143,13 +143,13 @@ class Counted {
 
   // { SELECT the keys shown { … } } with a solution for each group within the bounds.
   AlgebraPtr Within(const Bounds& bounds) {
-    // a group that there is has one; without keys there is always one
+    // an existing group has at least one; without keys there is always one group
     const int least = std::max(bounds.least, keys_.empty() ? 0 : 1);
     AlgebraPtr body = least == 0 ? std::make_unique<Algebra>(Algebra::Kind::kBgp) : AtLeast(least, kCopyMark);
     if (bounds.below) {
       body = Over(Algebra::Kind::kFilter, std::move(body));
       body->expression = std::make_unique<Expression>(Expression::Kind::kNotExists, SourceSpan{});
-      body->expression->pattern = AtLeast(*bounds.below, '_');  // shown to people as it is
+      body->expression->pattern = AtLeast(*bounds.below, '_');  // shown to people unchanged
     }
     AlgebraPtr select = Over(Algebra::Kind::kProject, std::move(body));
     select->variables = shown_;
@@ -159,7 +159,8 @@ class Counted {
  private:
   explicit Counted(const Algebra& pattern) : pattern_(pattern) {}
 
-  // Copies of the pattern, no two of the same thing. `mark` stands between the names of their variables and their number.
+  // Copies of the pattern for different things. `mark` separates the names of their variables from the copy's
+  // number.
   AlgebraPtr AtLeast(int least, char mark) {
     std::vector<AlgebraPtr> copies;
     std::vector<std::string> things;
@@ -184,7 +185,7 @@ class Counted {
       for (size_t j = i + 1; j < things.size(); ++j) {
         all = Over(Algebra::Kind::kFilter, std::move(all));
         auto same = std::make_unique<Expression>(Expression::Kind::kBuiltin,
-                                                 SourceSpan{});  // terms are counted, not values
+                                                 SourceSpan{});  // compares terms, not values
         same->builtin = sparql::Builtin::kSameTerm;
         same->arguments.push_back(VariableNamed(things[i]));
         same->arguments.push_back(VariableNamed(things[j]));
@@ -198,20 +199,20 @@ class Counted {
   const Algebra& pattern_;
   std::vector<Variable> keys_, shown_;
   Names named_;   // variables of the pattern
-  Names others_;  // of them, those that are no keys
+  Names others_;  // those of them that are not keys
   std::string what_;
-  int copies_ = 0;  // made so far
+  int copies_ = 0;  // number made so far
 };
 
-// The nodes of a sub-SELECT that counts, from its top to its group, and what names its aggregates have there.
+// The nodes of a counting sub-SELECT, from its top to its group, and the names of its aggregates.
 struct Chain {
   const Algebra* group = nullptr;
   std::map<std::string, const sparql::Aggregate*>
-      counts;  // by name, those of SELECT (COUNT(?x) AS ?name), too
+      counts;  // by name, also those of SELECT (COUNT(?x) AS ?name)
   std::vector<const Algebra*> having;
 };
 
-// nullopt: `top` is no such sub-SELECT, or computes of its counts.
+// nullopt: `top` is no such sub-SELECT, or uses its counts in expressions.
 std::optional<Chain> ChainOf(const Algebra& top) {
   Chain chain;
   std::vector<const Algebra*> extends;
@@ -242,18 +243,18 @@ class Rewriter {
  public:
   explicit Rewriter(const Algebra& whole) : whole_(whole) {}
 
-  // A copy of `node`. `filters`: conjuncts of the filters around it that see what it shows.
+  // A copy of `node`. `filters`: conjuncts of the enclosing filters that can see its variables.
   AlgebraPtr Copy(const Algebra& node, const std::vector<const Expression*>& filters) {
     if (AlgebraPtr written = Written(node, filters)) return written;
     AlgebraPtr copy = node.Clone();
-    // there it matters how often a solution comes
+    // here the number of equal solutions matters
     if (node.kind == Algebra::Kind::kGroup || node.kind == Algebra::Kind::kSlice ||
         node.kind == Algebra::Kind::kService)
       return copy;
     std::vector<const Expression*> inner;
     if (node.kind == Algebra::Kind::kFilter || node.kind == Algebra::Kind::kJoin) inner = filters;
     if (node.kind == Algebra::Kind::kFilter) sparql::CollectConjuncts(*node.expression, inner);
-    // what may be absent is shown to people as it was written
+    // a pattern that may be absent is shown to people as written
     const bool first = node.kind == Algebra::Kind::kMinus || node.kind == Algebra::Kind::kLeftJoin;
     for (size_t i = 0; i < (first ? 1 : node.children.size()); ++i)
       copy->children[i] = Copy(*node.children[i], inner);
@@ -291,7 +292,7 @@ class Rewriter {
       const bool sees = test && (i < own || shown.contains(test->name));
       const auto count = sees ? chain->counts.find(test->name) : chain->counts.end();
       if (count == chain->counts.end()) {
-        if (i < own) return nullptr;  // HAVING asks for something else
+        if (i < own) return nullptr;  // HAVING has another condition
         continue;
       }
       Bounds& of = bounds[count->second];
@@ -308,7 +309,7 @@ class Rewriter {
     return counted->Within(within);
   }
 
-  // Whether what a filter of the chain asks about by a name that SELECT gave is shown to it.
+  // True if SELECT shows the filter the names of the counts that it uses.
   static bool SeesItsCounts(const Algebra& filter, const Chain& chain) {
     const Names shown = ShownBy(*filter.children[0]);
     const std::vector<Variable> asked = sparql::MentionedVariables(*filter.expression);
@@ -316,7 +317,7 @@ class Rewriter {
       return v.IsHidden() || !chain.counts.contains(v.name) || shown.contains(v.name);
     });
   }
-  // Whether anything but those conjuncts looks at a count.
+  // True if an expression other than those conjuncts uses a count.
   bool IsUsedOtherwise(const Algebra& top, const Chain& chain,
                        const std::set<const Expression*>& used) const {
     Names names;

@@ -34,7 +34,7 @@ void Substitute(Expression& e, const Values& values) {
 }
 
 void Substitute(Algebra& node, const Values& values) {
-  // A SELECT stays as it is written: its variables are named in its head, and some are its own.
+  // A SELECT is left as written: its head names its variables, and some are local.
   if (node.kind == Algebra::Kind::kProject || node.kind == Algebra::Kind::kGroup) return;
   for (sparql::TriplePattern& triple : node.triples) {
     Substitute(triple.subject, values);

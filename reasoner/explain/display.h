@@ -1,4 +1,5 @@
-// Facts and conditions as one line of SPARQL for people, values put in the place of variables. Any thread.
+// Formatter of facts and conditions as one line of SPARQL for people, with values in place of variables. Any
+// thread.
 #ifndef DOCENT_REASONER_EXPLAIN_DISPLAY_H_
 #define DOCENT_REASONER_EXPLAIN_DISPLAY_H_
 
@@ -15,17 +16,17 @@
 
 namespace docent::explain {
 
-// What stands in the place of a variable, by its name: its value, or what it is called instead.
+// Replacement of a variable, by its name: its value, or a display name.
 using Values = std::map<std::string, sparql::PatternTerm>;
 
-// The values of a solution, under the names of the clause and those that the query has; its open variables are called
-// as `names` says.
+// The values of a solution, under the names of the clause and those in the query; open variables get the
+// names in `names`.
 Values ValuesOf(const Row& row, const Dictionary& dictionary,
                 const absl::flat_hash_map<int, std::string>& names = {});
 
 class Display {
  public:
-  // `prefixes`: name without ':' and IRI, those of the question in front of the well-known ones.
+  // `prefixes`: name without ':' and IRI; those of the question take precedence over the well-known ones.
   explicit Display(std::vector<std::pair<std::string, std::string>> prefixes);
 
   std::string Of(const Term& term) const;

@@ -31,7 +31,7 @@ void EqualWays::Load(TermId term) {
   }
 }
 
-// Breadth first, so that ways to the root are short. Depths begin with 1.
+// Breadth first, so that paths to the root are short. Depths begin with 1.
 void EqualWays::PlantTree(TermId root) {
   nodes_[root].parent = root;
   nodes_[root].depth = 1;
@@ -64,7 +64,7 @@ bool EqualWays::Connect(TermId a, TermId b) {
 
 std::vector<TermId> EqualWays::Way(TermId a, TermId b) {
   Load(a);
-  if (b.IsLiteral()) {  // from any name that has it
+  if (b.IsLiteral()) {  // from any name that has this literal
     for (const TermId name : NamesOf(a)) {
       const std::vector<TermId>& beside = nodes_[name].beside;
       if (std::find(beside.begin(), beside.end(), b) == beside.end()) continue;

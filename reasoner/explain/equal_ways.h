@@ -1,8 +1,8 @@
-// Ways between equal things: which told pairs lead from one to the other.
+// Paths of asserted pairs between equal things.
 //
-// The graph holds every pair of a class, so most of them rest on others and each of those on others again; a way over pairs
-// that stand by themselves is a proof that people can follow.
-// Private to this folder. Of one version; one thread.
+// The graph holds every pair of a class, so most pairs rest on others and those on others again. A path over
+// pairs that stand by themselves is a proof that people can follow. Private to this folder. For one version;
+// one thread.
 #ifndef DOCENT_REASONER_EXPLAIN_EQUAL_WAYS_H_
 #define DOCENT_REASONER_EXPLAIN_EQUAL_WAYS_H_
 
@@ -18,12 +18,14 @@ class EqualWays {
   EqualWays(const GraphVersion& version, TermId same_as, TermId inferred_graph)
       : version_(version), same_as_(same_as), inferred_graph_(inferred_graph) {}
 
-  // The names of a term, itself the first. A literal has no other.
+  // The names of a term, itself first. A literal has no others.
   std::vector<TermId> NamesOf(TermId term) const;
-  // The terms from `a` to `b`, each told to be equal to the next or the other way about; of two that are the same one beside it
-  // as well, such as a, b, a. Empty: there is no such way. (A literal is only ever at the end of one.)
+  // The terms from `a` to `b`; for each step one of the two pairs is asserted as equal. If `a` and `b` are
+  // the same, a neighbour is included, as in a, b, a. Empty: there is no path. (A literal is only ever at the
+  // end of one.)
   std::vector<TermId> Way(TermId a, TermId b);
-  // a owl:sameAs b stands by itself, though it is not told. False: there was a way already.
+  // Adds a owl:sameAs b as a pair that stands by itself, although it is not asserted. False: there was a path
+  // already.
   bool Connect(TermId a, TermId b);
 
  private:
@@ -37,7 +39,7 @@ class EqualWays {
 
   const GraphVersion& version_;
   const TermId same_as_, inferred_graph_;
-  absl::flat_hash_map<TermId, Node> nodes_;  // of classes that were asked about: trees of told pairs
+  absl::flat_hash_map<TermId, Node> nodes_;  // of the queried classes: trees of asserted pairs
 };
 
 }  // namespace docent::explain

@@ -23,7 +23,7 @@ void CollectConstants(const sparql::Expression& e, std::vector<Term>& constants)
   for (const auto& argument : e.arguments) CollectConstants(*argument, constants);
 }
 
-// A little above and below a number, a date or a time.
+// Values a little above and below a number, a date or a time.
 void AddNear(const Term& term, std::vector<Term>& out) {
   const bool integer = term.datatype == kXsdInteger;
   double number = 0;
@@ -47,7 +47,7 @@ void AddNear(const Term& term, std::vector<Term>& out) {
   }
 }
 
-// What a function of strings may be asked of: an IRI that begins so, a text in that language.
+// Values likely to pass a string function: an IRI with that beginning, a text in that language.
 void AddLike(const Term& term, std::vector<Term>& out) {
   const std::string& text = term.lexical;
   if (!term.IsLiteral() || !term.datatype.empty() || !term.language.empty()) return;
@@ -59,7 +59,7 @@ void AddLike(const Term& term, std::vector<Term>& out) {
 
 }  // namespace
 
-// Values to try an open variable with.
+// Candidate values of an open variable.
 std::vector<TermId> ExamplePicker::CandidatesFor(int open, const std::string& name,
                                                  const Solution& solution) {
   std::vector<Term> terms;
@@ -106,7 +106,7 @@ std::vector<TermId> ExamplePicker::CandidatesFor(int open, const std::string& na
   return ids;
 }
 
-// True also where a variable of the filter has no example yet.
+// True also if a variable of the filter has no example yet.
 bool ExamplePicker::LetsThrough(const OpenTest& test, const Examples& examples) {
   std::vector<TermId> row = test.row.values;
   for (const int v : test.test->variables) {

@@ -1,4 +1,4 @@
-// Values to try missing facts with, in the place of what may be anything: such as the filters let through. One thread.
+// Choice of example values for the open variables of missing facts, such that the filters pass. One thread.
 #ifndef DOCENT_REASONER_EXPLAIN_EXAMPLE_PICKER_H_
 #define DOCENT_REASONER_EXPLAIN_EXAMPLE_PICKER_H_
 
@@ -15,11 +15,11 @@ namespace docent::explain {
 
 class ExamplePicker {
  public:
-  // All must outlive it. `solver` evaluates filters; it must not be running a Solve.
+  // All arguments must outlive it. `solver` evaluates filters; it must not be inside a Solve.
   ExamplePicker(const GraphVersion& version, Dictionary& dictionary, Solver& solver)
       : version_(version), dictionary_(dictionary), solver_(solver) {}
 
-  // One for each open variable of what is missing. nullopt: none found.
+  // One value for each open variable of the missing facts. nullopt: none found.
   std::optional<Examples> Pick(const Solution& solution);
 
  private:

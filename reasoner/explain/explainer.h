@@ -1,7 +1,7 @@
-// Answers "why?" and "why not?" about one immutable graph version: the folder's front door.
+// Entry point of this folder: answers "why?" and "why not?" about one immutable graph version.
 //
-// Made for one question, beside the writer: it keeps the version and has a dictionary of its own over the server's,
-// so nothing that it makes up is seen by others. One thread.
+// Made for one question, beside the writer: it keeps the version and has a dictionary of its own over the
+// server's, so other threads never see its temporary terms. One thread.
 #ifndef DOCENT_REASONER_EXPLAIN_EXPLAINER_H_
 #define DOCENT_REASONER_EXPLAIN_EXPLAINER_H_
 
@@ -24,23 +24,23 @@ class Explainer {
   struct Settings {
     GraphVersionPtr version;
     const Dictionary* dictionary = nullptr;  // the server's
-    std::vector<RuleText> rules;             // that `version` follows
+    std::vector<RuleText> rules;             // the rules of `version`
     const sparql::FunctionRegistry* functions = nullptr;
-    FactHistory* history = nullptr;  // null: tellings have no offset and time
+    FactHistory* history = nullptr;  // null: assertions have no offset and time
     Cancellation* cancellation = nullptr;
     TimeMicros now_us = 0;
     sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
     Limits limits;
     ExplainLimits explain_limits;
-    // Besides the well-known ones, for texts.
+    // In addition to the well-known ones, for texts.
     std::vector<std::pair<std::string, std::string>> prefixes;
   };
   static absl::StatusOr<std::unique_ptr<Explainer>> Make(const Settings& settings);
 
-  // nullopt: the version does not hold it. RESOURCE_EXHAUSTED (the limit is named), CANCELLED,
+  // nullopt: the version does not hold the fact. RESOURCE_EXHAUSTED (the limit is named), CANCELLED,
   // DEADLINE_EXCEEDED.
   absl::StatusOr<std::optional<Proof>> WhyFact(const TermQuad& fact);
-  // The facts of the first solution of the WHERE, each proved. nullopt: it has none. UNIMPLEMENTED for FROM.
+  // Proofs of all facts of the first solution of the WHERE. nullopt: no solution. UNIMPLEMENTED for FROM.
   absl::StatusOr<std::optional<Proof>> WhyAsk(const sparql::Query& ask);
   // At most `sets` repairs, best first.
   absl::StatusOr<WhyNotAnswer> WhyNot(const sparql::Query& ask, size_t sets);

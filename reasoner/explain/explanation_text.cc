@@ -99,7 +99,7 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
     absl::StrAppend(out, "  where       ", condition, "\n");
   for (const InTheWay& way : repair.in_the_way) {
     const std::string fact = display.Fact(way.fact);
-    std::map<std::string, std::vector<std::string>> graphs;  // of each triple
+    std::map<std::string, std::vector<std::string>> graphs;  // by triple
     for (const TermQuad& quad : way.withdraw) graphs[display.Fact(quad)].push_back(display.Of(quad.graph));
     const auto told_by = [&graphs, &display](const std::string& triple) {
       const std::vector<std::string>& names = graphs[triple];

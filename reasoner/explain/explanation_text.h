@@ -13,7 +13,7 @@ namespace docent::explain {
 
 using Prefixes = std::vector<std::pair<std::string, std::string>>;
 
-// A tree, two columns deeper for each step; what was shown already is referred to:
+// A tree, indented by two columns for each step; facts already shown are referred to:
 //
 //   expo:John docent:isNear expo:R01
 //     by guide.rules rule 1 (line 5), ?region = expo:Entrance
@@ -21,12 +21,12 @@ using Prefixes = std::vector<std::pair<std::string, std::string>>;
 //       told by docent:default, reading of expo:DoorSensor, 2026-11-21 10:00:00 UTC, log offset 12
 std::string ToText(const Proof& proof, const Prefixes& prefixes);
 
-// "missing …", "in the way …", what holds already, and what would follow.
+// "missing …", "in the way …", the facts that hold already, and those that would follow.
 std::string ToText(const WhyNotAnswer& answer, const Prefixes& prefixes);
 
-// Each fact is a prov:Entity that is an rdf:Statement. An inferred one prov:wasDerivedFrom its premises and
-// prov:wasGeneratedBy the application of its rule; a told one prov:wasAttributedTo the graph that holds it, with
-// prov:generatedAtTime and docent:logOffset where they are known. Blank nodes "f0", "f1", … by step.
+// Each fact is a prov:Entity that is an rdf:Statement. An inferred fact has prov:wasDerivedFrom its premises
+// and prov:wasGeneratedBy the application of its rule; an asserted one has prov:wasAttributedTo its graph,
+// with prov:generatedAtTime and docent:logOffset if known. Blank nodes "f0", "f1", … by step.
 std::vector<TermQuad> ToProv(const Proof& proof);
 
 }  // namespace docent::explain

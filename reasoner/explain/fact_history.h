@@ -1,4 +1,4 @@
-// Interface to the origin of facts (who told one, and when). The server's implementation is
+// Interface to the origin of facts (source and time of an assertion). The server's implementation is
 // kb_server/writer/log_history.h.
 #ifndef DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
 #define DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
@@ -25,8 +25,8 @@ struct Telling {
 class FactHistory {
  public:
   virtual ~FactHistory() = default;
-  // For each quad its newest telling up to the version; nullopt where it is older than what is looked at (limit
-  // explain_log_records) or was told by none. Any thread.
+  // For each quad its newest assertion up to the version; nullopt if it is older than the records searched
+  // (limit explain_log_records) or was never asserted. Any thread.
   virtual absl::StatusOr<std::vector<std::optional<Telling>>> Find(const std::vector<TermQuad>& quads,
                                                                    const GraphVersion& version,
                                                                    Cancellation* cancellation) = 0;

@@ -1,5 +1,5 @@
-// A graph version as it would be with some facts more and some less, rules applied. Nothing is written. One thread,
-// beside the writer.
+// Hypothetical graph version: a version with some facts added and some removed, and the rules applied. Writes
+// nothing. One thread, beside the writer.
 #ifndef DOCENT_REASONER_EXPLAIN_HYPOTHESIS_H_
 #define DOCENT_REASONER_EXPLAIN_HYPOTHESIS_H_
 
@@ -19,14 +19,14 @@ namespace docent::explain {
 
 class Hypothesis {
  public:
-  // `version` holds what `rules` derive. `dictionary` is the caller's own, over the server's.
+  // `version` holds the facts derived by `rules`. `dictionary` is the caller's own, over the server's.
   static absl::StatusOr<std::unique_ptr<Hypothesis>> Make(GraphVersionPtr version, Dictionary& dictionary,
                                                           const std::vector<RuleText>& rules,
                                                           const sparql::FunctionRegistry* functions,
                                                           const Limits& limits);
 
-  // Calls `look` with the changed graph and what changed, told and inferred, then forgets it. What it gives is
-  // given back. Errors of the rules: RESOURCE_EXHAUSTED naming the rule and the limit.
+  // Calls `look` with the changed graph and the changes, asserted and inferred, then drops them. Returns the
+  // status of `look`. Errors of the rules: RESOURCE_EXHAUSTED naming the rule and the limit.
   absl::Status With(const std::vector<Quad>& add, const std::vector<Quad>& remove,
                     absl::FunctionRef<absl::Status(const GraphVersion&, const Delta&)> look);
 

@@ -16,20 +16,20 @@ using sparql::Algebra;
 using sparql::Path;
 
 constexpr size_t kFactsShown = 10;        // of one part
-constexpr size_t kSolutions = 1000;       // of a group that are looked at
-constexpr size_t kPlaces = 100000;        // of a path that are looked at
-constexpr size_t kPlacesOfStep = 16;      // take about as long as one match
-constexpr uint64_t kInferredCost = 1000;  // of a step by an inferred fact; a told one costs 1
-constexpr int kDeepest = 3;               // parts in parts
+constexpr size_t kSolutions = 1000;       // of a group that are visited
+constexpr size_t kPlaces = 100000;        // of a path that are visited
+constexpr size_t kPlacesOfStep = 16;      // cost about as much as one match
+constexpr uint64_t kInferredCost = 1000;  // of a step over an inferred fact; an asserted one costs 1
+constexpr int kDeepest = 3;               // nesting of parts
 
-// A path as a nondeterministic finite automaton (Thompson's construction): a chain of facts is a word of it.
+// A path as a nondeterministic finite automaton (Thompson's construction), whose words are chains of facts.
 class Automaton {
  public:
   struct Edge {
     int to;
-    bool empty = false;    // no fact
+    bool empty = false;    // an edge without a fact
     bool inverse = false;  // from object to subject
-    bool negated = false;  // any predicate but these
+    bool negated = false;  // any predicate except these
     std::vector<TermId> predicates;
   };
   Automaton(const Path& path, const Dictionary& dictionary) : dictionary_(dictionary) {
@@ -102,7 +102,7 @@ class Automaton {
 
 }  // namespace
 
-// Dijkstra over (state, term). `to` none: any end.
+// Dijkstra over (state, term). `to` kNone: any end.
 std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId graph, TermId from, TermId to) {
   const Automaton automaton(path, dictionary_);
   const TermId inferred = dictionary_.FindIri(kInferredGraph).value_or(TermId());
@@ -110,7 +110,7 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId graph
   struct Reached {
     uint64_t cost;
     Place before;
-    Quad by;  // none: without a fact
+    Quad by;  // kNone: without a fact
   };
   absl::flat_hash_map<Place, Reached> reached;
   using Entry = std::tuple<uint64_t, int, TermId>;
@@ -147,7 +147,7 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId graph
       pattern.graph = graph;
       (edge.inverse ? pattern.object : pattern.subject) = term;
       if (!edge.negated) pattern.predicate = edge.predicates[0];
-      if (!edge.negated && pattern.predicate.IsNone()) continue;  // nothing has this predicate
+      if (!edge.negated && pattern.predicate.IsNone()) continue;  // no fact has this predicate
       version_.ForEach(pattern, [&](const Quad& quad) {
         const auto& not_these = edge.predicates;
         if (edge.negated && std::find(not_these.begin(), not_these.end(), quad.predicate) != not_these.end())
@@ -248,7 +248,7 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
   absl::Status status;
   if (node->kind == Algebra::Kind::kGroup) {
     ByName keys;
-    bool plain = true;  // by a computed key the group's facts are not known
+    bool plain = true;  // with a computed key the group's facts are not known
     for (const sparql::GroupKey& key : node->group_keys) {
       plain = plain && key.expression->kind == sparql::Expression::Kind::kVariable;
       if (const auto value = values.find(key.variable.name); value != values.end()) keys.insert(*value);

@@ -1,7 +1,8 @@
-// The facts behind what the solver leaves to the evaluator: recursive paths, aggregates, sub-SELECTs with a LIMIT.
+// Facts behind the parts that only the evaluator understands: recursive paths, aggregates, sub-SELECTs with a
+// LIMIT.
 //
-// Of a path: a chain of facts from one end to the other, told ones preferred, else the shortest. Of an aggregate: the
-// facts of its group. Of others: those of one solution. One thread.
+// For a path: a chain of facts from one end to the other, with a preference for asserted facts, then for
+// short chains. For an aggregate: the facts of its group. For others: the facts of one solution. One thread.
 #ifndef DOCENT_REASONER_EXPLAIN_PART_FACTS_H_
 #define DOCENT_REASONER_EXPLAIN_PART_FACTS_H_
 
@@ -18,32 +19,32 @@
 namespace docent::explain {
 
 struct Ground {
-  std::vector<Quad> facts;  // graph: none where any will do; the first ones
-  size_t more = 0;          // that are not among them
-  // Without one of `facts` there would be no such solution by these facts, and nothing told besides can change that.
+  std::vector<Quad> facts;  // the first ones; graph: kNone if any graph will do
+  size_t more = 0;          // further facts that are not in the list
+  // Each of `facts` is needed: without it there is no such solution, and no other assertion can change that.
   bool whole = false;
 };
 
 class PartFacts {
  public:
-  // All must outlive it. Beyond `steps` (matches, and places of paths) nothing more is found.
+  // All arguments must outlive it. After `steps` (matches, and places of paths) the search ends.
   PartFacts(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
             const sparql::RunOptions& run, size_t steps)
       : version_(version), dictionary_(dictionary), functions_(functions), run_(run), step_limit_(steps) {}
 
-  // What the part rests on in a solution of its clause. CANCELLED, DEADLINE_EXCEEDED.
+  // The facts on which the part rests in a solution of its clause. CANCELLED, DEADLINE_EXCEEDED.
   absl::StatusOr<Ground> Of(const Part& part, const Row& row);
   size_t steps() const { return steps_; }
 
  private:
   using ByName = absl::flat_hash_map<std::string, TermId>;
 
-  // None: nothing known.
+  // kNone: not known.
   TermId IdOf(const sparql::PatternTerm& term, const ByName& values) const;
-  // `graph`: where facts are looked for; none: anywhere.
+  // `graph`: the graph of the facts; kNone: any graph.
   std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId graph, TermId from, TermId to);
   Ground OfPath(const sparql::Algebra& node, TermId graph, const ByName& values);
-  // Facts of `solutions` solutions, at most.
+  // Facts of at most `solutions` solutions.
   absl::Status AddSolutions(const sparql::Algebra& node, TermId graph, const ByName& values, size_t solutions,
                             Ground& ground);
 
@@ -53,7 +54,7 @@ class PartFacts {
   const sparql::RunOptions run_;
   const size_t step_limit_;
   size_t steps_ = 0;
-  int depth_ = 0;  // parts in parts
+  int depth_ = 0;  // nesting of parts
 };
 
 }  // namespace docent::explain

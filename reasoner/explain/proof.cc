@@ -10,9 +10,9 @@
 namespace docent::explain {
 namespace {
 
-constexpr int kDeepest = 1000;               // of a proof; deeper ones are not looked for
-constexpr int kIdleRounds = 8;               // without a new fact or proof: by rules that are not known here
-constexpr size_t kDerivationsLooked = 2000;  // of one fact
+constexpr int kDeepest = 1000;               // depth of a proof; deeper ones are not searched
+constexpr int kIdleRounds = 8;               // without a new fact or proof: made by unknown rules
+constexpr size_t kDerivationsLooked = 2000;  // tried for one fact
 
 }  // namespace
 
@@ -40,7 +40,7 @@ std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
   return told;
 }
 
-// By their heads, and the checks that report it.
+// By rule heads; also the checks whose report contains the fact.
 absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
   std::vector<Maker> makers;
   const std::array<TermId, 3> terms = {fact.subject, fact.predicate, fact.object};
@@ -73,7 +73,7 @@ absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
   return makers;
 }
 
-// All ways in which one rule makes the fact of facts that the version holds.
+// All ways in which one rule makes the fact from facts of the version.
 absl::Status Prover::Derive(const Quad& fact, Known& known) {
   known.derived = true;
   auto makers = MakersOf(fact);
@@ -87,7 +87,7 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
     const auto equal = DeriveEqual(fact, known);
     if (!equal.ok()) return equal.status();
     if (*equal) return absl::OkStatus();
-    makers->erase(makers->begin(), equality);  // every way in which equality makes it
+    makers->erase(makers->begin(), equality);  // all ways in which equality makes it
   }
   return DeriveBy(*makers, fact, known);
 }
@@ -100,7 +100,7 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
       Derivation derivation{maker.clause, solution.row, {}};
       for (const Quad& quad : solution.facts) {
         const Quad premise = WithoutGraph(quad);
-        if (premise == fact) return true;  // rests on itself
+        if (premise == fact) return true;  // a circular proof
         if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
           derivation.facts.push_back(premise);
       }
@@ -124,7 +124,7 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
   return absl::OkStatus();
 }
 
-// Whether there is a proof of at most this depth. Iterative deepening: what is found first is the least deep.
+// True if there is a proof of at most this depth. Iterative deepening finds a proof of minimum depth first.
 absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
   if (solver_.exhausted() || ++calls_ > limits_.explain_steps) {
     return absl::ResourceExhaustedError(absl::StrCat(
@@ -135,13 +135,13 @@ absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
     place = std::make_unique<Known>();
     if (!ToldQuads(fact).empty()) place->proven = 0;
   }
-  Known& known = *place;  // stays where it is
+  Known& known = *place;  // its address is stable
   if (known.proven >= 0) return known.proven <= depth;
   for (int d = known.refuted + 1; d <= depth; ++d) {
     if (d > 0 && !known.derived) {
       if (absl::Status status = Derive(fact, known); !status.ok()) return status;
     }
-    known.refuted = d;  // a proof of it with itself inside is none
+    known.refuted = d;  // a proof that contains the fact itself does not count
     for (size_t i = 0; d > 0 && i < known.derivations.size(); ++i) {
       bool all = true;
       for (size_t p = 0; all && p < known.derivations[i].facts.size(); ++p) {
@@ -175,7 +175,7 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
   proof.steps.push_back(step);
   if (!step.told.empty()) return number;
   const Known& known = *known_.at(fact);
-  if (known.proven < 0) return number;  // by rules that are not known here
+  if (known.proven < 0) return number;  // made by rules that are not known here
   const Derivation& derivation = known.derivations[known.best];
   const RuleClause& rule = rules_.clauses()[derivation.clause];
   step.rule = rules_.rules()[rule.rule].label;
@@ -196,7 +196,7 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
   return number;
 }
 
-// With whatever depth, where there is a proof.
+// Finds a proof of any depth, if there is one.
 absl::Status Prover::Prove(const Quad& fact) {
   size_t before = 0;
   int idle = 0;
@@ -267,7 +267,7 @@ absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
   for (const Part& part : row.clause->parts) {
     auto ground = part_facts_.Of(part, row);
     if (!ground.ok()) return ground.status();
-    Values own = values;  // a variable between two parts is named in them alone
+    Values own = values;  // a variable between two parts has a name only in them
     const std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);
     for (size_t i = 0; i < scope.size(); ++i) {
       const TermId value = row.values[static_cast<size_t>(part.variables[i])];

@@ -1,8 +1,8 @@
-// Why a fact holds: who told it, or by which rule and from which facts it follows, down to what was told.
+// Proof of a fact: its assertion, or the rule and the facts from which it follows, down to asserted facts.
 //
-// Proofs are looked for on demand, from the rules backward, on one immutable version. A proof is well-founded: no
-// fact rests on itself, and each step is shown with a proof of the smallest depth. (Facts that were inferred when the
-// version was made always have one.)
+// Proofs are searched on demand, from the rules backward, on one immutable version. A proof is well-founded:
+// no fact rests on itself, and each step has a proof of minimum depth. (Facts inferred for the version always
+// have a proof.)
 #ifndef DOCENT_REASONER_EXPLAIN_PROOF_H_
 #define DOCENT_REASONER_EXPLAIN_PROOF_H_
 
@@ -28,15 +28,15 @@
 
 namespace docent::explain {
 
-// One telling of a fact.
+// One assertion of a fact.
 struct Told {
-  Term graph;  // the named graph that holds it: its source; empty: `by` alone says it ("in hall.ttl:3:5")
-  uint64_t offset = 0;     // of the log record that told it last; 0: not looked up or not found
-  TimeMicros time_us = 0;  // when
+  Term graph;  // the named graph that holds it: its source; empty: only `by` names it ("in hall.ttl:3:5")
+  uint64_t offset = 0;     // of the log record that asserted it last; 0: unknown
+  TimeMicros time_us = 0;  // time of the assertion
   std::string by;          // "reading of <sensor>", "ontology world.ttl", …; empty: a plain fact
 };
 
-// A fact with what it rests on.
+// A fact with its justification.
 struct ProofStep {
   TermQuad fact;                                       // without graph
   std::vector<Told> told;                              // empty: inferred
@@ -47,10 +47,10 @@ struct ProofStep {
   size_t depth = 0;                                    // 0: told
 };
 
-// A fact stands in it once, however many steps rest on it.
+// Each fact is in it once, however many steps rest on it.
 struct Proof {
   std::vector<ProofStep> steps;
-  std::vector<size_t> roots;                           // what was asked for
+  std::vector<size_t> roots;                           // the facts in question
   std::vector<std::pair<std::string, Term>> bindings;  // of an ASK: its variables
   std::vector<std::string> conditions;                 // of an ASK: its filters and absences
 };
@@ -59,7 +59,7 @@ struct Proof {
 struct Support {
   std::vector<Quad> told;           // without graph
   std::vector<AbsenceOf> absences;  // of the rules applied
-  bool whole = true;  // false: also on aggregates, or on what rules made that are not known here
+  bool whole = true;                // false: also rests on aggregates, or on facts made by unknown rules
 };
 
 class Prover {
@@ -68,23 +68,23 @@ class Prover {
          const sparql::FunctionRegistry* functions, const sparql::RunOptions& run,
          const ExplainLimits& limits, std::vector<std::pair<std::string, std::string>> prefixes);
 
-  // Adds the fact and what it rests on. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
+  // Adds the fact and its proof. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
   // explain_steps or explain_facts.
   absl::StatusOr<std::optional<size_t>> Add(const Quad& fact, Proof& proof);
-  // What the fact's proof rests on in the end. Errors as of Add.
+  // The leaves of the fact's proof. Errors as of Add.
   absl::StatusOr<Support> SupportOf(const Quad& fact);
-  // What a solution rests on besides the matches of its patterns.
+  // Further support of a solution, apart from the matches of its patterns.
   struct Besides {
-    std::vector<Quad> facts;              // of paths, aggregates, LIMITs; graph: none where any will do
-    std::vector<std::string> conditions;  // these, filters and absences, as SPARQL
+    std::vector<Quad> facts;              // of paths, aggregates, LIMITs; graph: kNone if any will do
+    std::vector<std::string> conditions;  // these parts, filters and absences, as SPARQL
     bool whole = true;                    // as Ground::whole, for each
   };
   absl::StatusOr<Besides> BesidesOf(const Row& row);
-  // What it did so far: matches, and places of paths.
+  // Work done so far: matches, and places of paths.
   size_t steps() const { return solver_.steps() + part_facts_.steps(); }
 
  private:
-  // A rule that may make a fact, with the values of its variables that the fact gives.
+  // A rule that may make a fact, with the variables bound by the fact.
   struct Maker {
     uint32_t clause;
     std::vector<TermId> seed;
@@ -93,14 +93,14 @@ class Prover {
   struct Derivation {
     uint32_t clause;
     Row row;
-    std::vector<Quad> facts;  // those of the parts of its body, too
+    std::vector<Quad> facts;  // premises, also those of the parts of its body
     bool whole = true;        // as Besides::whole
   };
   struct Known {
-    int proven = -1;       // the smallest depth of a proof
-    int refuted = -1;      // there is none up to this depth
+    int proven = -1;       // minimum depth of a proof
+    int refuted = -1;      // there is no proof up to this depth
     size_t best = 0;       // the derivation of that proof
-    bool derived = false;  // whether `derivations` were looked for
+    bool derived = false;  // `derivations` were searched
     std::vector<Derivation> derivations;
   };
 
@@ -108,7 +108,7 @@ class Prover {
   absl::StatusOr<std::vector<Maker>> MakersOf(const Quad& fact);
   absl::Status Derive(const Quad& fact, Known& known);
   absl::Status DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Known& known);
-  // proof_equality.cc: by the rules of equality, one way each. Whether there is one.
+  // proof_equality.cc: one derivation for each rule of equality. True if there is one.
   absl::StatusOr<bool> DeriveEqual(const Quad& fact, Known& known);
   absl::StatusOr<bool> DerivePair(const Quad& pair, Known& known);
   void AddEqual(rules::EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
@@ -130,7 +130,7 @@ class Prover {
   PartFacts part_facts_;
   const TermId same_as_;
   EqualWays ways_;
-  absl::flat_hash_set<TermId> connected_;  // terms whose pairs by other rules ways_ has
+  absl::flat_hash_set<TermId> connected_;  // terms whose pairs from other rules are in ways_
   size_t calls_ = 0;
   size_t proven_ = 0;
   absl::flat_hash_map<Quad, std::unique_ptr<Known>> known_;  // without graph

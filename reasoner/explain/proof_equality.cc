@@ -1,4 +1,5 @@
-// Proofs by the rules of equality: over pairs that are told, or that another rule makes of told facts. See proof.h.
+// Proofs by the rules of equality, over pairs that are asserted, or that another rule makes of asserted
+// facts. See proof.h.
 #include <algorithm>
 #include <array>
 
@@ -7,7 +8,7 @@
 namespace docent::explain {
 namespace {
 
-constexpr size_t kManyNames = 1 << 16;  // of a fact with more no told one is looked for
+constexpr size_t kManyNames = 1 << 16;  // for a fact with more names no asserted one is searched
 
 }  // namespace
 
@@ -28,7 +29,7 @@ void Prover::AddEqual(rules::EqualityRule rule, const std::vector<std::pair<cons
   known.derivations.push_back(std::move(derivation));
 }
 
-// Pairs of the class of `term` that other rules make of told facts come to ways_. Whether they were not there before.
+// Adds the pairs of the class of `term` that other rules make of asserted facts to ways_. True if any is new.
 absl::StatusOr<bool> Prover::ConnectByRules(TermId term) {
   bool any = false;
   for (const TermId name : ways_.NamesOf(term)) {
@@ -74,18 +75,19 @@ absl::StatusOr<bool> Prover::DerivePair(const Quad& pair, Known& known) {
     if (!*connected) return false;
     way = ways_.Way(a, b);
   }
-  if (way.size() == 2) {  // told, or made by another rule, in this direction or in the other
+  if (way.size() == 2) {  // asserted, or made by another rule, in one of the directions
     AddEqual(rules::EqualityRule::kSymmetry, {{"x", b}, {"y", a}}, {pair_of(b, a)}, known);
     return true;
   }
-  // Half way, so that a proof is not as deep as the way is long; to a literal only the last step leads.
+  // Half way, so that the depth of a proof is logarithmic in the length; only the last step may lead to a
+  // literal.
   const TermId between = b.IsLiteral() ? way[way.size() - 2] : way[way.size() / 2];
   AddEqual(rules::EqualityRule::kTransitivity, {{"x", a}, {"y", between}, {"z", b}},
            {pair_of(a, between), pair_of(between, b)}, known);
   return true;
 }
 
-// The one that differs from `fact` in the fewest terms.
+// The asserted fact that differs from `fact` in the fewest terms.
 std::optional<Quad> Prover::ToldUnderOtherNames(const Quad& fact) {
   const std::vector<TermId> subjects = ways_.NamesOf(fact.subject),
                             predicates = ways_.NamesOf(fact.predicate), objects = ways_.NamesOf(fact.object);

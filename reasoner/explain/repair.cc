@@ -14,7 +14,7 @@ using sparql::PatternTerm;
 
 constexpr size_t kValuesShown = 3;
 
-// Other objects that the graph has where the fact would stand.
+// The objects that the graph has in place of the fact's object.
 std::vector<Term> ValuesNow(const MissingFact& fact, const GraphVersion& version,
                             const Dictionary& dictionary) {
   std::vector<Term> now;

@@ -12,7 +12,7 @@
 namespace docent::explain {
 namespace {
 
-// The triples that the report names as its evidence, as a graph.
+// The evidence triples of the report, as a graph.
 GraphVersionPtr EvidenceOf(TermId report, const GraphVersion& version, Dictionary& dictionary) {
   const auto value = [&](TermId subject, const char* word) {
     const TermId predicate = dictionary.InternIri(Concat(kRdfNs, word));
@@ -38,7 +38,7 @@ ReportOrigins::ReportOrigins(const GraphVersion& version, Dictionary& dictionary
     : version_(version), dictionary_(dictionary), rules_(rules), functions_(functions), run_(run) {}
 ReportOrigins::~ReportOrigins() = default;
 
-// The report that `subject` is, or is a part of.
+// The report to which `subject` belongs.
 std::optional<TermId> ReportOrigins::ReportOf(TermId subject) const {
   const auto type = dictionary_.FindIri(kRdfType),
              inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
@@ -84,12 +84,12 @@ absl::StatusOr<std::vector<ReportOrigins::Origin>> ReportOrigins::Of(const Quad&
           origin.values.emplace_back(rule.body->columns()[i].name, row[i]);
       }
       return std::any_of(
-          made.begin(), made.end(), [&](const rules::Triple& t) {  // else none of this check's is the report
+          made.begin(), made.end(), [&](const rules::Triple& t) {  // else the report is from another check
             return t.predicate == said_by && version_.Count({*report, said_by, t.object, TermId()}) > 0;
           });
     };
     const std::vector<TermId> open(rule.body->columns().size());
-    // the filters may look at more than the evidence; what was reported has passed them
+    // filters may read more than the evidence; the reported solution has passed them
     const absl::Status status =
         rule.body->flat()
             ? rule.body->EvaluateRest(on_evidence, open, 0, matching::Body::Filters::kNone, compare)

@@ -1,8 +1,9 @@
-// Origins of an inconsistency report (reasoner/rules/inconsistency.h): its check, and the solution of that.
+// Origin of an inconsistency report (reasoner/rules/inconsistency.h): its check and the check's solution.
 //
-// A report does not name the rule set of its check, nor, of a body that is more than triple patterns, all that matched.
-// But check and solution give the report: so the checks of its name are solved, and the solutions taken that report just
-// this. The evidence is all that a body of triple patterns has to be matched with, however many other reports it made.
+// A report does not name the rule set of its check and, for a body with more than triple patterns, not all
+// matches. But check and solution determine the report: so the checks of its name are solved, and the
+// solutions with exactly this report are returned. A body of triple patterns is matched only with the
+// evidence, however many other reports exist.
 //
 // One thread, beside the writer: reads an immutable version, interns in a dictionary of the caller's own.
 #ifndef DOCENT_REASONER_EXPLAIN_REPORT_ORIGINS_H_
@@ -35,12 +36,12 @@ class ReportOrigins {
     std::vector<std::pair<std::string, TermId>> values;  // of the check's variables, by name
   };
 
-  // All must outlive it.
+  // All arguments must outlive it.
   ReportOrigins(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
                 const sparql::FunctionRegistry* functions, const sparql::RunOptions& run);
   ~ReportOrigins();
 
-  // Empty for a fact that is not of a report. CANCELLED, DEADLINE_EXCEEDED.
+  // Empty for a fact that does not belong to a report. CANCELLED, DEADLINE_EXCEEDED.
   absl::StatusOr<std::vector<Origin>> Of(const Quad& fact);
 
  private:
@@ -51,7 +52,7 @@ class ReportOrigins {
   const RuleBase& rules_;
   const sparql::FunctionRegistry* functions_;
   const sparql::RunOptions run_;
-  std::shared_ptr<rules::RuleProgram> program_;  // null: not needed yet
+  std::shared_ptr<rules::RuleProgram> program_;  // null: not built yet
 };
 
 }  // namespace docent::explain

@@ -16,7 +16,7 @@ AtomTerm HeadTerm(const sparql::PatternTerm& term, const Clause& body, Dictionar
   return {TermId(), body.Find(term.variable().name)};
 }
 
-// Whether its one pattern is all that a clause asks for, with no variable twice.
+// True if the clause is a single pattern without a repeated variable.
 bool IsOnePattern(const Clause& clause) {
   const size_t others = clause.absences.size() + clause.tests.size() + clause.assignments.size() +
                         clause.tables.size() + clause.parts.size();
@@ -27,7 +27,7 @@ bool IsOnePattern(const Clause& clause) {
   return static_cast<size_t>(variables) == clause.names.size();
 }
 
-// Whether the head has a variable that `written` does not show: a count.
+// True if the head has a variable that `written` does not project: a count.
 bool LosesHead(const rules::Rule& rule, const sparql::Algebra& written) {
   const std::vector<sparql::Variable> shown = sparql::InScopeVariables(written);
   const auto lost = [&](const sparql::PatternTerm& term) {
@@ -96,7 +96,7 @@ absl::Status RuleBase::AddClauses(const rules::Rule& rule, const sparql::Algebra
       const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3, [](const AtomTerm& t) {
         return t.variable >= 0 || !t.constant.IsNone();
       });
-      if (!whole) continue;  // a variable that this alternative leaves open makes no fact
+      if (!whole) continue;  // with a head variable unbound in this alternative there is no fact
       const Head place{static_cast<uint32_t>(clauses_.size() - 1), static_cast<uint32_t>(made.heads.size())};
       made.heads.push_back(atom);
       by_predicate_[atom.terms[1].constant].push_back(place);

@@ -1,4 +1,4 @@
-// The rules of the server as clauses with heads, for reasoning backward from a fact. Immutable after Make; any
+// The server's rules as clauses with heads, for backward reasoning from a fact. Immutable after Make; any
 // thread reads.
 #ifndef DOCENT_REASONER_EXPLAIN_RULE_BASE_H_
 #define DOCENT_REASONER_EXPLAIN_RULE_BASE_H_
@@ -28,16 +28,17 @@ struct RuleInfo {
   int line = 0;
 };
 
-// One alternative of a rule's body, with the facts that the rule makes of its solutions.
+// One alternative of a rule's body, with the head facts of its solutions.
 struct RuleClause {
   uint32_t rule = 0;  // in RuleBase::rules
   Clause body;
   std::vector<Atom> heads;  // over body's variables; the graph is left open
-  // What it is for: a count is looked up to prove something, and written out (count_form.h) to find what to tell.
+  // Use of the clause: a count is evaluated to prove a fact, and rewritten (count_form.h) to find facts to
+  // assert.
   bool proves = true, tells = true;
-  std::optional<rules::EqualityRule> equality;  // the rule is this one
-  // Of the body and of those of rules that may make a fact for it: whether an absence is in it, and its predicates
-  // (none: any).
+  std::optional<rules::EqualityRule> equality;  // set if the rule is a rule of equality
+  // Over the body and the bodies of rules that may make its facts: true if an absence is among them, and the
+  // predicates used (kNone: any).
   bool rests_on_absence = false;
   absl::flat_hash_set<TermId> rests_on;
 };
@@ -49,7 +50,7 @@ class RuleBase {
     uint32_t head = 0;
   };
 
-  // INVALID_ARGUMENT where a text is not one that RuleEngine would take.
+  // INVALID_ARGUMENT if RuleEngine would refuse a text.
   static absl::StatusOr<std::shared_ptr<const RuleBase>> Make(const std::vector<RuleText>& sets,
                                                               Dictionary& dictionary, const Limits& limits);
 
@@ -57,27 +58,27 @@ class RuleBase {
   // In the order of `sets`, as RuleProgram numbers them.
   const std::vector<RuleInfo>& rules() const { return rules_; }
   const std::vector<RuleClause>& clauses() const { return clauses_; }
-  // Where the rules have all five of equality: their clauses, in the order of EqualityRule. Otherwise empty.
+  // If the rules include all five of equality: their clauses, in the order of EqualityRule. Otherwise empty.
   const std::vector<uint32_t>& equality() const { return equality_; }
-  // The heads that may make a fact with this predicate (none: any) and object, in order of the rules.
+  // The heads that may make a fact with this predicate (kNone: any) and object, in order of the rules.
   void ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const;
-  // Whether a rule names this predicate, of rdf:type also this class, as what it makes.
+  // True if a rule head names this predicate, and for rdf:type also this class.
   bool IsMadeByName(TermId predicate, TermId object) const;
-  // Whether a check forbids facts of this form whatever else there is ("?x a owl:Nothing"). None: any.
+  // True if a check forbids all facts of this form ("?x a owl:Nothing"). kNone: any.
   bool IsForbidden(const QuadPattern& fact) const;
 
  private:
   void MarkWhatClausesRestOn();
   void FindEquality();
   absl::Status Add(const std::string& set, const rules::Rule& rule, int number, Dictionary& dictionary);
-  // The clauses of the last rule, by this body of it.
+  // The clauses of the last rule, for this form of its body.
   absl::Status AddClauses(const rules::Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
                           Dictionary& dictionary);
 
   rules::RuleSets sets_;
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
-  absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable
+  absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // kNone: the predicate is a variable
   std::vector<uint32_t> equality_;
   std::vector<QuadPattern> forbidden_;
   TermId type_;

@@ -1,4 +1,4 @@
-// A rule set as it was put, for those who reason beside the writer. Value; any thread.
+// Text of a rule set in force, for reasoning beside the writer. Value; any thread.
 #ifndef DOCENT_REASONER_EXPLAIN_RULE_TEXT_H_
 #define DOCENT_REASONER_EXPLAIN_RULE_TEXT_H_
 

@@ -72,7 +72,7 @@ bool Solver::Alias(int a, int b) {
   if (a == b) return true;
   if (!values_[a].IsNone()) return Bind(b, values_[a]);
   if (!values_[b].IsNone()) return Bind(a, values_[b]);
-  // the older one stays: names of the query before names of rules
+  // the older one is kept: names of the query take precedence over names of rules
   const int newer = std::max(a, b);
   links_[newer] = std::min(a, b);
   trail_.push_back({Undo::Kind::kLink, newer});
@@ -144,7 +144,7 @@ void Solver::PopFrame() {
   while (!pending_.empty() && pending_.back().frame == number) pending_.pop_back();
 }
 
-// False: stop everything.
+// False: end the search.
 bool Solver::Step() {
   if (++steps_ > step_limit_) {
     exhausted_ = true;
@@ -202,7 +202,7 @@ bool Solver::StepAtom(int goal) {
     short_of_room_ = short_of_room_ || !room;
     const bool given = IsGivenAxiom(goals_[goal]);
     spared_schema_ = spared_schema_ || (given && room);
-    if (room && !given && IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: rules may have no end
+    if (room && !given && IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: rules may not end
     if (go_on && !given && options_.rules != nullptr) go_on = TryRules(goal, room);
   }
   Rewind(mark);
@@ -297,7 +297,7 @@ absl::StatusOr<std::vector<std::vector<TermId>>> Solver::RowsOf(const Part& part
   return rows;
 }
 
-// A path beside a gap with an end that is bound: the gap is looked for from there.
+// A path beside a gap with one end bound: the gap is searched from there.
 bool Solver::IsReached(const Pending& pending) const {
   const Frame& frame = frames_[pending.frame];
   const Part& part = frame.clause->parts[pending.index];
@@ -316,7 +316,7 @@ bool Solver::TryPart(int pending) {
   if (options_.abductive) {
     const bool one_gap = part.beside_gap && (missing_in_parts_ == 0 || missing_in_parts_ == 2);
     missing_in_parts_ = one_gap ? 2 : 1;
-    if (part.beside_gap && !IsReached(pending_[pending])) {  // a gap anywhere
+    if (part.beside_gap && !IsReached(pending_[pending])) {  // the gap could be anywhere
       missing_in_parts_ = 1;
       Rewind(mark);
       return true;
@@ -378,7 +378,7 @@ bool Solver::Holds(const OpenTest& test, absl::Span<const TermId> values) {
   return Holds(*test.test, *test.row.clause, of_test);
 }
 
-// What became decidable by what was bound last. False: it does not hold.
+// Decides the tests that the last binding made decidable. False: one does not hold.
 bool Solver::Settle() {
   bool changed = true;
   while (changed) {
@@ -461,7 +461,7 @@ std::vector<AbsenceOf> Solver::Absences() const {
   return absences;
 }
 
-// Whether something that must not be there is there.
+// True if the forbidden pattern has a match.
 bool Solver::IsMatched(const AbsenceOf& of) {
   if (inner_ == nullptr) {
     inner_ = std::make_unique<Solver>(version_, dictionary_, functions_, run_, step_limit_);
@@ -486,8 +486,8 @@ bool Solver::Leaf() {
     const bool there =
         std::all_of(fact.open.begin(), fact.open.end(), [](int o) { return o == MissingFact::kBound; }) &&
         version_.Count({fact.terms[0], fact.terms[1], fact.terms[2], fact.terms[3]}) > 0;
-    if (there) return true;  // bound later than it was given up: found with fewer changes
-    const bool of_rule = frames_[goals_[goal].frame].depth > 0;  // a question may ask for what is forbidden
+    if (there) return true;  // bound after it was taken as missing: found with fewer changes
+    const bool of_rule = frames_[goals_[goal].frame].depth > 0;  // a question may ask for forbidden facts
     if (of_rule && options_.rules->IsForbidden(PatternOf(goals_[goal]))) return true;
     if (std::find(solution.missing.begin(), solution.missing.end(), fact) == solution.missing.end()) {
       solution.missing.push_back(fact);
@@ -505,7 +505,7 @@ bool Solver::Leaf() {
     if (pending.done || pending.kind != Pending::Kind::kTest) continue;
     const Frame& frame = frames_[pending.frame];
     OpenTest open{&frame.clause->tests[pending.index], RowOf(frame)};
-    // Nothing will bind these: the filter sees them unbound.
+    // These stay unbound: the filter is evaluated with unbound variables.
     if (options_.missing == 0 && !Holds(open, open.row.values)) return status_.ok();
     solution.tests.push_back(std::move(open));
   }
@@ -519,7 +519,7 @@ bool Solver::Leaf() {
       const Goal& parent = goals_[frame.parent];
       const Inference inference{frame.rule, FactOf(*parent.atom, frames_[parent.frame].base)};
       std::erase(solution.inferences,
-                 inference);  // several patterns may need it: the last stands below all of them
+                 inference);  // several patterns may need it: the last is listed below all of them
       solution.inferences.push_back(inference);
     }
   }

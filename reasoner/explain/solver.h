@@ -1,10 +1,11 @@
-// Finds how a clause holds on a graph version, or what would have to be told for it to hold.
+// Solver: finds how a clause holds on a graph version, or which facts would make it hold.
 //
-// Plainly it enumerates the solutions of the clause, each with the facts that it rests on. Abductively (Kakas, Kowalski,
-// Toni, Abductive Logic Programming, J. Logic Comput. 1992) a pattern without a match may be taken as a fact that is
-// missing, directly or through a rule whose body would give it, and absences are left to the caller: each is named with
-// the solution, held or not (reasoner/explain/conflict.h looks for what breaks those that are not). Patterns are treated
-// in the order of their exact counts, so the search begins with what is rare.
+// In plain mode it enumerates the solutions of the clause, each with its supporting facts. In abductive mode
+// (Kakas, Kowalski, Toni, Abductive Logic Programming, J. Logic Comput. 1992) a pattern without a match may
+// be taken as a missing fact, directly or through a rule whose body would give it. Absences are then left to
+// the caller: each is listed with the solution, held or not (reasoner/explain/conflict.h searches the
+// conflicts of those that do not hold). Patterns are treated in the order of their exact counts, so the
+// search begins with rare facts.
 //
 // One thread. Works beside the writer: it reads an immutable version and a dictionary of the caller's own.
 #ifndef DOCENT_REASONER_EXPLAIN_SOLVER_H_
@@ -30,24 +31,25 @@
 
 namespace docent::explain {
 
-// A fact that is not there. What may be anything is an open variable, the same number for the same one.
+// A missing fact. A position that may have any value is an open variable; equal numbers mean the same
+// variable.
 struct MissingFact {
   static constexpr int kBound = -1;
-  std::array<TermId, 4> terms;  // subject, predicate, object, graph (none: any)
+  std::array<TermId, 4> terms;  // subject, predicate, object, graph (kNone: any)
   std::array<int, 4> open = {kBound, kBound, kBound, kBound};
 
   friend bool operator==(const MissingFact&, const MissingFact&) = default;
   friend auto operator<=>(const MissingFact&, const MissingFact&) = default;
 };
 
-// What a solution gives the variables of a clause: the question's, or that of a rule.
+// Values of the variables of a clause in a solution: the clause of the question, or of a rule.
 struct Row {
   const Clause* clause = nullptr;
-  std::vector<TermId> values;  // none: open
-  std::vector<int> open;       // the open variable; MissingFact::kBound
+  std::vector<TermId> values;  // kNone: open
+  std::vector<int> open;       // number of the open variable; MissingFact::kBound
 };
 
-// A filter whose variables are not all bound.
+// A filter with unbound variables.
 struct OpenTest {
   const Test* test = nullptr;
   Row row;
@@ -57,10 +59,10 @@ struct OpenTest {
 struct AbsenceOf {
   const Absence* absence = nullptr;
   Row row;
-  bool open = false;  // not all of its variables that are the clause's, too, are bound
+  bool open = false;  // some variables that it shares with the clause are unbound
 };
 
-// A rule through which a missing fact would be inferred.
+// A rule that would infer a missing fact.
 struct Inference {
   uint32_t rule = 0;
   MissingFact fact;
@@ -71,85 +73,86 @@ struct Inference {
 struct Solution {
   Row row;
   std::vector<Quad>
-      facts;  // matches of the clause's atoms and of the bodies of inferences; graph: none where any will do
+      facts;  // matches of the atoms of the clause and of inference bodies; graph: kNone if any will do
   std::vector<MissingFact> missing;
   std::vector<OpenTest> tests;
-  std::vector<AbsenceOf> absences;  // abductively: of the clause and of the bodies of inferences, held or not
+  std::vector<AbsenceOf> absences;  // abductive: of the clause and of inference bodies, held or not
   std::vector<Inference> inferences;
-  // What an open variable is called in the query or rule; empty: it has no name.
+  // Name of an open variable in the query or rule; empty: it has no name.
   absl::flat_hash_map<int, std::string> names;
 };
 
-// The values that `clause`, an alternative of an absence, has from the clause that the absence is of.
+// The values that `clause`, an alternative of an absence, takes from the enclosing clause.
 std::vector<TermId> SeedOf(const Clause& clause, const Row& outer);
 
 struct SolveOptions {
-  // Otherwise absences hold and nothing is missing.
+  // Otherwise absences must hold and no fact may be missing.
   bool abductive = false;
-  // Facts missing, exactly so many.
+  // The exact number of missing facts.
   int missing = 0;
   // Null: only direct facts.
   const RuleBase* rules = nullptr;
   int rule_depth = 4;
-  // Also take as missing what only rules make.
+  // Also take facts as missing that only rules make.
   bool tell_derived = false;
-  // Also what a rule asks of the schema: an axiom would make many things true.
+  // Also take axioms in rule bodies as missing: one axiom would make many facts true.
   bool tell_schema = false;
 };
 
 class Solver {
  public:
-  // All must outlive the solver. `steps`: how much work it may do over its life.
+  // All arguments must outlive the solver. `steps`: its total amount of work.
   Solver(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
          const sparql::RunOptions& run, size_t steps);
   ~Solver();
 
-  // Calls `visit` with each solution that agrees with `seed` (by the clause's variables; empty: nothing), until
-  // it returns false. The same solution may come more than once. CANCELLED or DEADLINE_EXCEEDED. Not re-entrant.
+  // Calls `visit` with each solution that agrees with `seed` (by the clause's variables; empty: no binding),
+  // until it returns false. The same solution may come more than once. CANCELLED or DEADLINE_EXCEEDED. Not
+  // re-entrant.
   absl::Status Solve(const Clause& clause, absl::Span<const TermId> seed, const SolveOptions& options,
                      absl::FunctionRef<bool(const Solution&)> visit);
-  // The steps are used up: there may be more than was found.
+  // The steps are used up: there may be further solutions.
   bool exhausted() const { return exhausted_; }
   size_t steps() const { return steps_; }
-  // Work that was done for the same question elsewhere.
+  // Counts work done elsewhere for the same question.
   void Spend(size_t steps) {
     steps_ += steps;
     exhausted_ = exhausted_ || steps_ > step_limit_;
   }
-  // As many steps again.
+  // Allows the same number of steps again.
   void Refresh() {
     steps_ = 0;
     exhausted_ = false;
   }
-  // A fact of the schema was not taken as missing because SolveOptions::tell_schema said no.
+  // A fact of the schema was not taken as missing because SolveOptions::tell_schema is false.
   bool spared_schema() const { return spared_schema_; }
-  // The last Solve came to patterns that it could not take as missing because of SolveOptions::missing.
+  // The last Solve met patterns that it could not take as missing because of SolveOptions::missing.
   bool short_of_room() const { return short_of_room_; }
-  // A rule was not followed that might have served what was missing already, or deeper than SolveOptions::rule_depth.
+  // A rule was not followed: it might use a fact already missing, or is deeper than SolveOptions::rule_depth.
   bool left_out_rules() const { return left_out_rules_; }
-  // The last Solve, being abductive, came to a part: facts that it lacks were not taken as missing (0: none, 1), or not
-  // more than one of them (2: a path with a gap).
+  // The last Solve, in abductive mode, met a part: its facts were not taken as missing (0: no such part, 1),
+  // or at most one of them (2: a path with a gap).
   int missing_in_parts() const { return missing_in_parts_; }
-  // A part that found no solution when everything else before it held; null: none.
+  // A part without a solution although everything before it held; null: none.
   const Part* failed_part() const { return failed_part_; }
 
-  // Whether the filter lets these values of its clause's variables through.
+  // True if the filter passes with these values of its clause's variables.
   bool Holds(const OpenTest& test, absl::Span<const TermId> values);
 
  private:
   struct Frame {
     const Clause* clause;
-    int base;    // of its variables among the cells
-    int parent;  // the goal that it is to infer; -1: none
-    int depth;   // rules above it
+    int base;    // index of its first variable among the cells
+    int parent;  // the goal that it would infer; -1: none
+    int depth;   // number of rules above it
     uint32_t rule;
   };
   struct Goal {
     int frame;
     const Atom* atom;
-    int chain;  // the goal that this one's rule is to infer; -1
+    int chain;  // the goal that this goal's rule would infer; -1
     bool done = false;
-    Quad match;  // once done by a fact
+    Quad match;  // if done by a fact
     bool matched = false;
   };
   struct Pending {
@@ -187,7 +190,7 @@ class Solver {
   bool IsReached(const Pending& pending) const;
   bool Settle();
   bool SettleOne(Pending& pending, bool& changed);
-  // By Test::variables.
+  // `values`: in the order of Test::variables.
   bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
   bool Leaf();
   bool IsTellable(const Goal& goal) const;

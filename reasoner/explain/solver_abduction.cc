@@ -1,4 +1,4 @@
-// The abductive part of Solver: what is taken as missing, and the rules that would infer it.
+// The abductive part of Solver: facts taken as missing, and rules that would infer them.
 #include <optional>
 
 #include "graph/rdf/vocabulary.h"
@@ -7,8 +7,8 @@
 
 namespace docent::explain {
 
-// Whether the goal asks again for what it is to help to infer, whatever its open variables are: through a rule it
-// would go round in circles.
+// True if the goal repeats, up to open variables, a goal that it would help to infer: the rule would then be
+// circular.
 bool Solver::IsInOwnChain(int goal) const {
   const QuadPattern self = PatternOf(goals_[goal]);
   for (int above = goals_[goal].chain; above >= 0; above = goals_[above].chain) {
@@ -19,7 +19,8 @@ bool Solver::IsInOwnChain(int goal) const {
   return false;
 }
 
-// Whether a rule may help though nothing more may be missing: by an absence, or as it asks for what is missing already.
+// True if a rule may help although no further fact may be missing: by an absence, or by using a fact already
+// missing.
 bool Solver::MayServe(const RuleClause& rule) {
   if (rule.rests_on_absence) return true;
   for (const int goal : missing_) {
@@ -30,15 +31,15 @@ bool Solver::MayServe(const RuleClause& rule) {
   return false;
 }
 
-// Through a rule. With every fact of its body there its head would be, too, so this is for bodies that lack
-// something, or where something is in the way of an absence.
+// Tries the rules. If every fact of a body held, its head would hold, too; so this is for bodies with missing
+// facts or with an absence that does not hold.
 bool Solver::TryRules(int goal, bool room) {
   const int frame = goals_[goal].frame;
   const int base = frames_[frame].base;
   const int depth = frames_[frame].depth;
   const Atom& atom = *goals_[goal].atom;
   if (IsInOwnChain(goal)) return true;
-  if (atom.terms[3].variable >= 0) return true;  // GRAPH ?g: nobody asks for the graph of what is inferred
+  if (atom.terms[3].variable >= 0) return true;  // GRAPH ?g: the graph of an inferred fact is not a goal
   std::vector<RuleBase::Head> heads;
   options_.rules->ForEachHead(TermOf(atom.terms[1], base), [&](RuleBase::Head h) { heads.push_back(h); });
   for (const RuleBase::Head& head : heads) {
@@ -62,7 +63,8 @@ bool Solver::TryRules(int goal, bool room) {
   return true;
 }
 
-// An axiom that a rule asks for has to be there where none may be told; its closure is in the graph.
+// True for an axiom in a rule body that must exist, because axioms may not be asserted; the graph holds their
+// closure.
 bool Solver::IsGivenAxiom(const Goal& goal) const {
   if (options_.tell_schema || frames_[goal.frame].depth == 0) return false;
   const QuadPattern p = PatternOf(goal);
@@ -74,7 +76,7 @@ bool Solver::IsTellable(const Goal& goal) const {
   if (options_.tell_derived || options_.rules == nullptr) return true;
   const QuadPattern p = PatternOf(goal);
   if (!options_.rules->IsMadeByName(p.predicate, p.object)) return true;
-  // people tell it, too
+  // facts that people also assert
   QuadPattern alike{TermId(), p.predicate, TermId(), TermId()};
   const std::optional<TermId> type = dictionary_.FindIri(kRdfType);
   const std::optional<TermId> inferred = dictionary_.FindIri(kInferredGraph);

@@ -13,11 +13,11 @@
 namespace docent::explain {
 namespace {
 
-constexpr size_t kCandidates = 500;  // partial matches of one size that are looked at
+constexpr size_t kCandidates = 500;  // partial matches of one size that are examined
 constexpr size_t kTried = 100;       // sets of one size that are tried
 constexpr size_t kNodes = 5000;      // sets of one size that are kept
-constexpr size_t kConflicts = 16;    // of one set of changes that are looked for at once
-constexpr size_t kSubsetsUpTo = 6;   // changes; of larger sets only those without one change are tried
+constexpr size_t kConflicts = 16;    // of one set of changes, searched at once
+constexpr size_t kSubsetsUpTo = 6;   // changes; of larger sets only subsets with one change less are tried
 
 std::string KeyOf(const Solution& solution) {
   std::vector<std::string> parts;
@@ -34,7 +34,7 @@ std::string KeyOf(const Solution& solution) {
   return absl::StrJoin(parts, "|");
 }
 
-// Triples told and withdrawn.
+// The triples to assert and to withdraw, as a key.
 std::string KeyOf(const Repair& repair) {
   std::vector<std::string> parts;
   const auto triple = [](const Quad& quad) {
@@ -46,7 +46,7 @@ std::string KeyOf(const Repair& repair) {
   return absl::StrJoin(parts, "|");
 }
 
-// How many of its changes would change what a thing is.
+// Number of changes of the type of a thing.
 size_t KindChanges(const Repair& repair) {
   size_t changes = 0;
   for (const ToTell& tell : repair.tell)
@@ -77,7 +77,7 @@ SolveOptions WhyNotFinder::Telling() const {
   options.rules = parts_.rules;
   options.tell_derived = pass_.tell_derived;
   options.tell_schema = pass_.tell_schema;
-  if (pass_.tell_schema) options.rule_depth = 1;  // an axiom follows from many others
+  if (pass_.tell_schema) options.rule_depth = 1;  // many axioms imply an axiom
   return options;
 }
 
@@ -118,7 +118,7 @@ absl::StatusOr<std::vector<Conflict>> WhyNotFinder::ConflictsOn(const GraphVersi
   return conflicts;
 }
 
-// Whether the changes make the condition true; else what is in the way of the root's match.
+// True if the changes make the condition true; else gives the conflicts of the root's match.
 absl::StatusOr<WhyNotFinder::Trial> WhyNotFinder::Try(const Node& node) {
   Trial trial;
   const auto look = [&](const GraphVersion& graph, const Delta&) {
@@ -139,8 +139,8 @@ absl::StatusOr<WhyNotFinder::Trial> WhyNotFinder::Try(const Node& node) {
   return trial;
 }
 
-// Leaves what is enough: of the proper subsets that do it, too, a smallest one. Tellings of one triple in several graphs
-// are one change.
+// Reduces the repair to a smallest proper subset of its changes that is enough. Assertions of one triple in
+// several graphs count as one change.
 absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
   const std::vector<std::vector<Quad>> removals = repair.Withdrawals();
   const size_t told = repair.add.size();
@@ -181,7 +181,7 @@ absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
       });
       if (!way.withdraw.empty()) less.in_the_way.push_back(std::move(way));
     }
-    // conditions are about the variables of what is to be told
+    // conditions are about the variables of the facts to assert
     const bool open = std::any_of(less.tell.begin(), less.tell.end(), [](const ToTell& tell) {
       return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() ||
              tell.fact.object.IsVariable();
@@ -189,7 +189,7 @@ absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
     if (open) less.conditions = repair.conditions;
     less.add = std::move(add);
     less.remove = std::move(remove);
-    repair = std::move(less);  // by another match: what holds for this one need not matter
+    repair = std::move(less);  // by another match: facts of the former one need not matter
     return Minimise(repair);
   }
   return true;
@@ -202,8 +202,8 @@ bool WhyNotFinder::IsState(const Term& predicate) const {
   return property && type && state && parts_.version->Count({*property, *type, *state, TermId()}) > 0;
 }
 
-// Fewest changes; then what can change (state) before what things are; then what differs from a value that is there;
-// then in the order of the alternatives; then by text.
+// Order: fewest changes; then changes of state before changes of type; then facts that replace an existing
+// value; then the order of the alternatives; then the text.
 void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
   using Key = std::tuple<size_t, size_t, size_t, size_t, size_t, size_t, size_t, std::string>;
   std::vector<std::pair<Key, Node>> keyed;
@@ -234,12 +234,13 @@ void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
   for (auto& [key, node] : keyed) nodes.push_back(std::move(node));
 }
 
-// Partial matches that lack exactly so many facts.
+// Partial matches with exactly this number of missing facts.
 absl::Status WhyNotFinder::Gather(const Clause& clause, int missing) {
   SolveOptions options = Telling();
   options.abductive = true;
   options.missing = missing;
-  // Solutions first: making a repair of one uses the solver's filters, not its search.
+  // Solutions are collected first: building a repair uses the solver's filters, which cannot run during its
+  // search.
   std::vector<Solution> solutions;
   absl::flat_hash_set<std::string> keys;
   absl::Status status = solver_.Solve(clause, {}, options, [&](const Solution& solution) {
@@ -260,12 +261,12 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int missing) {
   return absl::OkStatus();
 }
 
-// Makes a root of a partial match, where what it lacks can be tried.
+// Makes a root of a partial match, if its missing facts can be tried.
 absl::Status WhyNotFinder::Plant(const Solution& solution) {
   Dictionary& dictionary = *parts_.dictionary;
   const auto examples = ExamplePicker(*parts_.version, dictionary, solver_).Pick(solution);
   if (!examples) {
-    LeaveOut(std::max(1, static_cast<int>(solution.missing.size())));  // other values might do
+    LeaveOut(std::max(1, static_cast<int>(solution.missing.size())));  // other values might work
     return absl::OkStatus();
   }
   Node node{roots_.size(), {}};
@@ -299,13 +300,13 @@ absl::Status WhyNotFinder::Plant(const Solution& solution) {
     Push(std::move(node));
     return absl::OkStatus();
   }
-  // nothing is missing: it is known that it does not hold
+  // no fact is missing: it is known that the condition does not hold
   auto conflicts = ConflictsOn(*parts_.version, *parts_.prover, node);
   if (conflicts.ok()) Expand(node, *conflicts);
   return conflicts.status();
 }
 
-// A conflict of the root's that none of the node's changes breaks.
+// A conflict of the root that no change of the node breaks.
 const Conflict* WhyNotFinder::Unhit(const Node& node) const {
   const std::vector<Conflict>& conflicts = roots_[node.root].conflicts;
   const auto found = std::find_if(conflicts.begin(), conflicts.end(),
@@ -313,8 +314,8 @@ const Conflict* WhyNotFinder::Unhit(const Node& node) const {
   return found == conflicts.end() ? nullptr : &*found;
 }
 
-// A lower bound of the size of sets that hit all conflicts known of the root: each of those that share no way needs a
-// change of its own.
+// A lower bound of the size of sets that hit all known conflicts of the root: conflicts without a common way
+// each need a change of their own.
 int WhyNotFinder::AtLeast(const Node& node) const {
   std::vector<const Conflict*> apart;
   for (const Conflict& conflict : roots_[node.root].conflicts) {
@@ -334,7 +335,7 @@ void WhyNotFinder::Push(Node node) {
   nodes_[size].push_back(std::move(node));
 }
 
-// By the conflict that has the fewest ways.
+// Expands the node by the conflict with the fewest ways.
 void WhyNotFinder::Expand(const Node& node, const std::vector<Conflict>& conflicts) {
   for (const Conflict& conflict : conflicts) {
     if (conflict.lasts) roots_[node.root].conflicts.push_back(conflict);
@@ -342,10 +343,10 @@ void WhyNotFinder::Expand(const Node& node, const std::vector<Conflict>& conflic
   const auto fewest =
       std::min_element(conflicts.begin(), conflicts.end(),
                        [](const Conflict& a, const Conflict& b) { return a.ways.size() < b.ways.size(); });
-  if (fewest != conflicts.end()) Expand(node, *fewest);  // else the match itself has gone
+  if (fewest != conflicts.end()) Expand(node, *fewest);  // else the match itself is gone
 }
 
-// The sets with one of the ways more.
+// The sets with one of the ways added.
 void WhyNotFinder::Expand(const Node& node, const Conflict& conflict) {
   spared_schema_ = spared_schema_ || conflict.spared_schema;
   if (conflict.left_out != Conflict::kNothing)
@@ -360,7 +361,7 @@ bool WhyNotFinder::IsNew(const Repair& repair) {
   return seen_.insert(KeyOf(repair)).second;
 }
 
-// Tries one set of changes. `expand`: larger ones are of interest.
+// Tries one set of changes. `expand`: larger sets are needed, too.
 absl::Status WhyNotFinder::Visit(const Node& node, bool expand, std::vector<Repair>& found) {
   auto trial = Try(node);
   if (!trial.ok()) return trial.status();
@@ -370,7 +371,7 @@ absl::Status WhyNotFinder::Visit(const Node& node, bool expand, std::vector<Repa
           return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() ||
                  tell.fact.object.IsVariable();
         });
-    if (by_example) LeaveOut(static_cast<int>(node.repair.size()));  // other values might do
+    if (by_example) LeaveOut(static_cast<int>(node.repair.size()));  // other values might work
     if (expand) Expand(node, trial->conflicts);
     return absl::OkStatus();
   }
@@ -409,7 +410,7 @@ absl::Status WhyNotFinder::SearchSize(int size, size_t sets, WhyNotAnswer& answe
       break;
     }
   }
-  // a set found less one of its changes is smaller than those looked for
+  // one change less than a found set is smaller than the size in progress
   size_t smallest = static_cast<size_t>(size);
   for (const Repair& repair : found) smallest = std::min(smallest, repair.size());
   std::erase_if(found, [&](const Repair& repair) { return repair.size() > smallest; });
@@ -448,7 +449,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   clauses_ = *std::move(clauses);
 
   WhyNotAnswer answer;
-  // Facts about things before axioms, whatever the number: one axiom makes everything true.
+  // Facts about things come before axioms, whatever the number: one axiom makes many facts true.
   for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{false, true}, Pass{true, true}}) {
     if (!answer.repairs.empty() || (pass.tell_schema && !spared_schema_)) break;
     if (OutOfTime()) {

@@ -1,12 +1,13 @@
-// Why a condition does not hold: the nearest partial matches, and the smallest sets of facts that would have to be
-// told (or withdrawn) for it to hold, rules considered.
+// Explanation of a condition that does not hold: the nearest partial matches, and the smallest sets of facts
+// to assert (or withdraw) to make it hold, with the rules applied.
 //
-// A set is what a partial match of the condition lacks, and a smallest hitting set of the conflicts of its absences
-// (reasoner/explain/conflict.h). Sets are looked for in the order of their size, and each is tried on a copy of the graph
-// with the rules applied: it makes the condition true, and no proper subset of it does. What may be anything (a fact with
-// an open variable) is tried with an example. Sets that would change what a thing is (rdf:type told, or withdrawn though
-// only a rule asks for it) are named only where no set as small changes less of that; axioms (of classes, properties,
-// equality) that a rule asks for only where no set of facts about things does it, of any size.
+// A set consists of the missing facts of a partial match of the condition, and a smallest hitting set of the
+// conflicts of its absences (reasoner/explain/conflict.h). Sets are searched in order of size. Each is tried
+// on a copy of the graph with the rules applied: it makes the condition true, and no proper subset of it
+// does. A fact with an open variable is tried with an example value. Sets that change the type of a thing
+// (rdf:type asserted, or withdrawn only because of a rule) are listed only if no set of the same size changes
+// fewer types; axioms (of classes, properties, equality) used by a rule only if no set of facts about things,
+// of any size, is enough.
 #ifndef DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 #define DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 
@@ -31,14 +32,15 @@
 namespace docent::explain {
 
 struct WhyNotAnswer {
-  bool holds = false;  // nothing to explain
-  // Best first: facts about things before axioms, fewest changes, then changes of state before changes of kind.
+  bool holds = false;  // there is nothing to explain
+  // Best first: facts about things before axioms, fewest changes, then changes of state before changes of
+  // type.
   std::vector<Repair> repairs;
-  size_t more = 0;  // sets as small as the last one that are not listed
-  // False: not all sets of this size or a smaller one were looked at (without any set: not all sets), as the search
-  // ended at a limit or met what it does not understand (a sum).
+  size_t more = 0;  // number of sets as small as the last one that are not listed
+  // False: some sets of this size or smaller were not tried (if there is no set: of any size), because the
+  // search ended at a limit or met a construct that it does not support (a sum).
   bool whole = true;
-  std::string failed_part;  // a path, aggregate or sub-SELECT that has no solution; empty: none known
+  std::string failed_part;  // a path, aggregate or sub-SELECT without a solution; empty: none known
 };
 
 class WhyNotFinder {
@@ -57,30 +59,30 @@ class WhyNotFinder {
   };
   explicit WhyNotFinder(Parts parts);
 
-  // `ask` does not hold on the version. At most `sets` repairs.
+  // Requires that `ask` does not hold on the version. At most `sets` repairs.
   absl::StatusOr<WhyNotAnswer> Find(const sparql::Query& ask, size_t sets);
 
  private:
-  // What may be told besides facts that people tell, about things.
+  // Facts that may be asserted in addition to those that people assert about things.
   struct Pass {
     bool tell_derived, tell_schema;
   };
-  // A partial match, which a search for hitting sets begins with.
+  // A partial match, the start of a search for hitting sets.
   struct Root {
     size_t alternative = 0;  // of the condition
     std::vector<AbsenceOf> absences;
     Examples examples;
     OpenNames names;
-    std::vector<Conflict> conflicts;  // those found that last
+    std::vector<Conflict> conflicts;  // the lasting ones found
   };
-  // A set of changes: what the match of the root lacks, and ways to break conflicts.
+  // A set of changes: the missing facts of the root's match, and ways to break conflicts.
   struct Node {
     size_t root = 0;
     Repair repair;
   };
   struct Trial {
     bool holds = false;
-    std::vector<Conflict> conflicts;  // else
+    std::vector<Conflict> conflicts;  // the others
   };
 
   absl::Status Search(const Pass& pass, size_t sets, WhyNotAnswer& answer);
@@ -97,9 +99,9 @@ class WhyNotFinder {
   absl::StatusOr<std::vector<Conflict>> ConflictsOn(const GraphVersion& graph, Prover& prover,
                                                     const Node& node);
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  // False: there was no time to make sure.
+  // False: no time was left to verify it.
   absl::StatusOr<bool> Minimise(Repair& repair);
-  // Half of the question's time is over: what was found is given.
+  // True after half of the question's time: then the sets found so far are returned.
   bool OutOfTime() const {
     return parts_.run.cancellation != nullptr && parts_.run.cancellation->HalfIsOver();
   }
@@ -107,7 +109,7 @@ class WhyNotFinder {
   void Rank(std::vector<Node>& nodes) const;
   bool IsState(const Term& predicate) const;
   SolveOptions Telling() const;
-  // Sets of this size, or of more, were not all looked at.
+  // Records that some sets of this size, or of a larger one, were not tried.
   void LeaveOut(int size) { left_out_ = std::min(left_out_, size); }
 
   const Parts parts_;

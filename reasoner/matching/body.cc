@@ -34,7 +34,8 @@ void InternConstants(const sparql::Path& path, Dictionary& dictionary) {
   for (const sparql::Path& child : path.children) InternConstants(child, dictionary);
 }
 
-// A query made ready keeps the ids of its constants, so they must have ids before anyone says them.
+// Interns all constants: a prepared query keeps the ids of its constants, so they need ids before any fact
+// has them.
 void InternConstants(const Algebra& algebra, Dictionary& dictionary) {
   for (const sparql::TriplePattern& triple : algebra.triples) {
     InternConstant(triple.subject, dictionary);
@@ -102,7 +103,7 @@ class BodyBuilder {
     return static_cast<int16_t>(body_.columns_.size() - 1);
   }
 
-  // Takes `node` apart into patterns_ and filters_; false if it is not a conjunction.
+  // Splits `node` into patterns_ and filters_; false if it is not a conjunction.
   bool Flatten(const Algebra& node, bool outermost) {
     switch (node.kind) {
       case Algebra::Kind::kBgp:
@@ -186,7 +187,8 @@ class BodyBuilder {
     return test.left < 0 ? std::nullopt : std::optional<TermTest>(test);
   }
 
-  // EXISTS or NOT EXISTS of one triple pattern, each of whose variables is either one of the body's or stands in it once.
+  // EXISTS or NOT EXISTS of one triple pattern; each of its variables is one of the body's or occurs in it
+  // once.
   std::optional<ExistsTest> ExistsTestOf(const Expression& expression) {
     const bool negated = expression.kind == Expression::Kind::kNotExists;
     if (!negated && expression.kind != Expression::Kind::kExists) return std::nullopt;
@@ -213,7 +215,7 @@ class BodyBuilder {
     return test;
   }
 
-  // Comparisons with a number that stand in the outermost filters.
+  // Comparisons with a number in the outermost filters.
   void CollectTests(const Algebra& where) {
     for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get()) {
       std::vector<const Expression*> conjuncts;
@@ -248,7 +250,7 @@ class BodyBuilder {
     }
   }
 
-  // Patterns and the triggers that every solution needs come from the same walk, in the same order.
+  // Patterns and required triggers come from the same walk, in the same order.
   void NumberPatterns() {
     body_.patterns_ = patterns_;
     body_.has_filters_ = !filters_.empty();
@@ -266,7 +268,7 @@ class BodyBuilder {
     }
   }
 
-  // Whether a quad that matches the trigger may always give all variables of its pattern their values.
+  // True if a quad that matches the trigger may always bind all variables of its pattern.
   bool BindsItsPattern(const Trigger& trigger) const {
     const auto& columns = patterns_[static_cast<size_t>(trigger.pattern)].columns;
     for (size_t i = 0; i < columns.size(); ++i) {
@@ -277,7 +279,8 @@ class BodyBuilder {
     return true;
   }
 
-  // The triggers that match what a NOT EXISTS of the outermost filters asks for with the same variables given.
+  // Marks the triggers that match the pattern of a NOT EXISTS in the outermost filters with the same
+  // variables bound.
   void MarkRejecting(const Body::Pattern& pattern) {
     for (Trigger& trigger : body_.triggers_) {
       const QuadPattern& own = trigger.match.constants;

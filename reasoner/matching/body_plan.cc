@@ -14,12 +14,12 @@ struct Body::FlatPlan::Run {
   Visitor visit;
   Filters filters;
   absl::Status status;
-  uint64_t decided = 0;  // filters, as bits (of the first 64), that hold whatever the join finds
+  uint64_t decided = 0;  // bits of filters (the first 64) that hold whatever the join finds
   uint64_t steps = 0;    // since the last Poll
 
-  // False: stop.
+  // False: end the evaluation.
   bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(true); }
-  // `now`: the clock is read.
+  // `now`: reads the clock.
   bool Poll(bool now) {
     const uint64_t made = std::exchange(steps, 0);
     if (options.cancellation == nullptr) return true;
@@ -98,7 +98,7 @@ bool Body::FlatPlan::Exists(const ExistsTest& test, const GraphVersion& version)
   return version.ContainsMatch(Bind(test.pattern, row_)) != test.negated;
 }
 
-// What the seed decides is looked up once, before anything is joined. False: there is no solution.
+// Looks up the patterns that the seed decides once, before the join. False: there is no solution.
 bool Body::FlatPlan::TestSeeded(Run& run) const {
   for (size_t i = 0; i < std::min<size_t>(filters_.size(), 64); ++i) {
     const Filter& filter = filters_[i];
@@ -114,7 +114,7 @@ bool Body::FlatPlan::TestSeeded(Run& run) const {
   return true;
 }
 
-// False: stop.
+// False: end the evaluation.
 bool Body::FlatPlan::Leaf(Run& run) {
   if (run.filters == Filters::kNone) return run.visit(row_);
   for (size_t i = 0; i < filters_.size(); ++i) {

@@ -13,7 +13,7 @@
 
 namespace docent::matching {
 
-// ?a = ?b, ?a != <iri>: decided on ids where both are IRIs or blank nodes.
+// ?a = ?b, ?a != <iri>: decided on ids if both are IRIs or blank nodes.
 struct TermTest {
   int16_t left = 0;                    // column
   int16_t right = Trigger::kNoColumn;  // column, or
@@ -23,20 +23,20 @@ struct TermTest {
 
 // FILTER EXISTS or NOT EXISTS of one triple pattern: decided by one lookup.
 struct ExistsTest {
-  Body::Pattern pattern;  // kNoColumn without a constant: anything
+  Body::Pattern pattern;  // kNoColumn without a constant: any value
   bool negated = false;
 };
 
-// nullopt where a column is open or holds a literal.
+// nullopt if a column is open or holds a literal.
 std::optional<bool> TestTerms(const TermTest& test, absl::Span<const TermId> row);
 
 class Body::Plan {
  public:
   virtual ~Plan() = default;
-  // As Body::Evaluate; `seed` holds nothing in columns that are not seedable.
+  // As Body::Evaluate; `seed` has kNone in columns that are not seedable.
   virtual absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                 Visitor visit) = 0;
-  // As Body::EvaluateRest; only flat plans.
+  // As Body::EvaluateRest; only for flat plans.
   virtual absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                     uint32_t /*matched*/, Filters /*filters*/, Visitor visit) {
     return Evaluate(run, seed, visit);
@@ -47,12 +47,12 @@ class Body::Plan {
 class Body::FlatPlan final : public Body::Plan {
  public:
   using Pattern = Body::Pattern;
-  // A filter: decided on ids where `test` can, by `expression` otherwise. One of the two may be missing.
+  // A filter: decided on ids by `test` if possible, else by `expression`. One of the two may be missing.
   struct Filter {
     std::optional<NumberTest> test;
     std::optional<TermTest> terms;
-    std::optional<ExistsTest> exists;  // then no expression is needed
-    sparql::ExpressionPtr source;      // made ready when first needed, where there is a test
+    std::optional<ExistsTest> exists;  // no expression is needed
+    sparql::ExpressionPtr source;      // prepared when first needed, if there is a test
     std::unique_ptr<sparql::PreparedExpression> expression;
     std::vector<int16_t> columns;  // of its variables
   };
@@ -60,7 +60,7 @@ class Body::FlatPlan final : public Body::Plan {
 
   FlatPlan(const Dictionary& dictionary, const sparql::FunctionRegistry* functions)
       : dictionary_(dictionary), functions_(functions) {}
-  // Filters that need the evaluator are prepared. `names`: the columns.
+  // Prepares the filters that need the evaluator. `names`: the columns.
   absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters,
                      std::vector<std::string> names);
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
@@ -74,7 +74,7 @@ class Body::FlatPlan final : public Body::Plan {
   struct Run;
   uint32_t PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const;
   bool Join(Run& run, uint32_t open);
-  // False: a filter rejects the row as far as it is bound.
+  // False: a filter rejects the bound part of the row.
   bool TestBound(int16_t column) const;
   bool IsBound(const Filter& filter) const;
   bool TestSeeded(Run& run) const;
@@ -90,10 +90,10 @@ class Body::FlatPlan final : public Body::Plan {
   std::vector<TermId> row_;  // of the running evaluation
 };
 
-// Anything else: the SPARQL evaluator.
+// The plan for all other bodies: the SPARQL evaluator.
 class Body::GeneralPlan final : public Body::Plan {
  public:
-  // Prepares the unseeded form at once, so that errors show here. `columns` outlives the plan.
+  // Prepares the unseeded form at once, to report errors here. `columns` must outlive the plan.
   static absl::StatusOr<std::unique_ptr<GeneralPlan>> Make(sparql::Query query, Dictionary& dictionary,
                                                            const sparql::FunctionRegistry* functions,
                                                            const std::vector<Column>& columns);

@@ -1,4 +1,4 @@
-// Comparisons as queries write them, for what decides them on ids (number_range.h). Pure; any thread.
+// Comparisons in queries, in the form that can be decided on ids (number_range.h). Pure; any thread.
 #ifndef DOCENT_REASONER_MATCHING_COMPARISON_FORM_H_
 #define DOCENT_REASONER_MATCHING_COMPARISON_FORM_H_
 
@@ -9,18 +9,18 @@
 
 namespace docent::matching {
 
-// nullopt: it has no direction.
+// nullopt: the operator has no direction.
 std::optional<Comparison> ComparisonOf(sparql::Expression::Kind kind);
-// b Mirror(op) a for a op b.
+// b Mirror(op) a is the same as a op b.
 Comparison Mirror(Comparison op);
 
-// ?variable op number, either way round.
+// ?variable op number, in either order.
 struct NumberComparison {
   const sparql::Variable* variable;
   std::optional<Comparison> op;  // nullopt: =
-  const Term* number;            // one that fits into an id
+  const Term* number;            // fits into an id
 };
-// Of parts of `e`, which is to outlive it; nullopt: it is none.
+// Points into `e`, which must outlive the result; nullopt: no such comparison.
 std::optional<NumberComparison> ReadNumberComparison(const sparql::Expression& e);
 
 }  // namespace docent::matching

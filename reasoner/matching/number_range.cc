@@ -11,8 +11,8 @@ namespace docent::matching {
 
 namespace {
 
-// Numerator and denominator up to here are doubles without rounding, so their quotient is the correctly
-// rounded value.
+// Numerators and denominators up to here are exact doubles, so their quotient is the correctly rounded
+// value.
 constexpr int64_t kExactMantissa = int64_t{1} << 53;
 constexpr int kExactPower = 22;
 
@@ -45,7 +45,7 @@ NumberView ViewNumber(TermId id) {
     case TermId::Tag::kDouble:
     case TermId::Tag::kPlainDouble:
     case TermId::Tag::kNearDouble: {
-      // What is compared with a float is rounded to a float first: 0.1 is not less than "0.1"^^xsd:float.
+      // A number compared with a float is first rounded to a float: 0.1 is not less than "0.1"^^xsd:float.
       if (id.tag() == TermId::Tag::kPlainDouble && InlineIsFloat(id)) return {NumberView::Kind::kUnknown, 0};
       const double value = InlineDouble(id);
       if (std::isnan(value)) return {NumberView::Kind::kUnknown, 0};

@@ -29,7 +29,7 @@ bool MatchPattern::Matches(const Quad& quad) const {
                                         : view.value <= object_guard->bound;
 }
 
-// What stands behind it for want of its own place moves up.
+// Entries that were displaced from their own place move up.
 void PatternIndex::FreeSlot(size_t at) {
   const size_t mask = tags_.size() - 1;
   for (size_t next = (at + 1) & mask; tags_[next] != 0; next = (next + 1) & mask) {

@@ -1,9 +1,9 @@
-// The discrimination index: given a changed quad, the patterns that it matches.
+// Discrimination index: finds the patterns that a changed quad matches.
 //
-// Patterns are kept by hash of their constants. A quad is looked up once for each *shape* in use (which of
-// subject, predicate and object are constants: at most eight), so the cost does not depend on how many
-// patterns exist that do not match. Patterns that look at the same quads and ask besides that the object be
-// above or below a number are kept ordered by that number: those that the quad does not reach are not
+// Patterns are stored by hash of their constants. A quad is looked up once for each *shape* in use
+// (which of subject, predicate and object are constants: at most eight), so the cost does not
+// depend on the number of patterns that do not match. Patterns with the same constants and a bound
+// on the object's number are ordered by that number: those that the quad does not reach are not
 // visited.
 //
 // Writer thread only.
@@ -25,10 +25,10 @@
 
 namespace docent::matching {
 
-// A quad pattern with what else one quad alone can decide.
+// A quad pattern, with further conditions that one quad alone decides.
 struct MatchPattern {
-  QuadPattern constants;  // none: a variable
-  // Positions that hold the same variable, as pairs: ?x ex:knows ?x is kSubjectObject.
+  QuadPattern constants;  // kNone: a variable
+  // Positions with the same variable, as pairs: ?x ex:knows ?x is kSubjectObject.
   enum Equal : uint8_t {
     kSubjectPredicate = 1,
     kSubjectObject = 2,
@@ -39,16 +39,16 @@ struct MatchPattern {
   };
   uint8_t equal = 0;
   std::optional<NumberGuard>
-      object_guard;  // necessary for the object; may let too much through, never too little
+      object_guard;  // a necessary condition on the object; may accept too much, never too little
 
   bool Matches(const Quad& quad) const;
 };
 
 class PatternIndex {
  public:
-  // Names a registered pattern until it is removed; then the number is used again.
+  // Names a registered pattern until its removal; then the number is reused.
   using Handle = uint32_t;
-  // What the owner wants back: who it is, which of its patterns, and what else it likes to know.
+  // Data that the owner gets back: the owner, its pattern, and a detail.
   struct Reference {
     uint32_t owner = 0;
     uint32_t pattern = 0;
@@ -59,13 +59,13 @@ class PatternIndex {
   Handle Add(const MatchPattern& pattern, Reference reference) {
     return Add(pattern, pattern.constants, reference);
   }
-  // `pattern` with these constants instead of its own. It has no guard where the object is one of them.
+  // `pattern` with these constants instead of its own. It has no guard if the object is one of them.
   Handle Add(const MatchPattern& pattern, const QuadPattern& constants, Reference reference);
-  // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
+  // `handle` must come from Add and not be removed. Constant time (logarithmic with a guard).
   void Remove(Handle handle);
 
-  // Calls `visit(reference)` for each pattern that matches `quad`: those with the same constants in the order in which they
-  // were added, those with a guard after the others. `visit` must not change the index.
+  // Calls `visit(reference)` for each pattern that matches `quad`: those with the same constants in the order
+  // of insertion, those with a guard after the others. `visit` must not change the index.
   template <typename Visit>
   void ForEachMatch(const Quad& quad, const Visit& visit) const;
 
@@ -78,10 +78,10 @@ class PatternIndex {
     friend auto operator<=>(const Bound&, const Bound&) = default;
   };
   struct Guarded {
-    absl::btree_set<Bound> at_least;  // object >= value (and >): all up to the object's number are visited
+    absl::btree_set<Bound> at_least;  // object >= value (and >): visited up to the object's number
     absl::btree_set<Bound> at_most;
   };
-  // One line of the cache: what a change touches of ten thousands of patterns is most often not in it.
+  // One cache line: among ten thousands of patterns, the one that a change touches is usually not cached.
   struct alignas(64) Entry {
     QuadPattern constants;
     Reference reference;
@@ -94,13 +94,13 @@ class PatternIndex {
   };
   static constexpr Handle kNone = ~Handle{0};
   static_assert(sizeof(Entry) == 64);
-  // Where the patterns without a guard begin whose keys have this hash.
+  // Start of the list of patterns without a guard whose keys have this hash.
   struct Slot {
     uint32_t hash = 0;
     Handle first = kNone;
   };
 
-  // What the terms of a key add to its hash; none adds nothing. Odd numbers from the digits of pi.
+  // Contribution of each term of a key to its hash; kNone contributes 0. Odd numbers from the digits of pi.
   static uint64_t SubjectPart(TermId subject) { return subject.bits() * 0x243f6a8885a308d3u; }
   static uint64_t PredicatePart(TermId predicate) { return predicate.bits() * 0x13198a2e03707345u; }
   static uint64_t ObjectPart(TermId object) { return object.bits() * 0xa4093822299f31d1u; }
@@ -111,10 +111,10 @@ class PatternIndex {
   static uint32_t HashOfKey(const QuadPattern& key) {
     return HashOf(SubjectPart(key.subject) + PredicatePart(key.predicate) + ObjectPart(key.object));
   }
-  // Of the bits that say least about its place.
+  // From the bits that are used least for the place.
   static uint8_t TagOf(uint32_t hash) { return static_cast<uint8_t>(hash >> 24 | 1); }
   static size_t BucketOf(uint64_t predicate_part) { return predicate_part >> 56; }
-  // The slot with the hash, or the free one where it belongs.
+  // The slot with the hash, or the free slot where it belongs.
   size_t SlotOf(uint32_t hash) const {
     const size_t mask = tags_.size() - 1;
     const uint8_t tag = TagOf(hash);
@@ -122,7 +122,7 @@ class PatternIndex {
     while (tags_[at] != 0 && (tags_[at] != tag || slots_[at].hash != hash)) at = (at + 1) & mask;
     return at;
   }
-  // Calls `visit(shape, hash)` for each shape that may have a pattern that matches the quad.
+  // Calls `visit(shape, hash)` for each shape that may have a matching pattern.
   template <typename Visit>
   void ForEachHash(const Quad& quad, const Visit& visit) const;
   // Calls `found(shape, slot)` for each shape that has patterns with the quad's hash.
@@ -130,20 +130,21 @@ class PatternIndex {
   void ForEachSlot(const Quad& quad, const Found& found) const;
   void FreeSlot(size_t at);
   void Grow();
-  // Another key may have the same hash, of another shape, too.
+  // Needed because another key may have the same hash, even of another shape.
   static bool Matches(const Entry& entry, unsigned shape, const Quad& quad);
   void VisitGuarded(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
-  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most five eighths of it
-  // taken. Most lookups find nothing: that takes one multiplication and a tag, and the tags of ten thousands are in the cache.
+  // By hash of the key; the key itself is compared at the visit. Linear probing, at most five eighths full.
+  // Most lookups find nothing: that takes one multiplication and a tag, and the tags of ten thousands stay in
+  // the cache.
   std::vector<uint8_t> tags_ = {0};  // of each slot a part of the hash; 0: free
   std::vector<Slot> slots_ = std::vector<Slot>(1);
-  size_t taken_ = 0;  // slots
+  size_t taken_ = 0;  // used slots
   absl::flat_hash_map<uint32_t, std::unique_ptr<Guarded>> guarded_;
   unsigned shapes_ = 0;  // bit i: shape i has any
-  // The same, of the patterns with a predicate of this hash; what had any once keeps its bit. Most often a quad need not be
-  // looked up for all shapes in use.
+  // The same for the patterns with a predicate of this hash; bits are never cleared. Usually a quad then need
+  // not be looked up for all shapes in use.
   std::array<uint8_t, 256> by_predicate_ = {};
   static constexpr unsigned kWithoutPredicate = 0b00110011;
   unsigned guarded_shapes_ = 0;  // bit i: shape i has any with a guard
@@ -180,7 +181,7 @@ void PatternIndex::ForEachHash(const Quad& quad, const Visit& visit) const {
 
 template <typename Found>
 void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
-  // The tags of all shapes are on their way before the first of them decides anything.
+  // All tags are prefetched before the first is used.
   struct Lookup {
     unsigned shape;
     uint32_t hash;

@@ -29,7 +29,7 @@ void AddVariables(const TriplePattern& triple, Names& names) {
   AddVariable(triple.object, names);
 }
 
-// Where in the query the walk stands.
+// Context of the walk at a place in the query.
 struct Place {
   Polarity polarity = Polarity::kPositive;
   bool required = true;
@@ -69,20 +69,20 @@ class Analyser {
     result_.triggers.push_back(std::move(trigger));
   }
 
-  // GRAPH ?g {} and the like: there is such a graph as soon as it holds anything.
+  // GRAPH ?g {} and the like: the graph exists as soon as it holds a triple.
   void AddGraphTrigger(Place place) {
     place.seeds = Place::Seeds::kNone;
     place.required = false;
     AddTrigger({AnyTerm("s"), AnyTerm("p"), AnyTerm("o")}, place);
   }
 
-  // A variable that no query has. Within one trigger the names differ, so no two positions have to be equal.
+  // A unique variable. The names within one trigger differ, so no positions must be equal.
   static PatternTerm AnyTerm(std::string_view position) {
     return PatternTerm::Of(sparql::Variable{"." + std::string(position)});
   }
 
-  // Names of `names` that are not bound for certain in `scope` must not be bound from outside: there they may
-  // be unbound.
+  // Blocks the `names` that are not certainly bound in `scope`: they may be unbound there, so they must not
+  // be bound from outside.
   void BlockUnless(const Names& scope, const std::vector<sparql::Variable>& names) {
     for (const sparql::Variable& v : names) {
       if (!scope.contains(v.name)) blocked_.insert(v.name);
@@ -136,7 +136,8 @@ class Analyser {
     }
   }
 
-  // Sub-SELECT, aggregates, LIMIT: nothing can be bound from outside, and more matches may give fewer rows.
+  // Sub-SELECT, aggregates, LIMIT: no variable can be bound from outside, and more matches may give fewer
+  // rows.
   void WalkClosed(const Algebra& node, Place place) {
     place.seeds = Place::Seeds::kNone;
     place.required = false;
@@ -154,7 +155,7 @@ class Analyser {
     for (const auto& child : node.children) Walk(*child, place);
   }
 
-  // An aggregating sub-SELECT: a value for a key that it shows selects that group and changes no other.
+  // An aggregating sub-SELECT: a value for a projected key selects that group and changes no other group.
   void WalkSelect(const Algebra& project, const Algebra& group, Place place) {
     const Names inner = CertainVariables(*group.children[0]);
     Names shown, keys;
@@ -178,8 +179,7 @@ class Analyser {
     for (const sparql::Aggregate& aggregate : group.aggregates) {
       if (aggregate.expression) WalkExpression(*aggregate.expression, place);
     }
-    const Names blocked_outside =
-        blocked_;  // names inside are other variables than those outside, but for the keys
+    const Names blocked_outside = blocked_;  // names inside are local variables, except for the keys
     Walk(*group.children[0], place);
     Names blocked_inside = std::exchange(blocked_, blocked_outside);
     for (const std::string& name : keys) {
@@ -209,8 +209,7 @@ class Analyser {
     BlockUnless(left, sparql::InScopeVariables(*node.children[1]));
     Place right = Inner(place, left);
     right.polarity = Flip(place.polarity);
-    if (place.outer != nullptr)
-      right.seeds = Place::Seeds::kNone;  // MINUS inside EXISTS: nothing is substituted
+    if (place.outer != nullptr) right.seeds = Place::Seeds::kNone;  // MINUS inside EXISTS: no substitution
     Walk(*node.children[1], right);
   }
 
@@ -220,7 +219,7 @@ class Analyser {
     WalkExpression(expression, inner);
   }
 
-  // The place inside an EXISTS, OPTIONAL or MINUS beside what binds `scope`.
+  // The context inside an EXISTS, OPTIONAL or MINUS beside the pattern that binds `scope`.
   Place Inner(const Place& place, const Names& scope) {
     Place inner = place;
     inner.required = false;

@@ -12,9 +12,9 @@
 namespace docent::ontology {
 
 struct Finding {
-  std::string rule;  // a name that does not change: "undefined-term", "unused-prefix" …
+  std::string rule;  // a stable name: "undefined-term", "unused-prefix" …
   Diagnostic diagnostic;
-  std::string proof;  // of an inconsistency: what it rests on, as `docent why` shows it; empty: there is none
+  std::string proof;  // of an inconsistency: its proof, as `docent why` shows it; empty: none
 };
 
 // Findings of one file, at most `limit`; the rest are counted.
@@ -35,13 +35,13 @@ class Findings {
     }
     findings_.push_back(std::move(finding));
   }
-  // The first that suits; null: none does.
+  // The first finding for which `test` holds; null: none.
   template <typename Test>
   Finding* Find(const Test& suits) {
     const auto found = std::find_if(findings_.begin(), findings_.end(), suits);
     return found == findings_.end() ? nullptr : &*found;
   }
-  // In order of the text.
+  // In text order.
   std::vector<Finding> Take();
   size_t left_out() const { return left_out_; }
 

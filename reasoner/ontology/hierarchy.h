@@ -1,4 +1,4 @@
-// Circles in hierarchies of classes and properties. Pure function.
+// Cycles in hierarchies of classes and properties. Pure function.
 #ifndef DOCENT_REASONER_ONTOLOGY_HIERARCHY_H_
 #define DOCENT_REASONER_ONTOLOGY_HIERARCHY_H_
 
@@ -11,8 +11,8 @@
 
 namespace docent::ontology {
 
-// A shortest circle that goes from `from` to `to` and back to `from`, without repeating `from` at its end; empty where
-// there is none. O(edges).
+// A shortest cycle from `from` over `to` back to `from`, without repeating `from` at its end; empty if there
+// is none. O(edges).
 std::vector<std::string> CycleThrough(const std::map<std::string, Words, std::less<>>& edges,
                                       const std::string& from, const std::string& to);
 

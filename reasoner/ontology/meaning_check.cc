@@ -47,7 +47,7 @@ class MeaningCheck {
   }
 
  private:
-  // Words that speak of words: their domains and ranges are those of RDF Schema and OWL, which declare no literals.
+  // Words about words: their domains and ranges come from RDF Schema and OWL, which declare no literals.
   static bool IsSchemaWord(std::string_view iri) {
     return iri.starts_with(kRdfNs) || iri.starts_with(kRdfsNs) || iri.starts_with(kOwlNs);
   }
@@ -93,7 +93,7 @@ class MeaningCheck {
                       "imports are not fetched; name the file that has it, too");
   }
 
-  // A class below two disjoint ones: no inconsistency while nothing is in it.
+  // A class below two disjoint classes: no inconsistency as long as it has no instance.
   void CheckSatisfiable(const std::string& iri, const SourceSpan& span) {
     if (!judged_.insert(iri).second) return;
     const auto [one, other] = vocabulary_.DisjointAmong({iri});
@@ -103,7 +103,7 @@ class MeaningCheck {
                     "remove one of them, or the owl:disjointWith");
   }
 
-  // How the types of a resource stand to a class that it has to be in.
+  // Relation of the types of a resource to a class that it must be in.
   enum class Fit { kUnknown, kIs, kMismatch, kClash };
   Fit FitOf(const Term& node, const std::string& cls, std::string* why) const {
     if (!node.IsIri() || cls == Concat(kOwlNs, "Thing") || cls == Concat(kRdfsNs, "Resource"))
@@ -183,8 +183,7 @@ class MeaningCheck {
       const bool any = range == Concat(kRdfsNs, "Literal") || range == Concat(kRdfsNs, "Resource") ||
                        range == Concat(kXsdNs, "anyAtomicType") || range == Concat(kXsdNs, "anySimpleType");
       if (any || shapes::IsDerivedDatatype(datatype, range)) continue;
-      if (vocabulary_.IsDatatype(range) && !range.starts_with(kXsdNs))
-        continue;  // one that is defined elsewhere
+      if (vocabulary_.IsDatatype(range) && !range.starts_with(kXsdNs)) continue;  // it is defined elsewhere
       if (vocabulary_.IsClass(range)) {
         findings_.Error(
             "range-clash", span,
@@ -199,7 +198,7 @@ class MeaningCheck {
     }
   }
 
-  // A class below two disjoint ones, and circles, at the first edge of this document.
+  // Checks for a class below two disjoint ones, and for cycles, at the first edge in this document.
   void CheckEdge(const TermQuad& q, const QuadPlace& at) {
     if (!q.subject.IsIri() || !q.object.IsIri()) return;
     const bool of_classes = q.predicate.lexical == Concat(kRdfsNs, "subClassOf");
@@ -237,7 +236,7 @@ class MeaningCheck {
                             : "name fewer properties, or write a rule");
   }
 
-  // Of a list in this document; a circle has none.
+  // Length of a list in this document; a cyclic list has none.
   int LengthOf(const Term& list) {
     if (rests_.empty()) {
       for (const TermQuad& q : document_.rdf.quads) {
@@ -257,7 +256,7 @@ class MeaningCheck {
   Findings& findings_;
   std::set<std::string> declared_;
   std::map<Term, Term> rests_;    // rdf:rest, by cell
-  std::set<std::string> judged_;  // classes
+  std::set<std::string> judged_;  // classes already checked
 };
 
 }  // namespace

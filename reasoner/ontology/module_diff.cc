@@ -14,14 +14,14 @@
 namespace docent::ontology {
 namespace {
 
-// splitmix64's finaliser (Steele et al. 2014): sums of mixed values do not cancel each other out.
+// splitmix64's finaliser (Steele et al. 2014), so that sums of mixed values do not cancel each other out.
 uint64_t Mix(uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
   return x ^ (x >> 31);
 }
 
-// Colours of blank nodes: each round takes in what is one triple further away.
+// Colours of blank nodes: each round includes triples one step further away.
 class Colours {
  public:
   explicit Colours(const std::vector<TermQuad>& quads) {
@@ -30,7 +30,7 @@ class Colours {
         if (term->IsBlank()) colours_.try_emplace(term->lexical, 1);
       }
     }
-    // The same number of rounds for every graph, so that colours of two graphs compare.
+    // The same number of rounds for every graph, so that colours of two graphs are comparable.
     for (int round = 0; round < kRounds && !colours_.empty(); ++round) Refine(quads);
   }
 

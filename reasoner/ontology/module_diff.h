@@ -12,16 +12,16 @@
 namespace docent::ontology {
 
 struct ModuleDiff {
-  std::vector<TermQuad> removed;  // in `before` alone, sorted; without graphs
-  std::vector<TermQuad> added;    // in `after` alone
+  std::vector<TermQuad> removed;  // only in `before`, sorted; without graphs
+  std::vector<TermQuad> added;    // only in `after`
   bool empty() const { return removed.empty() && added.empty(); }
 };
 
-// A blank node is the same in both if the triples around it are, to a depth of 16 blank nodes
-// (colour refinement). Two that cannot be told apart so count as one. Graphs are left aside.
+// A blank node is the same in both if the triples around it are, to a depth of 16 blank nodes (colour
+// refinement). Blank nodes that this cannot distinguish count as one. Graphs are ignored.
 ModuleDiff DiffModules(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after);
 
-// What a module says of itself: its owl:Ontology, with owl:versionIRI and owl:versionInfo; empty where it says nothing.
+// A module's own version data: its owl:Ontology, with owl:versionIRI and owl:versionInfo; empty if not given.
 struct ModuleVersion {
   std::string ontology, version_iri, version_info;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kSkosNs = "http://www.w3.org/2004/02/skos/core#";
 constexpr std::string_view kTermsNs = "http://purl.org/dc/terms/";
 
-// "owl:Class" of its IRI, for the namespaces that decide what a word is.
+// "owl:Class" for its IRI, in the namespaces that decide the kind of a word.
 std::string Short(std::string_view iri) {
   for (const auto& [prefix, name_space] : {std::pair<std::string_view, std::string_view>{"rdf:", kRdfNs},
                                            {"rdfs:", kRdfsNs},
@@ -151,12 +151,11 @@ void Vocabulary::AddPropertyFact(const TermQuad& quad) {
   }
 }
 
-// Axioms that speak of several words: owl:AllDisjointClasses, and those that name individuals, which OWL 2 wants no
-// declaration of.
+// Axioms about several words: owl:AllDisjointClasses, and axioms that name individuals, for which OWL 2
+// requires no declaration.
 void Vocabulary::AddAxioms(const std::vector<TermQuad>& quads) {
   const Lists lists(quads);
-  std::map<std::string, std::string>
-      types;  // of the blank nodes that AllDisjointClasses and AllDifferent are
+  std::map<std::string, std::string> types;  // of the blank nodes of AllDisjointClasses and AllDifferent
   for (const TermQuad& q : quads) {
     if (q.subject.IsBlank() && q.predicate.lexical == kRdfType)
       types[q.subject.lexical] = Short(q.object.lexical);

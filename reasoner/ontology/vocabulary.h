@@ -1,6 +1,6 @@
-// Vocabulary of a set of documents: classes, properties, their hierarchies, which resources are described. Read
-// from told triples alone; nothing is inferred but along rdfs:subClassOf, rdfs:subPropertyOf and owl:equivalentClass.
-// One thread (it remembers closures that it was asked for).
+// Vocabulary of a set of documents: classes, properties, their hierarchies, described resources. It reads
+// asserted triples and infers nothing except along rdfs:subClassOf, rdfs:subPropertyOf and
+// owl:equivalentClass. One thread (it caches closures).
 #ifndef DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_
 #define DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_
 
@@ -18,12 +18,12 @@ namespace docent::ontology {
 
 using Words = std::set<std::string, std::less<>>;
 
-// The part of an IRI that words of one vocabulary share: up to the last '#', '/' or ':'.
+// The common part of the IRIs of one vocabulary: up to the last '#', '/' or ':'.
 std::string_view NamespaceOf(std::string_view iri);
 
 struct PropertyFacts {
   bool object = false, data = false, annotation = false;  // owl:ObjectProperty …
-  Words domains, ranges;                                  // IRIs alone
+  Words domains, ranges;                                  // IRIs only
 };
 
 class Vocabulary {
@@ -37,10 +37,10 @@ class Vocabulary {
   bool IsProperty(std::string_view iri) const { return properties_.contains(iri); }
   // Described, or named by an axiom as an individual (owl:oneOf, owl:hasValue …).
   bool IsKnown(std::string_view iri) const { return known_.contains(iri); }
-  // Null where it is no property.
+  // Null if it is no property.
   const PropertyFacts* Property(std::string_view iri) const;
-  // Whether words of this namespace that nothing declares are mistakes: it holds a declared class or property, or is
-  // one of rdf:, rdfs:, owl:, xsd:.
+  // True if undeclared words of this namespace are mistakes: it has a declared class or property, or is one
+  // of rdf:, rdfs:, owl:, xsd:.
   bool Covers(std::string_view name_space) const { return covered_.contains(name_space); }
   const Words& covered() const { return covered_; }
   bool HasLabel(std::string_view iri) const { return labelled_.contains(iri); }
@@ -52,9 +52,9 @@ class Vocabulary {
 
   // The explicit types of a resource.
   const Words& TypesOf(std::string_view iri) const;
-  // The class and those above it, the nearest first to be found; at most 2000 of them.
+  // The class and its superclasses, the nearest first; at most 2000.
   std::shared_ptr<const Words> ClassesAbove(const std::string& cls) const;
-  // A pair of disjoint classes, one above (or equal to) `a`, one above `b`; empty where there is none.
+  // A pair of disjoint classes, one above (or equal to) `a`, one above `b`; empty if there is none.
   std::pair<std::string, std::string> Disjoint(const std::string& a, const std::string& b) const;
   // Likewise, both above (or among) `classes`.
   std::pair<std::string, std::string> DisjointAmong(const Words& classes) const;
@@ -64,7 +64,7 @@ class Vocabulary {
   const std::map<std::string, Words, std::less<>>& super_properties() const { return super_properties_; }
 
   enum class Kind { kClass, kProperty, kAny };
-  // The nearest known word: of this namespace and kind by its local name, or empty.
+  // The most similar known word of this namespace and kind, by its local name; or empty.
   std::string NearestWord(std::string_view iri, Kind kind) const;
 
  private:
@@ -76,7 +76,7 @@ class Vocabulary {
   std::map<std::string, PropertyFacts, std::less<>> facts_;
   std::map<std::string, Words, std::less<>> types_, super_classes_, super_properties_, equivalent_;
   std::map<std::string, Words, std::less<>> disjoint_;
-  mutable std::map<std::string, std::shared_ptr<const Words>> above_;  // by class, once asked for
+  mutable std::map<std::string, std::shared_ptr<const Words>> above_;  // cache, by class
   mutable size_t above_size_ = 0;                                      // words in all of them
 };
 

@@ -18,7 +18,7 @@ std::string_view NameOf(Kind kind) {
   return kind == Kind::kClass ? "class" : kind == Kind::kProperty ? "property" : "resource";
 }
 
-// A namespace without what people get wrong about it.
+// A namespace without the parts that people often get wrong.
 std::string Plain(std::string_view name_space) {
   std::string text = sparql::LowerAscii(name_space);
   for (const std::string_view start : {"http://", "https://"}) {
@@ -29,7 +29,7 @@ std::string Plain(std::string_view name_space) {
   return text;
 }
 
-// Words of one document, each judged once.
+// Check of the words of one document, each once.
 class WordCheck {
  public:
   WordCheck(const Vocabulary& vocabulary, Findings& findings) : vocabulary_(vocabulary), findings_(findings) {
@@ -61,7 +61,7 @@ class WordCheck {
   }
 
   void Undefined(const std::string& iri, Kind kind, const SourceSpan& span) {
-    // one that is undefined as a class and as a resource is said once
+    // a word undefined both as a class and as a resource is reported once
     if (!undefined_.insert(iri).second) return;
     const std::string nearest = vocabulary_.NearestWord(iri, kind);
     const std::string any = nearest.empty() ? vocabulary_.NearestWord(iri, Kind::kAny) : nearest;
@@ -97,7 +97,7 @@ class WordCheck {
   std::set<std::string> undefined_, namespaces_;
 };
 
-// The kind of word that stands behind such a property.
+// The kind of word that such a property takes as object.
 Kind ObjectKind(std::string_view predicate) {
   static const std::set<std::string, std::less<>>* classes =
       new std::set<std::string, std::less<>>{std::string(kRdfType),
@@ -125,7 +125,7 @@ Kind ObjectKind(std::string_view predicate) {
   return properties->contains(predicate) ? Kind::kProperty : Kind::kAny;
 }
 
-// Ontologies and their versions have IRIs of their own, often those of a namespace but for the last sign.
+// Ontologies and their versions have IRIs of their own, often the namespace without its last character.
 bool NamesOntology(std::string_view predicate) {
   static const std::set<std::string, std::less<>>* words = new std::set<std::string, std::less<>>{
       Concat(kOwlNs, "versionIRI"), Concat(kOwlNs, "imports"), Concat(kOwlNs, "priorVersion"),

@@ -1,4 +1,5 @@
-// Check that every word of a document is in the vocabulary and used as it is declared. RDF, rules and queries. One thread.
+// Check that every word of a document is in the vocabulary and used as declared. RDF, rules and queries. One
+// thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 #define DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 
@@ -12,10 +13,10 @@
 
 namespace docent::ontology {
 
-// Only words of namespaces that the vocabulary covers are judged; each once, at its first place.
-//  error    undefined-term      a class, property or resource of such a namespace that nothing declares or describes
-//  error    wrong-kind          a property where a class is meant, or a class where a property is
-//  warning  namespace           a namespace that is one of the covered ones but for http/https, case or its last sign
+// Checks only words of namespaces that the vocabulary covers; each once, at its first place.
+//  error    undefined-term      a class, property or resource of such a namespace without declaration
+//  error    wrong-kind          a property in place of a class, or a class in place of a property
+//  warning  namespace           a covered namespace except for http/https, case or its last character
 //  warning  unused-prefix       of RDF, see CheckPrefixes
 void CheckWords(const LocatedRdf& document, const Vocabulary& vocabulary, Findings& findings);
 void CheckWords(const rules::ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings);

@@ -8,7 +8,7 @@
 namespace docent::rules {
 namespace {
 
-// The names of a term: in the place of an object literals, too.
+// The names of a term: in the position of an object, also literals.
 struct Names {
   Names(const EqualityClasses& classes, TermId term, bool as_object) : itself(term) {
     const EqualityClasses::Class* of_term = classes.Find(term);
@@ -81,7 +81,7 @@ bool CertainEquality::IsTold(const Triple& fact) const {
   return false;
 }
 
-// What is told in this turn alone makes no part of a class: nothing is written out for it yet.
+// Pairs asserted in this turn only do not count: nothing is written out for them yet.
 void CertainEquality::Load(TermId term) {
   const EqualityClasses::Class* of_term = classes_.Find(term);
   if (of_term == nullptr || !loaded_.insert(of_term->representative()).second) return;

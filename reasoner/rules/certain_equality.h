@@ -1,8 +1,9 @@
-// Which terms are surely equal while facts are taken away, and what is surely true under their other names.
+// Certain equality during retraction: which terms are certainly equal, and which facts certainly hold under
+// other names.
 //
-// Certain is what told pairs connect, and pairs that another rule than those of equality proves; never what equality alone
-// wrote out, since that may rest on what is lost. ProofSearch asks it.
-// Private to this folder. Made for one Update. Writer thread only.
+// Terms are certainly equal if asserted pairs connect them, or pairs proved by rules other than those of
+// equality. Pairs that only equality wrote out do not count, since they may rest on a lost fact. Used by
+// ProofSearch. Private to this folder. Made for one Update. Writer thread only.
 #ifndef DOCENT_REASONER_RULES_CERTAIN_EQUALITY_H_
 #define DOCENT_REASONER_RULES_CERTAIN_EQUALITY_H_
 
@@ -20,7 +21,7 @@ namespace docent::rules {
 
 class CertainEquality {
  public:
-  // `classes`: all that was equal before; they must be as they were whenever a term is asked about for the first time.
+  // `classes`: the equality classes before the change; they must be unchanged when a term is first queried.
   CertainEquality(const RuleProgram& program, const EqualityClasses& classes, const GraphWriter& writer,
                   TermId inferred_graph, Cancellation* cancellation)
       : program_(program),
@@ -29,22 +30,22 @@ class CertainEquality {
         inferred_graph_(inferred_graph),
         cancellation_(cancellation) {}
 
-  // Equality may make the fact of others.
+  // True if equality may make the fact from others.
   bool MayMake(const Triple& fact) const;
-  // A fact that is told, or that Note knows, says it under names that are certainly equal to its own.
+  // True if a fact that is asserted, or was passed to Note, states the same under certainly equal names.
   bool Proves(const Triple& fact);
-  // The fact has a proof.
+  // Records that the fact has a proof.
   void Note(const Triple& fact);
-  // The classes may have others now.
+  // Drops cached results, because the classes may have changed.
   void Forget() {
     loaded_.clear();
     not_told_.clear();
   }
-  // The terms of the class of `member` as far as they are certainly equal: the parts into which the class falls.
+  // The class of `member`, split into parts of certainly equal terms.
   std::vector<EqualityClasses::Class> PartsOf(TermId member);
 
  private:
-  static constexpr size_t kManyNames = 1 << 16;  // of a fact with more no told one is looked for
+  static constexpr size_t kManyNames = 1 << 16;  // for a fact with more names no asserted one is searched
 
   void Load(TermId term);
   bool IsTold(const Triple& fact) const;
@@ -56,22 +57,24 @@ class CertainEquality {
   const TermId inferred_graph_;
   Cancellation* const cancellation_;  // null: steps are not counted
   EqualityClasses certain_;
-  absl::flat_hash_set<TermId> loaded_;    // members of classes whose told pairs certain_ has
+  absl::flat_hash_set<TermId> loaded_;    // members of classes whose asserted pairs are in certain_
   absl::flat_hash_set<Triple> proven_;    // under representatives of certain_
-  absl::flat_hash_set<Triple> not_told_;  // likewise, as long as certain_ stays as it is
+  absl::flat_hash_set<Triple> not_told_;  // likewise, valid until certain_ changes
 };
 
-// The fact with each term replaced by the representative of its class: facts that equality makes of each other have the same.
+// The fact with each term replaced by the representative of its class. Facts that equality makes of each
+// other get the same result.
 Triple UnderRepresentatives(const EqualityClasses& classes, const Triple& fact);
-// Calls `visit` with the fact under all names of its terms, itself among them, until it returns false; whether it never did.
-// kMade are all that equality makes of the fact; kMakers are those that it may be made of, since nothing
-// follows from a literal.
+// Calls `visit` with the fact under all names of its terms, including itself, until it returns false; returns
+// true if it never did. kMade: all facts that equality makes of this one. kMakers: the facts of which
+// equality may make it, without literal subjects.
 enum class NamesOf : uint8_t { kMade, kMakers };
 bool ForEachName(const EqualityClasses& classes, const Triple& fact, NamesOf which,
                  absl::FunctionRef<bool(const Triple&)> visit);
-// The objects whose names `fact` may have been made of: its own, and where that is a literal the classes that it names.
+// Objects under which equality may have derived `fact`: its own object, and for a literal the classes that it
+// names.
 std::vector<TermId> ObjectsThatMake(const EqualityClasses& classes, TermId object);
-// How many these are.
+// The number of these facts.
 size_t CountNames(const EqualityClasses& classes, const Triple& fact);
 
 }  // namespace docent::rules

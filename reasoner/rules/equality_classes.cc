@@ -21,7 +21,7 @@ uint32_t EqualityClasses::ClassOf(TermId term) {
   return id;
 }
 
-// False: it was there.
+// False: already there.
 bool EqualityClasses::AddLiteral(uint32_t to, TermId literal) {
   std::vector<TermId>& literals = classes_[to].literals;
   const auto place = std::lower_bound(literals.begin(), literals.end(), literal);

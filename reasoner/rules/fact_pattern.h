@@ -1,5 +1,5 @@
-// Abstraction of a set of facts to a pattern, for the order of rules with negation (negation_order.h). Private to this
-// folder. Pure; any thread.
+// Pattern of a set of facts, for the order of rules with negation (negation_order.h). Private to this folder.
+// Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_FACT_PATTERN_H_
 #define DOCENT_REASONER_RULES_FACT_PATTERN_H_
 
@@ -9,7 +9,7 @@
 
 namespace docent::rules {
 
-// None: any. `reflexive`: subject and object are the same, whatever they are; exactly where both are known and the same, too.
+// kNone: any term. `reflexive`: subject and object are equal; always true if both are known and equal.
 struct FactPattern {
   TermId subject, predicate, object;
   bool reflexive = false;
@@ -22,8 +22,9 @@ struct FactPattern {
   }
 };
 
-// Calls `visit` with each pattern that all facts of `p` match (a fact: with all of its terms), until it returns true; whether
-// it did. Those that know a predicate and a subject, or that the pattern is reflexive, only with `also_subjects`.
+// Calls `visit` with each pattern that all facts of `p` match (a fact has all of its terms), until it returns
+// true; returns whether it did. Patterns with a predicate and a subject, or reflexive ones, only with
+// `also_subjects`.
 template <typename Visit>
 bool AnyWider(const FactPattern& p, bool also_subjects, Visit visit) {
   const TermId any;

@@ -14,8 +14,8 @@
 namespace docent::rules {
 namespace {
 
-// The triples that a solution must have matched, as far as its row alone tells them: what else the graph holds must not
-// count, or the same solution would be told otherwise later.
+// The triples that a solution must have matched, as far as its row determines them. Other facts in the graph
+// must not matter: the same solution must always give the same report.
 std::vector<Triple> Matched(const CompiledRule& rule, absl::Span<const TermId> row) {
   std::vector<Triple> matched;
   if (rule.body->flat()) {
@@ -42,7 +42,7 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
                               std::vector<Triple>& out) {
   const std::vector<Triple> matched = Matched(rule, row);
   const bool flat = rule.body->flat();
-  // Where the triples decide a solution, those of two rules of one name come and go together.
+  // If the triples determine a solution, those of two rules with one name come and go together.
   const bool by_name = !rule.name.empty() && rule.positive;
   std::string text = absl::StrCat(rule.set, "\n", by_name ? rule.name : rule.text);
   const auto add_text = [&](TermId id) {

@@ -10,8 +10,8 @@
 namespace docent::rules {
 namespace {
 
-constexpr int kMostPasses = 16;   // axioms are there after one
-constexpr int kAskingPasses = 8;  // then what the graph answers does not matter to the order
+constexpr int kMostPasses = 16;   // the axioms exist after one pass
+constexpr int kAskingPasses = 8;  // after these the order ignores the answers of the graph
 
 }  // namespace
 
@@ -57,8 +57,8 @@ void Materialiser::ReadTold() {
   }
 }
 
-// Where a told triple is inferred besides, the inferred one goes: nothing is new. Where a triple is no longer
-// told, but still follows from others, it becomes inferred: nothing is lost.
+// If an inferred triple is now asserted, the inferred copy is removed: no net change. If a triple is no
+// longer asserted but still follows from others, it becomes inferred: no net change either.
 absl::Status Materialiser::SettleTold() {
   std::vector<Quad> now_told;
   for (const ToldEntry& entry : told_) {
@@ -91,13 +91,13 @@ absl::Status Materialiser::SettleTold() {
           !status.ok())
         return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
-      any_proven = true;  // it may come back
+      any_proven = true;  // it may hold again
       rederivable_.push_back(entry.triple);
     } else {
       unproven.push_back(entry.triple);
     }
   }
-  // One that was asked before another became inferred may follow from that one.
+  // A triple tested before another became inferred may follow from that one.
   for (const Triple& triple : unproven) {
     if (!any_proven) break;
     rederivable_.push_back(triple);
@@ -188,12 +188,12 @@ absl::Status Materialiser::Maintain() {
   if (absl::Status status = SettleTold(); !status.ok()) return status;
   PlaceNegation(AskAxioms::kGraph)
       .status()
-      .IgnoreError();  // by the axioms as they are yet; below by those that stay
+      .IgnoreError();  // by the current axioms; below by the remaining ones
   if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
   for (stratum_ = 0; stratum_ < program_.stratum_count; ++stratum_) {
     if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     if (stratum_ != program_.first_entangled || program_.ordered.empty()) continue;
-    // Axioms came and went: by those that are there now the facts of this stratum may be others, though no axioms.
+    // Axioms were added or removed: with the new ones the facts of this stratum may differ.
     absl::StatusOr<bool> moved = PlaceNegation(AskAxioms::kGraph);
     for (int passes = 0; moved.ok() && *moved;
          moved = PlaceNegation(passes < kAskingPasses ? AskAxioms::kGraph : AskAxioms::kNothing)) {
@@ -227,7 +227,8 @@ absl::StatusOr<bool> Materialiser::PlaceNegation(AskAxioms ask) {
   return program_.Place(*std::move(order));
 }
 
-// What was made of facts that the new order has in later strata comes again there, if it still does.
+// Removes facts that belong to later strata in the new order; those strata derive them again if they still
+// follow.
 void Materialiser::TakeBackEarly() {
   absl::flat_hash_set<Triple> early;
   for (const Triple& t : came_) {
@@ -242,7 +243,7 @@ void Materialiser::TakeBackEarly() {
   }
   std::erase_if(added_, [&](const Triple& t) {
     if (!early.contains(t)) return false;
-    removed_.erase(t);  // it was not there before
+    removed_.erase(t);  // it was not there before the turn
     return true;
   });
   context_.writer.RemoveAll(std::move(quads));

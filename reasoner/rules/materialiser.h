@@ -1,22 +1,22 @@
-// One maintenance of docent:inferred: from a change of the told facts, and of the rules, to a change of the
-// inferred facts. Private to this folder; the semantics stand in rule_engine.h. Made for one Update. Writer
-// thread only.
+// One maintenance run of docent:inferred: computes the change of the inferred facts from a change of the
+// asserted facts and of the rules. Private to this folder; for the semantics see rule_engine.h. Made for one
+// Update. Writer thread only.
 //
-// Strata are treated in order (there are as many as negation needs); within one:
-//   1. take away: what rested on a lost triple (or on the absence of one that is there now) is asked for
-//   another
-//      proof (proof_search.h); what has none goes, and what rested on it is asked in its turn
-//   2. what was too far to tell comes back if a rule still makes it
-//   3. add: in rounds, the triples that are new in a round are joined with all others by the rules that they
-//   concern. Rules that are new are evaluated whole; those of the schema before the others, which are then
-//   evaluated for the axioms as they come to be, once.
+// Strata are treated in order (as many as negation needs). Within a stratum:
+//   1. Retract: each fact that rested on a lost triple (or on the absence of a triple that now exists) is
+//      tested for another proof (proof_search.h). A fact without one is removed, and the facts that rested
+//      on it are tested in turn.
+//   2. Rederive: undecided facts return if a rule still makes them.
+//   3. Add, in rounds: the triples that are new in a round are joined with all others by the rules that they
+//      concern. New rules are evaluated whole. New schema rules come first; the other new rules are then
+//      evaluated once, for the final axioms.
 //
-// Equality is no matter of rules (equality_classes.h): at the end of each round, what is new is written out under all names
-// of its terms; a class that loses a pair falls apart into what is surely equal, and what its terms' facts rested on is
-// asked about (materialiser_equality.cc).
+// Equality is handled without rules (equality_classes.h). At the end of each round, new facts are written out
+// under all names of their terms. A class that loses a pair is split into certainly equal parts, and the
+// facts about its terms are tested (materialiser_equality.cc).
 //
-// What a rule of negation made is found in the graph as it was before: the writer's own graph with the
-// changes so far undone and then done again; both are as long as the change, not as the graph.
+// Facts made by rules with negation are searched in the graph as it was before: the writer's own graph with
+// the changes so far undone and then redone; the cost depends on the change, not on the graph.
 #ifndef DOCENT_REASONER_RULES_MATERIALISER_H_
 #define DOCENT_REASONER_RULES_MATERIALISER_H_
 
@@ -47,44 +47,44 @@ class Materialiser {
   struct Context {
     GraphWriter& writer;
     SchemaIndex& schema;
-    EqualityClasses& classes;  // of the graph as it was before
+    EqualityClasses& classes;  // of the graph before the change
     InconsistencyFacts& inconsistencies;
     const Dictionary& dictionary;
     TermId inferred_graph;
     const Limits& limits;
-    size_t& inferred_so_far;  // quads inferred since the last Commit, counted on here
+    size_t& inferred_so_far;  // quads inferred since the last Commit; updated here
     RuleEngine::Counters& counters;
     Cancellation* cancellation;  // null: none
   };
 
-  // `before`: the rules that the inferred graph follows now; the same object as `program` where they did not
+  // `before`: the rules of the current inferred graph; the same object as `program` if the rules did not
   // change.
   Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told, const Context& context);
 
   absl::Status Maintain();
-  // The change of the inferred graph, net.
+  // The net change of the inferred graph.
   Delta InferredChange() const;
 
  private:
-  // A triple that the told change is about.
+  // A triple in the change of asserted facts.
   struct ToldEntry {
     Triple triple;
-    bool before = false;  // told
+    bool before = false;  // was asserted before
     bool now = false;
     bool inferred_before = false;
   };
-  // A rule that is not positive, to be evaluated with the seed of one of its triggers.
+  // A rule that is not positive, to evaluate with the seed of one of its triggers.
   struct Task {
     uint32_t rule;
     uint32_t trigger;
     Triple triple;
   };
   enum class Phase : uint8_t { kAdd, kTakeAway };
-  // Which rules a new triple is shown to.
+  // The rules that a new triple is matched with.
   enum class Scope : uint8_t {
     kAll,
-    kStaying,         // not those that are new: they are evaluated whole
-    kEnteringSchema,  // those that are new and speak of the schema alone
+    kStaying,         // not the new rules: they are evaluated whole
+    kEnteringSchema,  // only the new rules about the schema
   };
 
   Quad InferredQuad(const Triple& t) const {
@@ -99,13 +99,13 @@ class Materialiser {
 
   void ReadTold();
   absl::Status SettleTold();
-  absl::StatusOr<bool> PlaceNegation(AskAxioms ask);  // whether the order is another one
+  absl::StatusOr<bool> PlaceNegation(AskAxioms ask);  // true if the order has changed
   absl::Status MaintainStratum();
   void TakeBackEarly();
   void CompareRules();
   void ToOldState();
   void ToNewState();
-  // What all lower strata and the told change come to.
+  // Collects the changes of all lower strata and of the asserted facts.
   void CollectChanges(int stratum);
 
   // materialiser_retract.cc
@@ -156,9 +156,10 @@ class Materialiser {
   absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
   bool InScope(uint32_t rule) const;
-  // Whether a fact of an entangled rule is made, or asked about, in the running stratum. Made are also those of earlier ones:
-  // they follow from reports, since checks are not entangled with what they match. Asked about are those of this stratum
-  // alone, and in the first also those that lay in a later one by the axioms before.
+  // True if the running stratum may make, or test, a fact of an entangled rule. It also makes facts of
+  // earlier strata: they follow from reports, since checks are not entangled with the rules that they match.
+  // It tests only facts of its own stratum; the first stratum also tests facts that the former axioms placed
+  // in a later one.
   bool MayMake(const CompiledRule& rule, const Triple& fact, Phase phase) const {
     if (program_.ordered.empty() || stratum_ < 0) return true;
     if (!program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data()))) return true;
@@ -166,25 +167,25 @@ class Materialiser {
     if (phase == Phase::kAdd) return stratum <= stratum_;
     return stratum == stratum_ || of_report_ || stratum_ == program_.first_entangled;
   }
-  // The same of what is made now; a fact that is put off is remembered.
+  // The same for newly made facts; remembers a fact that belongs to a later stratum.
   bool MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase);
-  // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
-  // The first those with a schema part by its solutions, the second all others (and changes of the schema
-  // itself).
+  // Evaluates the rules of `stratum` for which `quad` is a positive match; their results go to Emit.
+  // DispatchInstances: the rules with a schema part, by its solutions. DispatchRules: all others (and changes
+  // of the schema itself).
   absl::Status DispatchInstances(const Quad& quad, int stratum, Phase phase);
   absl::Status DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative);
   absl::Status FireWhole(RuleProgram& program, uint32_t rule, Phase phase);
   absl::Status FireInstances(uint32_t rule);
   absl::Status FireTask(const Task& task, Phase phase);
-  // A rule with `seed_`.
+  // Evaluates a rule with `seed_`.
   absl::Status FireSeeded(uint32_t number, Phase phase);
-  // False: stop.
+  // False: end the evaluation.
   bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
   bool Collect(const CompiledRule& rule, const Triple& triple, Phase phase);
   bool TakeMade();
   bool DropPresent(const CompiledRule& rule);
   void NowInferred(const Triple& t);
-  // So many steps were made; CheckSteps says where that were too many, and names the rule.
+  // Counts steps; CheckSteps reports too many of them, and names the rule.
   void Spend(uint64_t steps) {
     if (context_.cancellation != nullptr) context_.cancellation->Spend(steps);
   }
@@ -199,56 +200,55 @@ class Materialiser {
   const Context context_;
   ProofSearch proofs_;
 
-  int stratum_ = -1;                // that runs
-  bool of_report_ = false;          // what is lost is, whose consequences are asked about
+  int stratum_ = -1;                // the running one
+  bool of_report_ = false;          // the consequences of lost report facts are being tested
   std::vector<ToldEntry> told_;     // by triple
-  std::vector<uint32_t> entering_;  // rules of program_ that before_ does not have
+  std::vector<uint32_t> entering_;  // rules of program_ that are not in before_
   std::vector<bool> is_entering_;
-  std::vector<uint32_t> leaving_;  // rules of before_ that program_ does not have
+  std::vector<uint32_t> leaving_;  // rules of before_ that are not in program_
   bool old_state_ = false;
 
   absl::flat_hash_set<Triple> removed_;    // of the inferred graph, net
   std::vector<Triple> added_;              // likewise
-  absl::flat_hash_set<Triple> added_set_;  // added_ as of the beginning of the stratum
+  absl::flat_hash_set<Triple> added_set_;  // added_ at the beginning of the stratum
 
-  std::vector<Triple> lost_;            // to the running stratum: present before, not now
-  std::vector<Triple> gained_;          // the other way about
-  absl::flat_hash_set<Triple> marked_;  // taken away in the running stratum, and ghosts
+  std::vector<Triple> lost_;            // for the running stratum: present before, not now
+  std::vector<Triple> gained_;          // the opposite
+  absl::flat_hash_set<Triple> marked_;  // removed in the running stratum, and ghosts
   std::vector<Triple> queue_;           // marked_, in order
-  size_t ghosts_ = 0;                   // the first of queue_ that were gone already
+  size_t ghosts_ = 0;                   // the first of queue_, which were removed before
   bool ghosts_in_graph_ = false;
-  std::vector<Triple> rederivable_;      // in the running stratum and all after it
-  std::vector<Triple> unproven_;         // taken away, but not for what may come back
-  absl::flat_hash_set<Triple> put_off_;  // of rederivable_: taken away, made again, and of a later stratum
+  std::vector<Triple> rederivable_;      // in the running stratum and all later ones
+  std::vector<Triple> unproven_;         // removed, but other facts may prove them again
+  absl::flat_hash_set<Triple> put_off_;  // of rederivable_: removed, made again, and of a later stratum
   struct CheckRow {
     uint32_t rule;
     std::vector<TermId> row;
   };
-  std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
+  std::vector<CheckRow> check_rows_;  // solutions of checks that may no longer hold
 
-  // Equality, where ClosesEquality(stratum_).
-  std::vector<Triple> unwritten_;                // of the graph, and not under all names yet
-  absl::flat_hash_set<Triple> unwritten_set_;    // those that have other names
-  bool are_unsettled_ = false;                   // the classes that there were, where equality is new
-  std::vector<TermId> joined_;                   // members of classes that became larger in this turn
-  std::vector<EqualityClasses::Class> doubted_;  // classes that lost a pair, as they were
+  // Equality, if ClosesEquality(stratum_).
+  std::vector<Triple> unwritten_;                // facts not yet written out under all names
+  absl::flat_hash_set<Triple> unwritten_set_;    // those with other names
+  bool are_unsettled_ = false;                   // equality is new: the existing classes are not written out
+  std::vector<TermId> joined_;                   // members of classes that grew in this turn
+  std::vector<EqualityClasses::Class> doubted_;  // classes that lost a pair, before the loss
   absl::flat_hash_set<TermId> doubted_terms_;    // their members
-  std::vector<TermId> reopened_;                 // terms whose pairs are to be derived again
-  absl::flat_hash_set<Triple>
-      lost_names_;  // facts, under representatives, whose other names were asked about
+  std::vector<TermId> reopened_;                 // terms whose pairs must be derived again
+  absl::flat_hash_set<Triple> lost_names_;  // facts, under representatives, whose other names were tested
   absl::flat_hash_map<Triple, bool>
-      is_written_out_;  // by the same: whether the graph holds it under some name
+      is_written_out_;  // by the same key: true if the graph holds it under some name
 
-  AxiomAnswers asked_;                // by all orders since the axioms were there
-  std::vector<Triple> came_;          // in all rounds
+  AxiomAnswers asked_;                // of all orders since the axioms exist
+  std::vector<Triple> came_;          // new in all rounds
   std::vector<Triple> round_;         // new in the last round
-  std::vector<Triple> candidates_;    // for the next
+  std::vector<Triple> candidates_;    // for the next round
   absl::flat_hash_set<Triple> seen_;  // candidates of this stratum
   size_t compact_at_ = 0;
   absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round
   Scope scope_ = Scope::kAll;
   uint32_t last_rule_ = 0;
-  std::array<std::pair<Triple, const CompiledRule*>, 16> made_now_;  // by rules, in kAdd; not looked at yet
+  std::array<std::pair<Triple, const CompiledRule*>, 16> made_now_;  // by rules, in kAdd; not examined yet
   size_t made_count_ = 0;
   std::vector<Triple> made_;  // likewise, in kTakeAway
   std::vector<Triple> scratch_;

@@ -1,4 +1,4 @@
-// Adding what follows, and evaluating rules. See materialiser.h.
+// Addition of derived facts, and evaluation of rules. See materialiser.h.
 #include <algorithm>
 #include <utility>
 
@@ -30,7 +30,7 @@ absl::Status Materialiser::Add(int stratum) {
   return absl::OkStatus();
 }
 
-// Shows the triples of the last round to the rules in scope_; what these make is the next round.
+// Matches the triples of the last round with the rules in scope_; their results are the next round.
 absl::Status Materialiser::DispatchRound(int stratum) {
   whole_.clear();
   for (const Triple& triple : round_) {
@@ -42,7 +42,7 @@ absl::Status Materialiser::DispatchRound(int stratum) {
   return EndRound();
 }
 
-// What new rules of the schema make of the schema, to the end. It is new to the rules that stay.
+// Derives all schema facts of the new schema rules. The remaining rules see them as new.
 absl::Status Materialiser::CloseSchema(int stratum) {
   bool any = false;
   for (const uint32_t rule : entering_) {
@@ -101,7 +101,7 @@ absl::Status Materialiser::FirstRound(int stratum) {
   return EndRound();
 }
 
-// What is new becomes part of the graph at once; so each index is walked once, in its order.
+// New facts enter the graph together, so that each index is walked once, in its order.
 absl::Status Materialiser::EndRound() {
   if (!TakeMade()) return status_;
   if (absl::Status status = WriteOutEquals(); !status.ok()) return status;
@@ -210,7 +210,7 @@ absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
 
 absl::Status Materialiser::FireSeeded(uint32_t number, Phase phase) {
   const CompiledRule& rule = program_.rules[number];
-  // A check tells of its whole row: a seed would be told, too, of a solution that leaves the column open.
+  // A check reports its whole row: with a seed, a solution that leaves the column open would report the seed.
   for (size_t i = 0; rule.check && i < seed_.size(); ++i) {
     if (!rule.body->columns()[i].certain) seed_[i] = TermId();
   }
@@ -229,7 +229,7 @@ absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phas
   return status.ok() ? status_ : rule.Named(status);
 }
 
-// A rule with a schema part, for each solution of it.
+// Evaluates a rule with a schema part, for each solution of that part.
 absl::Status Materialiser::FireInstances(uint32_t number) {
   const CompiledRule& rule = program_.rules[number];
   const auto filters = rule.filters ? matching::Body::Filters::kAll : matching::Body::Filters::kNone;
@@ -267,7 +267,7 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
 
 bool Materialiser::MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase) {
   if (MayMake(rule, triple, phase)) return true;
-  // What it is made of may be there as it was before the turn, so that a later stratum sees no change.
+  // Its premises may be as before the turn, so that a later stratum would see no change.
   if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second)
     rederivable_.push_back(triple);
   return false;
@@ -289,8 +289,8 @@ bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase
   return made_count_ < made_now_.size() || TakeMade();
 }
 
-// Of what was made, what is not a candidate yet becomes one. Some at a time, since most of the time goes by
-// waiting for the places in memory that say whether it is.
+// Makes candidates of the new ones among the made facts. In batches, since most of the time goes into waiting
+// for the memory that tells whether a fact is new.
 bool Materialiser::TakeMade() {
   const size_t count = std::exchange(made_count_, 0);
   for (size_t i = 0; i < count; ++i) {
@@ -304,7 +304,7 @@ bool Materialiser::TakeMade() {
   return true;
 }
 
-// Many candidates may be in the graph already; and what is beyond the limit anyway need not be collected.
+// Many candidates may be in the graph already; and beyond the limit none need be collected.
 bool Materialiser::DropPresent(const CompiledRule& rule) {
   const size_t room = context_.limits.inferred_per_turn > context_.inferred_so_far
                           ? context_.limits.inferred_per_turn - context_.inferred_so_far

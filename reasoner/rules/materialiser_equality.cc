@@ -1,4 +1,4 @@
-// Equality: writing out what is new under all names of its terms, and taking classes apart. See materialiser.h.
+// Equality: writing out new facts under all names of their terms, and splitting classes. See materialiser.h.
 #include <algorithm>
 #include <utility>
 
@@ -11,11 +11,11 @@ namespace docent::rules {
 namespace {
 
 constexpr size_t kPairsAsked =
-    256;  // of a class that lost a pair: for so many a proof by other rules is looked for
+    256;  // names of a class that lost a pair for which proofs by other rules are searched
 
 using Blocks = absl::InlinedVector<absl::Span<const TermId>, 8>;
 
-// The blocks of a term's class; where it has none, the term alone, which must stay where it is.
+// The blocks of a term's class; without a class the term alone, which must stay at its address.
 Blocks BlocksOf(const EqualityClasses& classes, const TermId& term, bool as_object) {
   Blocks blocks;
   const EqualityClasses::Class* of_term = classes.Find(term);
@@ -31,22 +31,22 @@ Blocks BlocksOf(const EqualityClasses& classes, const TermId& term, bool as_obje
 
 }  // namespace
 
-// ---- what is new
+// ---- new facts
 
 void Materialiser::BeginEquality() {
   unwritten_.clear();
   if (!program_.ClosesEquality(stratum_)) return;
   unwritten_ = gained_;
   EqualityClasses& classes = context_.classes;
-  if (!before_.equality.by_classes && !are_unsettled_) {  // nothing was written out, or by other rules
+  if (!before_.equality.by_classes && !are_unsettled_) {  // not written out yet, or by other rules
     are_unsettled_ = true;
     classes.ForEach([&](const EqualityClasses::Class& each) { joined_.push_back(each.representative()); });
   }
-  // What classes made in an earlier stratum may have been put off to this one.
+  // Facts that classes made in an earlier stratum may have been put off to this one.
   for (const TermId member : joined_) classes.Unsettle(member);
 }
 
-// Whether a class became larger by pairs that are new.
+// True if a class grew by new pairs.
 bool Materialiser::JoinNew() {
   bool any = false;
   for (const std::vector<Triple>* facts : {&unwritten_, &candidates_}) {
@@ -59,7 +59,7 @@ bool Materialiser::JoinNew() {
   return any;
 }
 
-// Under representatives, each once: what is new, and what the graph holds about classes that became larger.
+// Distinct facts under representatives: the new facts, and the graph's facts about classes that grew.
 std::vector<Triple> Materialiser::FactsToWriteOut() {
   const EqualityClasses& classes = context_.classes;
   std::vector<Triple> facts;
@@ -102,7 +102,7 @@ absl::Status Materialiser::WriteOutEquals() {
       if (!WriteOut(fact)) return status_;
     }
     if (!TakeMade()) return status_;
-    // What is equal to owl:sameAs makes pairs.
+    // Properties equal to owl:sameAs make pairs.
     again = context_.classes.Find(program_.equality.same_as) != nullptr && JoinNew();
   }
   unwritten_.clear();
@@ -110,8 +110,9 @@ absl::Status Materialiser::WriteOutEquals() {
   return absl::OkStatus();
 }
 
-// Calls `visit(subjects, predicates, objects)` for each combination of blocks of which the graph does not hold all: it holds all
-// or nothing, but for what came in this turn and, where a class lost terms, for what Rederive finds.
+// Calls `visit(subjects, predicates, objects)` for each combination of blocks that the graph does not hold
+// completely. It holds all or none of a combination, except for facts new in this turn and, for classes that
+// lost terms, facts found by Rederive.
 template <typename Visit>
 bool Materialiser::ForEachOpenBlock(const Triple& fact, Visit visit) {
   const Blocks subjects = BlocksOf(context_.classes, fact.subject, false);
@@ -133,7 +134,7 @@ bool Materialiser::ForEachOpenBlock(const Triple& fact, Visit visit) {
   return true;
 }
 
-// Whether the steps that are left may be enough. Otherwise it is known before the names take memory.
+// False if the remaining steps cannot be enough; checked before the names take memory.
 bool Materialiser::CanWriteOut(const Triple& fact) {
   constexpr size_t kMany = 100000;
   constexpr uint64_t kStepsOfName = kStepsOfHead + kStepsOfCandidate + kStepsOfLookup + kStepsOfFact;
@@ -173,9 +174,9 @@ bool Materialiser::EmitEqual(const Triple& made) {
   return MayEmit(rule, made, Phase::kAdd) ? Collect(rule, made, Phase::kAdd) : true;
 }
 
-// ---- what is lost
+// ---- lost facts
 
-// Where equality is no longer a rule: all that it may have made.
+// If equality is no longer a rule: collects all facts that it may have made.
 void Materialiser::CollectFactsWithOtherNames() {
   graph().ForEach({TermId(), TermId(), TermId(), context_.inferred_graph}, [&](const Quad& q) {
     const Triple t = {q.subject, q.predicate, q.object};
@@ -185,7 +186,7 @@ void Materialiser::CollectFactsWithOtherNames() {
   });
 }
 
-// What may rest on a lost fact by equality comes to made_.
+// Adds the facts that may rest on a lost fact by equality to made_.
 absl::Status Materialiser::LoseEquals(const Triple& lost) {
   const EqualityClasses& classes = context_.classes;
   if (!program_.ClosesEquality(stratum_) || !HasOtherNames(lost)) return absl::OkStatus();
@@ -204,7 +205,7 @@ absl::Status Materialiser::LoseEquals(const Triple& lost) {
   return absl::OkStatus();
 }
 
-// A fact that equality may have made comes to made_.
+// Adds a fact that equality may have made to made_.
 void Materialiser::AskAboutEqual(const Triple& fact) {
   const CompiledRule& rule = program_.rules[program_.equality.replacement];
   Spend(kStepsOfLookup);
@@ -212,7 +213,7 @@ void Materialiser::AskAboutEqual(const Triple& fact) {
     made_.push_back(fact);
 }
 
-// A class that lost a pair: its other pairs and all facts about its terms are asked about.
+// A class that lost a pair: its other pairs and all facts about its terms are tested.
 absl::Status Materialiser::Doubt(const EqualityClasses::Class& doubted) {
   doubted_.push_back(doubted);
   doubted_terms_.insert(doubted.members.begin(), doubted.members.end());
@@ -265,7 +266,8 @@ void Materialiser::CollectFactsAbout(const EqualityClasses::Class& doubted) {
   }
 }
 
-// Classes that lost a pair fall apart into what is certainly equal; other rules may join these again (RederivePairs).
+// Splits classes that lost a pair into certainly equal parts; other rules may join these again
+// (RederivePairs).
 void Materialiser::SplitDoubted() {
   if (doubted_.empty()) return;
   CertainEquality& certain = proofs_.certain();
@@ -283,7 +285,7 @@ void Materialiser::SplitDoubted() {
     }
   }
   context_.classes.Settle();
-  // Taken away before it was known to be certain.
+  // It was removed before it was known to be certain.
   for (size_t i = ghosts_; i < queue_.size(); ++i) {
     const Triple& t = queue_[i];
     if (t.predicate == program_.equality.same_as && context_.classes.AreEqual(t.subject, t.object))
@@ -293,7 +295,7 @@ void Materialiser::SplitDoubted() {
   doubted_terms_.clear();
 }
 
-// Whether equality makes the fact of one that the graph holds.
+// True if equality makes the fact from one that the graph holds.
 bool Materialiser::IsWrittenOut(const Triple& fact) {
   const EqualityClasses& classes = context_.classes;
   if (!program_.ClosesEquality(stratum_) || classes.empty()) return false;
@@ -322,7 +324,7 @@ bool Materialiser::IsWrittenOut(const Triple& fact) {
   });
 }
 
-// Where owl:sameAs has another name, facts with that make pairs.
+// If owl:sameAs has another name, facts with that name make pairs.
 bool Materialiser::RederivePairsByName() {
   const TermId same_as = program_.equality.same_as;
   const EqualityClasses::Class* names = context_.classes.Find(same_as);
@@ -339,7 +341,7 @@ bool Materialiser::RederivePairsByName() {
   return goes_on;
 }
 
-// The pairs that rules make of terms whose classes fell apart.
+// Derives the pairs that rules make of terms whose classes were split.
 absl::Status Materialiser::RederivePairs(int stratum) {
   if (reopened_.empty() || !program_.ClosesEquality(stratum)) return absl::OkStatus();
   if (!RederivePairsByName()) return status_;

@@ -1,4 +1,4 @@
-// Taking away what has lost its support. See materialiser.h.
+// Retraction of facts that have lost their support. See materialiser.h.
 #include <algorithm>
 #include <utility>
 
@@ -11,8 +11,8 @@
 namespace docent::rules {
 
 absl::Status Materialiser::TakeAwayFromLeavingRules() {
-  // With no rules before, nobody here made the reports that there are: another engine did, and may have called them
-  // otherwise. Those that are still found come back in this turn.
+  // If there were no rules before, another engine made the existing reports and may have named them
+  // differently. This turn makes the valid ones again.
   std::vector<Triple> reports;
   if (before_.rules.empty()) reports = context_.inconsistencies.FactsIn(graph());
   if (leaving_.empty() && reports.empty()) return absl::OkStatus();
@@ -33,8 +33,8 @@ absl::Status Materialiser::TakeAwayFromLeavingRules() {
   return status;
 }
 
-// What could be derived can be taken away, which may cost more: for that more steps are lent, and what is left of them is not for
-// what follows.
+// Facts that were derived within the limit must also be retractable, which may cost more steps: additional
+// steps are lent for it, and the rest of the loan is taken back afterwards.
 absl::Status Materialiser::TakeAway(int stratum) {
   const uint64_t loan = 2 * context_.limits.steps_per_turn;
   Cancellation* const cancellation = context_.cancellation;
@@ -51,7 +51,7 @@ absl::Status Materialiser::TakeAwayLost(int stratum) {
   made_.clear();
   whole_.clear();
   check_rows_.clear();
-  proofs_.Forget();  // facts were added
+  proofs_.Forget();  // because facts were added
   lost_names_.clear();
   if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
   whole_.clear();
@@ -66,7 +66,7 @@ absl::Status Materialiser::TakeAwayLost(int stratum) {
   return absl::OkStatus();
 }
 
-// What rules of negation and aggregation made of the triples of lower strata that changed.
+// Facts that rules with negation and aggregation made of changed triples of lower strata.
 absl::Status Materialiser::EvaluateBefore(int stratum) {
   std::vector<Task> tasks;
   const auto collect = [&](const std::vector<Triple>& triples, matching::Polarity unconcerned) {
@@ -90,7 +90,7 @@ absl::Status Materialiser::EvaluateBefore(int stratum) {
   return status;
 }
 
-// Where a body may match two lost triples, or one twice, the others must be there while one is asked about.
+// If a body may match two lost triples, or one twice, the others must be present while one is evaluated.
 void Materialiser::AddGhosts(int stratum) {
   ghosts_in_graph_ = false;
   if (ghosts_ == 0) return;
@@ -148,8 +148,8 @@ absl::Status Materialiser::Consider(const Triple& triple) {
     }
   }
   if (marked_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
-  // What lower strata added rests on what they had. (But for an axiom that is new: at once it makes what it can of all facts,
-  // those of higher strata among them.)
+  // Facts added by lower strata are proved by those strata. (Exception: a new axiom at once derives from all
+  // facts, also from those of higher strata.)
   if (added_set_.contains(triple) && program_.ordered.empty()) return absl::OkStatus();
   const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(triple);
   if (!answer.ok()) return answer.status();
@@ -160,11 +160,11 @@ absl::Status Materialiser::Consider(const Triple& triple) {
     if (std::max(stratum_, 0) + 1 < program_.stratum_count) unproven_.push_back(triple);
     return absl::OkStatus();
   }
-  // A pair is made again for its terms, together with all others of its class.
+  // A pair is derived again through its terms, together with all others of its class.
   if (program_.ClosesEquality(stratum_) && triple.predicate == program_.equality.same_as &&
       triple.subject != triple.object && context_.classes.AreEqual(triple.subject, triple.object))
     return absl::OkStatus();
-  // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
+  // Rules of lower strata may make it too, but are done already; rules of higher strata follow later.
   rederivable_.push_back(triple);
   return absl::OkStatus();
 }
@@ -237,7 +237,8 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
 
 absl::Status Materialiser::Rederive(int stratum) {
   is_written_out_.clear();
-  // What has no proof may have one again when facts that are undecided are back, which rules of higher strata would not notice.
+  // A fact without proof may get one when undecided facts return, which rules of higher strata would not
+  // notice.
   if (!rederivable_.empty()) {
     rederivable_.insert(rederivable_.end(), unproven_.begin(), unproven_.end());
     unproven_.clear();
@@ -251,7 +252,7 @@ absl::Status Materialiser::Rederive(int stratum) {
   return RederivePairs(stratum);
 }
 
-// Solutions of checks with negation that may be gone or not.
+// Tests the solutions of checks with negation that may no longer hold.
 absl::Status Materialiser::RepeatChecks(int stratum) {
   for (const CheckRow& check : check_rows_) {
     if (program_.rules[check.rule].stratum != stratum) continue;

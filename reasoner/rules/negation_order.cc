@@ -16,67 +16,68 @@
 namespace docent::rules {
 namespace {
 
-constexpr size_t kManyPatterns = 1000;  // from here on they forget their objects
-constexpr size_t kManyAxioms = 4000;    // from here on those of axioms do, and their subjects
-constexpr size_t kManyAnswers = 100;    // more are as good as any
+constexpr size_t kManyPatterns = 1000;  // beyond this number patterns drop their objects
+constexpr size_t kManyAxioms = 4000;    // beyond this number those of axioms drop subject and object, too
+constexpr size_t kManyAnswers = 100;    // more answers are treated as "any"
 constexpr size_t kItself = ~size_t{0};
 constexpr uint32_t kNone = ~uint32_t{0};
-constexpr uint32_t kFirstEqual = uint32_t{1} << 31;  // from here on instances are pairs of equal things
+constexpr uint32_t kFirstEqual = uint32_t{1} << 31;  // numbers from here on are pairs of equal things
 
-// A pattern of a body, with what an instance puts into it.
+// A pattern of a body, with the values of an instance: it takes matching facts.
 struct Taker {
   uint32_t rule;
   uint32_t trigger;
-  uint32_t instance;  // kNone: the rule as it is
+  uint32_t instance;  // kNone: the rule itself
   QuadPattern pattern;
-  bool of_axioms;  // it is not a fact that the rule takes, but an axiom
+  bool of_axioms;  // it matches an axiom, not a fact
 };
 
-// What a conclusion leads to, and through which rule.
+// A pattern reached from a conclusion, and the rule that led to it.
 struct Reached {
   FactPattern pattern;
-  size_t from = kItself;  // number of the one before; kItself: a conclusion of the rule itself
+  size_t from = kItself;  // index of the pattern before; kItself: a conclusion of the rule itself
   uint32_t by = 0;
   uint32_t instance = kNone;  // of it
 };
 
-// A step of a way: a rule, and which of its instances.
+// A step of a path: a rule, and its instance.
 struct Step {
   uint32_t rule;
   uint32_t instance;  // kNone: it has none
 };
 
-// What one rule of program.ordered leads to.
+// The patterns that one rule of program.ordered leads to.
 struct Following {
   std::vector<Reached> reached;
   absl::flat_hash_set<FactPattern> seen;  // patterns of reached
-  size_t next = 0;                        // of reached: the first that no rule has taken yet
+  size_t next = 0;                        // of reached: the first that is not followed yet
 };
 
-// A rule, as it takes a pattern.
+// An application of a rule to a pattern.
 struct Taking {
   uint32_t number;        // of the Following
-  size_t from = kItself;  // of its reached: the pattern
+  size_t from = kItself;  // index of the pattern in reached
   uint32_t rule = 0;
   uint32_t instance = kNone;
-  std::vector<TermId> row;        // of its body; none: unknown
-  std::vector<bool> of_instance;  // columns that the instance alone knows
+  std::vector<TermId> row;        // of its body; kNone: unknown
+  std::vector<bool> of_instance;  // columns that only the instance binds
   std::array<int16_t, 2> same = {matching::Trigger::kNoColumn,
-                                 matching::Trigger::kNoColumn};  // columns that are so, being unknown
+                                 matching::Trigger::kNoColumn};  // two columns with equal unknown values
 
   bool IsOfInstance(int16_t column) const { return instance != kNone && of_instance[column]; }
 };
 
-// A premise of a taking that knows all but its subject or its object: what are they in the axioms that there are?
+// A premise of an application whose subject or object is unknown: which values does it have in the existing
+// axioms?
 struct Question {
   Taking taking;
   FactPattern about;
-  int side = 0;                                   // which is asked for: 0: subject, 2: object
-  int16_t column = matching::Trigger::kNoColumn;  // of it
-  std::array<size_t, 2> next = {0, 0};            // of all that is reached, by its predicate and by any
+  int side = 0;                                   // the unknown position: 0: subject, 2: object
+  int16_t column = matching::Trigger::kNoColumn;  // its column
+  std::array<size_t, 2> next = {0, 0};            // of all reached patterns, by its predicate and by any
 };
 
-// A term of a triple of a body: which it is, or the column that would say so.
+// A term of a triple of a body: its value, or the column that would give it.
 struct Place {
   TermId term;
   int16_t column = matching::Trigger::kNoColumn;
@@ -84,7 +85,7 @@ struct Place {
 };
 using Places = std::array<Place, 3>;
 
-// The subjects or objects, of which `about` does not know one, up to kManyAnswers + 1.
+// The values of the unknown subject or object of `about`, up to kManyAnswers + 1.
 std::vector<TermId> Answers(const GraphVersion& graph, const FactPattern& about) {
   std::vector<TermId> answers;
   for (QuadCursor c = graph.Scan({about.subject, about.predicate, about.object, TermId()});
@@ -164,8 +165,8 @@ class Order {
  private:
   using Key = absl::InlinedVector<TermId, 8>;
 
-  // The rules of equality have no instances in the index. From and to the representative is enough: what leads from one name to
-  // another leads over it.
+  // The rules of equality have no instances in the index. Pairs from and to the representative are enough:
+  // every path between two names leads over it.
   void AddEquals(const EqualityClasses& classes) {
     for (uint32_t r = 0; r < program_.rules.size(); ++r) {
       if (!program_.rules[r].of_equality || program_.rules[r].schema == 0 || !program_.IsEntangled(r))
@@ -196,7 +197,7 @@ class Order {
     return id < kFirstEqual ? schema_.instance(id) : equals_[id - kFirstEqual];
   }
 
-  // Of a rule with a schema part: its axioms; its facts are taken by its instances.
+  // For a rule with a schema part: takers for its axioms; its instances take its facts.
   void AddTakers(uint32_t rule, uint32_t instance) {
     const CompiledRule& compiled = program_.rules[rule];
     const std::vector<matching::Trigger>& triggers = compiled.body->triggers();
@@ -208,14 +209,14 @@ class Order {
         const std::vector<TermId>& row = InstanceOf(instance).row;
         pattern = compiled.body->Instantiate(triggers[i], row).constants;
         if (!IsOther(rule, i, pattern, row)) continue;
-        pattern.subject = TermId();  // that of one among many
+        pattern.subject = TermId();  // one of many subjects
       }
       by_predicate_[pattern.predicate].push_back(takers_.size());
       takers_.push_back({rule, i, instance, pattern, of_axioms});
     }
   }
 
-  // Of instances that differ in subjects alone, as those of two things that are the same as others, one is enough.
+  // False for an instance that differs from an earlier one in subjects only: one of them is enough.
   bool IsOther(uint32_t rule, uint32_t trigger, const QuadPattern& pattern, const std::vector<TermId>& row) {
     Key key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
     for (const HeadTriple& head : program_.rules[rule].head) {
@@ -225,7 +226,7 @@ class Order {
     return instances_.insert(std::move(key)).second;
   }
 
-  // All that the conclusions of a rule lead to, from where it came to.
+  // Follows the conclusions of a rule, from where it stopped.
   void Follow(uint32_t number) {
     Following& following = followings_[number];
     for (; following.next < following.reached.size() && status_.ok(); ++following.next) {
@@ -243,7 +244,7 @@ class Order {
     }
   }
 
-  // The terms that `taker` would find where it takes `pattern`; false: it takes no fact of it.
+  // The terms that `taker` binds when it takes `pattern`; false: it takes no fact of the pattern.
   static bool Unify(const QuadPattern& taker, const FactPattern& pattern, std::array<TermId, 3>& terms) {
     if (!CanUnify(taker, {pattern.subject, pattern.predicate, pattern.object, TermId()})) return false;
     terms = {pattern.subject, pattern.predicate, pattern.object};
@@ -257,7 +258,7 @@ class Order {
   }
 
   void Take(uint32_t number, const Taker& taker, size_t from) {
-    const FactPattern pattern = followings_[number].reached[from].pattern;  // reached grows
+    const FactPattern pattern = followings_[number].reached[from].pattern;  // a copy: reached grows
     std::array<TermId, 3> terms;
     if (!Unify(taker.pattern, pattern, terms)) return;
     const CompiledRule& rule = program_.rules[taker.rule];
@@ -297,7 +298,7 @@ class Order {
     Conclude(taking);
   }
 
-  // ---- the triples of a body and of its head, as far as a taking knows them
+  // ---- the triples of a body and of its head, as far as an application binds them
 
   static Place At(const Taking& taking, TermId constant, int16_t column) {
     if (column == matching::Trigger::kNoColumn) return {constant};
@@ -313,7 +314,7 @@ class Order {
             At(taking, pattern.constants[2], pattern.columns[2])};
   }
 
-  // A triple of a head that is a premise is there already.
+  // A head triple that equals a premise exists already.
   bool IsPremise(const Taking& taking, const Places& made) const {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.positive) return false;
@@ -327,7 +328,7 @@ class Order {
                        [&](const HeadTriple& h) { return IsPremise(taking, PlacesOf(taking, h)); });
   }
 
-  // A FILTER says no to what is known already. (It depends on the terms alone.)
+  // True if a FILTER rejects the known terms. (The filter depends on the terms only.)
   bool IsFilteredOut(const Taking& taking) const {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.body->has_filters()) return false;
@@ -341,9 +342,10 @@ class Order {
     return status.ok() && !passes;
   }
 
-  // ---- rules about axioms alone: what they make of one depends on others that are there
+  // ---- rules about axioms only: their result for one axiom depends on other existing axioms
 
-  // Whether another premise could be asked about; then it has concluded. `taken`: the pattern that could not.
+  // True if another premise could be queried; its answers give conclusions. `taken`: the pattern already
+  // matched.
   bool Ask(const Taking& taking, int taken) {
     const CompiledRule& rule = program_.rules[taking.rule];
     for (int i = 0; i < static_cast<int>(rule.body->patterns().size()); ++i) {
@@ -374,14 +376,14 @@ class Order {
     });
   }
 
-  // `answer`: none: any.
+  // `answer`: kNone: any.
   void ConcludeWith(const Question& question, TermId answer) {
     Taking taking = question.taking;
     taking.row[question.column] = answer;
     if (!MakesNothingNew(taking) && !IsFilteredOut(taking)) Conclude(taking);
   }
 
-  // Axioms that are not there may be made by rules with negation. Whether there were any not looked at yet.
+  // Rules with negation may make axioms that do not exist yet. True if one was not examined before.
   bool AnswerByReached() {
     bool any = false;
     for (size_t q = 0; q < questions_.size(); ++q) {
@@ -393,7 +395,7 @@ class Order {
           const FactPattern& about = questions_[q].about;
           std::array<TermId, 3> terms;
           if (!Unify({about.subject, about.predicate, about.object, TermId()}, pattern, terms)) continue;
-          const Question question = questions_[q];  // they grow
+          const Question question = questions_[q];  // a copy: questions_ grows
           ConcludeWith(question, terms[static_cast<size_t>(question.side)]);
           Follow(question.taking.number);
         }
@@ -409,7 +411,7 @@ class Order {
     for (const HeadTriple& head : program_.rules[taking.rule].head) {
       Places places = PlacesOf(taking, head);
       if (taking.instance == kNone && IsPremise(taking, places)) continue;
-      // The subject of an instance may be another in one that is like it.
+      // The subject of an instance may differ in a similar instance.
       if (head.columns[0] != matching::Trigger::kNoColumn && head.columns[0] != head.columns[2] &&
           taking.IsOfInstance(head.columns[0]))
         places[0] = {};
@@ -430,7 +432,7 @@ class Order {
     }
   }
 
-  // Of these a pattern knows its subject.
+  // For axioms a pattern keeps its subject.
   bool IsOfAxioms(TermId predicate, TermId object) {
     if (predicate.IsNone()) return false;
     const auto [known, is_new] = of_axioms_.try_emplace(std::pair(predicate, object));
@@ -439,7 +441,7 @@ class Order {
     return known->second;
   }
 
-  // The rules on the way to a pattern, the first that is not the rule itself first.
+  // The rules on the path to a pattern, beginning with the first other rule.
   std::vector<Step> Way(uint32_t number, size_t at) const {
     const std::vector<Reached>& reached = followings_[number].reached;
     std::vector<Step> way;
@@ -498,10 +500,10 @@ class Order {
   const AxiomAnswers& before_;
   const AskAxioms ask_;
   std::vector<SchemaIndex::Instance> equals_;
-  std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
+  std::vector<int> place_;  // of a rule in program_.ordered; -1: not in it
   std::vector<Taker> takers_;
   absl::flat_hash_set<Key> instances_;
-  absl::flat_hash_map<TermId, std::vector<size_t>> by_predicate_;  // none: a variable
+  absl::flat_hash_map<TermId, std::vector<size_t>> by_predicate_;  // kNone: a variable
   std::vector<Following> followings_;
   absl::flat_hash_map<std::pair<TermId, TermId>, bool> of_axioms_;
   std::vector<Question> questions_;

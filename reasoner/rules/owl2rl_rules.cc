@@ -1,7 +1,7 @@
 // OWL 2 RL/RDF: W3C OWL 2 Profiles (Second Edition), section 4.3, tables 4 to 9.
 //
-// What follows from a rule for trivial reasons (x sameAs x, x a C from x a C) is not asked again: such
-// filters change no answer. See docs/reference/rules.md for what is left out, and why.
+// Filters exclude trivial applications of a rule (x sameAs x, x a C from x a C); they change no answer.
+// docs/reference/rules.md lists what is left out, and why.
 #include "reasoner/rules/owl2rl_rules.h"
 
 #include "absl/strings/str_cat.h"
@@ -182,8 +182,8 @@ std::string List(const char* item, int length) {
   return text;
 }
 
-// FILTERs that let a literal ?y through that is not of the datatype ?d (OWL 2, section 4): other spaces of
-// values, or a lexical form that is none. IRIs are left alone: they may name a value.
+// FILTERs that pass a literal ?y outside the datatype ?d (OWL 2, section 4): from another value space, or
+// with an invalid lexical form. IRIs never pass: they may name a value.
 constexpr char kOutside[] = R"rules(
   FILTER(?d IN (xsd:decimal, xsd:integer, xsd:nonNegativeInteger, xsd:nonPositiveInteger, xsd:positiveInteger,
     xsd:negativeInteger, xsd:long, xsd:int, xsd:short, xsd:byte, xsd:unsignedLong, xsd:unsignedInt,
@@ -210,9 +210,9 @@ constexpr char kOutside[] = R"rules(
       || (?d = xsd:unsignedLong && ?y > 18446744073709551615)))))))
 )rules";
 
-// What tells the value of a literal ?y from others: the space of values that it lies in (OWL 2, section 4: no two of
-// them share one) and, where its text can tell it, the value. Numbers and times within a space are left to `!=`. An
-// error for what is ill-typed or of another datatype, of which nothing is known.
+// An expression that distinguishes the value of a literal ?y from others: its value space (OWL 2, section 4:
+// no two value spaces overlap) and, if the text decides it, the value. Numbers and times within a space are
+// left to `!=`. An error for ill-typed literals and unknown datatypes.
 constexpr char kValue[] = R"rules(
     IF(DATATYPE(?y) IN (xsd:string, rdf:langString), CONCAT("string ", LANG(?y), " ", STR(?y)),
     IF(DATATYPE(?y) IN (xsd:normalizedString, xsd:token, xsd:language, xsd:Name, xsd:NCName, xsd:NMTOKEN)
@@ -229,7 +229,7 @@ constexpr char kValue[] = R"rules(
       CONCAT("base64 ", REPLACE(STR(?y), " ", "")),
     1 / 0)))))))))rules";
 
-// FILTERs that let two literals ?y1 and ?y2 through that are surely two values, in one order of the two.
+// FILTERs that pass two literals ?y1 and ?y2 with certainly different values, in one order of the two.
 std::string TwoValues() {
   const auto value = [](const char* variable) { return absl::StrReplaceAll(kValue, {{"?y", variable}}); };
   return absl::StrCat(R"rules(
@@ -256,8 +256,8 @@ std::string DatatypeRules() {
       kOutside, "}\n");
 }
 
-// Intersections of more classes, from the last one on: ?y docent:inAllFrom ?n where ?y is in the classes of
-// the cell ?n and of all after it.
+// Intersections of more classes, from the last one on: ?y docent:inAllFrom ?n if ?y is in the classes of the
+// cell ?n and of all later cells.
 std::string LongIntersections() {
   std::string text = "\nRULE rl:list { ?l0 docent:longList ?n } WHERE { ?c owl:intersectionOf ?l0 .";
   for (int i = 0; i < kIntersectionClasses; ++i)
@@ -273,7 +273,7 @@ RULE rl:cls-int1 { ?y a ?c } WHERE {
   return text;
 }
 
-// The rules whose body is as long as a list.
+// The rules with a body as long as a list.
 std::string ListRules() {
   std::string text = "\n# tables 5 and 6 again: one rule for each length of the list\n";
   for (int n = 2; n <= kChainProperties; ++n) {

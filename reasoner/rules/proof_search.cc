@@ -69,7 +69,7 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
     proven_.insert(fact);
     return Answer::kProven;
   }
-  // Its check alone knows. One that is asked about for itself has lost what its check matched.
+  // Only its check can prove it. A report fact tested at depth 0 has lost its check's match.
   if (inconsistencies_.IsOfReport(fact)) return depth > 0 ? Answer::kUndecided : Answer::kUnproven;
   const bool by_equality = program_.equality.by_classes && certain_.MayMake(fact);
   if (by_equality && certain_.Proves(fact)) {
@@ -99,7 +99,7 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
   if (by_equality && answer == Answer::kUnproven) answer = Answer::kUndecided;
   const bool asked_again = open_.find(fact)->second;
   open_.erase(fact);
-  if (asked_again && answer != Answer::kUnproven) {  // who failed because of this fact may not have to
+  if (asked_again && answer != Answer::kUnproven) {  // facts that failed because of it may be provable
     for (size_t i = failures_before; i < failures_.size(); ++i) failed_.erase(failures_[i]);
     failures_.resize(failures_before);
   }

@@ -14,11 +14,11 @@
 namespace docent::rules {
 
 struct RuleEngine::Impl {
-  // The rules that are put, made ready, and the rules that the inferred graph follows.
+  // The compiled current rules, and the rules of the inferred graph.
   struct State {
     RuleSets sets;
     std::shared_ptr<RuleProgram> wanted;   // null: no rules
-    std::shared_ptr<RuleProgram> applied;  // other than wanted: the next Update computes anew
+    std::shared_ptr<RuleProgram> applied;  // differs from wanted: the next Update applies the change
   };
 
   Impl(Dictionary& d, const Limits& l, const sparql::FunctionRegistry* f)
@@ -46,7 +46,7 @@ struct RuleEngine::Impl {
   const sparql::FunctionRegistry* functions;
   const TermId inferred_graph;
   InconsistencyFacts inconsistencies;
-  // Of the terms of the graph as it was before `told`.
+  // For the terms of the graph before the change `told`.
   void BuildClasses(const RuleProgram& before, const RuleProgram& program, const GraphVersion& graph,
                     const Delta& told) {
     classes.Clear();
@@ -69,7 +69,7 @@ struct RuleEngine::Impl {
   RuleProgram no_rules;
   EqualityClasses classes;                 // as schema
   SchemaIndex schema;                      // of the applied program, in the graph as of the last Update
-  const RuleProgram* schema_of = nullptr;  // null: to be made anew
+  const RuleProgram* schema_of = nullptr;  // null: must be built
   bool changed_since_commit = false;
   State state;
   State committed;
@@ -98,7 +98,7 @@ Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text, R
 bool RuleEngine::RemoveRules(std::string_view name) {
   RuleSets sets = impl_->state.sets;
   if (sets.erase(std::string(name)) == 0) return false;
-  // Fewer rules need nothing that more of them did not: this cannot fail.
+  // It cannot fail: fewer rules need no order that more rules did not need.
   Diagnostics diagnostics;
   impl_->state.wanted =
       sets.empty() ? nullptr : RuleProgram::Build(sets, impl_->dictionary, impl_->functions, diagnostics);

@@ -1,17 +1,17 @@
-// Keeps the graph docent:inferred equal to what the rules derive from all other graphs (the *told* facts).
+// Rule engine: keeps the graph docent:inferred equal to the facts that the rules derive from all other graphs
+// (the *asserted* facts).
 //
 // Semantics: datalog with stratified negation (W3C SHACL 1.2 Rules draft). A rule body matches the union of
-// all graphs; what its head makes and nobody tells lies in docent:inferred (a fact that is no longer told but
-// still follows goes there). The graph is a function of the told facts and the rules alone: any sequence of
-// updates gives what a computation from scratch gives.
+// all graphs. Head facts that are not asserted are in docent:inferred (a fact that is no longer asserted but
+// still follows moves there). The result depends only on the asserted facts and the rules: any sequence of
+// updates gives the same graph as a computation from scratch.
 //
-// Additions are propagated semi-naively, a round at a time: each body pattern that a new triple matches is
-// bound to it and the rest of the body evaluated. Retractions go backward and forward (proof_search.h): what
-// rested on a lost fact stays where another proof is found, else it goes and what rested on it is asked. So
-// facts that support only each other (inverse properties, cycles) go, and facts with other support stay, and
-// with them all that rests on them. A changed rule set is a change like any other: what only the old rules
-// made goes, what the new ones make comes.
-//
+// Additions are propagated semi-naively, round by round: each body pattern that a new triple matches is bound
+// to it, and the rest of the body is evaluated. Retractions go backward and forward (proof_search.h): a fact
+// that rested on a lost fact stays if another proof is found; else it is removed, and the facts that rested
+// on it are tested. So facts that support only each other (inverse properties, cycles) are removed; facts
+// with other support stay, with all their consequences. A change of the rules is handled like other changes:
+// facts made only by old rules are removed, facts made by new ones are added.
 // Writer thread only.
 #ifndef DOCENT_REASONER_RULES_RULE_ENGINE_H_
 #define DOCENT_REASONER_RULES_RULE_ENGINE_H_
@@ -37,48 +37,49 @@ namespace docent::rules {
 class RuleEngine {
  public:
   // `dictionary` interns constants and computed values. `functions` may be null. Both must outlive the
-  // engine. Of `limits`: rule_rounds, inferred_per_turn, and those of the text.
+  // engine. Used from `limits`: rule_rounds, inferred_per_turn, and the limits of the text.
   explicit RuleEngine(Dictionary& dictionary, const Limits& limits = {},
                       const sparql::FunctionRegistry* functions = nullptr);
   ~RuleEngine();
   RuleEngine(const RuleEngine&) = delete;
   RuleEngine& operator=(const RuleEngine&) = delete;
 
-  // Puts the rules of `text` (a `.rules` document, rule_parser.h) in the place of those that have the same
-  // name. Takes effect at the next Update. On errors (syntax, an unsafe rule, negation through recursion
-  // together with the other rule sets): all of them with place and hint, and nothing changes.
+  // Replaces the rule set `name` by the rules of `text` (a `.rules` document, rule_parser.h). Takes effect at
+  // the next Update. On errors (syntax, an unsafe rule, negation through recursion together with the other
+  // rule sets): returns all of them with place and hint, and nothing changes.
   Diagnostics PutRules(std::string_view name, std::string_view text,
                        RuleTextOrigin origin = RuleTextOrigin::kNew);
-  // False if there are none of that name.
+  // False if no set has this name.
   bool RemoveRules(std::string_view name);
 
-  // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes
-  // quads of docent:inferred in `writer`, and returns told and inferred changes together, net.
-  // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the
-  // last Commit) or the body that `cancellation` ended; INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller
-  // rolls back the writer and this. `cancellation` ends it early, likewise as an error; null: none.
+  // `told` is already applied in `writer` and leads from the state of the last Update to the current one.
+  // Adds and removes quads of docent:inferred in `writer`, and returns the net asserted and inferred changes
+  // together. RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn
+  // since the last Commit) or the body that `cancellation` ended; INVALID_ARGUMENT if `told` itself writes
+  // docent:inferred. After an error the caller rolls back the writer and this engine. `cancellation` ends it
+  // early, also as an error; null: none.
   absl::StatusOr<Delta> Update(GraphWriter& writer, const Delta& told, Cancellation* cancellation = nullptr);
 
-  // The turn is done; or it failed: rule sets and state as of the last Commit (the caller rolls the writer
-  // back).
+  // Commit at the end of a turn; Rollback restores the rule sets and the state of the last Commit (the caller
+  // rolls the writer back).
   void Commit();
   void Rollback();
 
-  // The graph that the next Update gets holds already what the rules that are put derive: nothing is computed
-  // anew (a start from a snapshot).
+  // Declares that the graph of the next Update already holds the consequences of the current rules, so
+  // nothing is computed (start from a snapshot).
   void Adopt();
 
   size_t rule_count() const;
-  // Of the rule set of that name; 0 if there is none.
+  // Number of rules in the set of that name; 0 if there is none.
   size_t rule_count(std::string_view name) const;
   std::vector<std::string> names() const;
   // Since construction, for /metrics.
   struct Counters {
     uint64_t updates = 0;
-    uint64_t firings = 0;       // heads made, before duplicates are dropped
+    uint64_t firings = 0;       // head facts made, before duplicates are dropped
     uint64_t inferred = 0;      // quads added to docent:inferred
     uint64_t retracted = 0;     // quads removed from it
-    uint64_t rule_changes = 0;  // updates in which the rules were other ones
+    uint64_t rule_changes = 0;  // updates with changed rules
   };
   const Counters& counters() const;
 

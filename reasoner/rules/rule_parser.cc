@@ -24,7 +24,7 @@ struct Refusal {
   std::string hint;
 };
 
-// The first part of a path, from the outside in, that is no fixed number of steps; null: none.
+// The outermost part of a path that is not a fixed number of steps; null: none.
 const sparql::Path* EndlessPart(const sparql::Path& path) {
   using Kind = sparql::Path::Kind;
   if (path.kind == Kind::kZeroOrMore || path.kind == Kind::kOneOrMore || path.kind == Kind::kZeroOrOne ||
@@ -58,7 +58,7 @@ Refusal RefusalOfPath(const sparql::Path& path) {
   return {"a property path of any length (+ or *)", std::move(hint)};
 }
 
-// What a body may not contain, and what to do instead.
+// A construct that a body must not contain, with the remedy.
 std::optional<Refusal> RefusalOf(const Algebra& node) {
   switch (node.kind) {
     case Algebra::Kind::kLeftJoin:
@@ -107,7 +107,7 @@ class Checker {
     const Algebra& body = *rule.body.algebra;
     refused_ = false;
     CheckBody(body);
-    if (refused_) return;  // what such a body binds is not known here
+    if (refused_) return;  // the variables of such a body are not known here
     Names bound = matching::CertainVariables(body);
     AddAssigned(body, bound);
     Names in_scope;
@@ -198,7 +198,7 @@ class Checker {
     names.insert(common.begin(), common.end());
   }
 
-  // COUNT, SUM, MIN and MAX of an aggregating sub-SELECT; the pattern that they are of.
+  // COUNT, SUM, MIN and MAX of an aggregating sub-SELECT, with the pattern that they aggregate.
   void CheckSelect(const Algebra& select, const Algebra& group) {
     using Function = sparql::Aggregate::Function;
     for (const sparql::Aggregate& aggregate : group.aggregates) {
@@ -233,7 +233,7 @@ class Checker {
     CheckExpression(*node.expression, scope, node.kind == Algebra::Kind::kExtend ? "BIND" : "FILTER");
   }
 
-  // `outer` variables may stand in an expression; inside EXISTS also those of its own pattern, by CheckBody.
+  // An expression may use `outer` variables; inside EXISTS also those of its own pattern, by CheckBody.
   void CheckExpression(const Expression& expression, const Names& scope, std::string_view where) {
     if (expression.kind == Expression::Kind::kVariable && !scope.contains(expression.variable.name) &&
         depth_ == 0) {
@@ -262,7 +262,7 @@ class Checker {
   bool refused_ = false;
 };
 
-// An expression whose value may be a new one each time that it is applied to its own result.
+// True for an expression that may give a new value each time when it is applied to its own result.
 bool Grows(const Expression& e) {
   using K = Expression::Kind;
   if (e.kind == K::kAdd || e.kind == K::kSubtract || e.kind == K::kMultiply || e.kind == K::kDivide ||
@@ -284,7 +284,7 @@ bool Compares(const Expression& e) {
   return std::any_of(e.arguments.begin(), e.arguments.end(), [](const auto& a) { return Compares(*a); });
 }
 
-// A comparison in a FILTER may end the growth: such a rule is left to the limits.
+// A comparison in a FILTER may bound the growth: such a rule is left to the limits.
 void FindGrowth(const Algebra& node, Names& grown, SourceSpan& span, bool& bounded) {
   if (node.kind == Algebra::Kind::kFilter) bounded = bounded || Compares(*node.expression);
   for (const auto& child : node.children) FindGrowth(*child, grown, span, bounded);

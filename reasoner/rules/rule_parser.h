@@ -1,5 +1,5 @@
-// The rule language: `.rules` documents (text form of the W3C SHACL 1.2 Rules draft, built on SPARQL's
-// productions).
+// Parser of the rule language: `.rules` documents (text form of the W3C SHACL 1.2 Rules draft, built on
+// SPARQL's productions).
 //
 //   PREFIX ex: <http://example.org/>
 //   DATA { ex:nearBy ex:inverse ex:nearBy . }
@@ -11,7 +11,7 @@
 //   rule  := RULE iri? '{' triples '}' WHERE group-graph-pattern
 //          | IF group-graph-pattern THEN '{' triples '}'
 //
-// Also of the draft: RULE with a name (RULE ex:name { … } WHERE { … }), IF { body } THEN { head }, and in a
+// Also from the draft: RULE with a name (RULE ex:name { … } WHERE { … }), IF { body } THEN { head }, and in a
 // body NOT { … } and SET(?x := expression). A rule with an empty head is a *check*: each of its solutions is
 // reported as an inconsistency (inconsistency.h).
 //
@@ -37,13 +37,13 @@ namespace docent::rules {
 
 // RULE { head } WHERE { body }. DATA is a rule with an empty body.
 struct Rule {
-  std::string name;  // its IRI; empty without one
+  std::string name;  // its IRI; empty: none
   std::vector<sparql::TriplePattern> head;
   sparql::Query body;  // form kAsk
   SourceSpan span;     // of the word RULE
-  // Variables of the head whose values the body computes and that may grow without end where the rule feeds
-  // itself (arithmetic, CONCAT and the like, and no FILTER in the body compares numbers or lengths), and
-  // where that is.
+  // Head variables whose values the body computes and that may grow without end if the rule feeds itself
+  // (arithmetic, CONCAT and the like, without a FILTER in the body that compares numbers or lengths), and the
+  // place of the computation.
   std::vector<std::string> growing;
   SourceSpan growing_span;
 };
@@ -54,18 +54,18 @@ struct ParsedRules {
   bool ok() const { return !HasErrors(diagnostics); }
 };
 
-// The last part of its IRI ("prp-dom"); empty without one.
+// The last part of its IRI ("prp-dom"); empty without an IRI.
 std::string ShortName(const Rule& rule);
-// What a rule is called in errors, proofs and reports: "owl2rl prp-dom (line 40)", or where it has no name
+// The name of a rule in errors, proofs and reports: "owl2rl prp-dom (line 40)", or without an IRI
 // "guide.rules rule 3 (line 12)". `number`: its place in the document `set`, from 1.
 std::string RuleLabel(std::string_view set, const Rule& rule, int number);
 
-// Reads and checks each rule by itself: syntax; every head variable bound by the body (safety); what a FILTER
-// or BIND uses is bound; no blank node or impossible triple in a head; nothing in the body that cannot be
-// kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate), no
-// NOW() or RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes
-// need no declaration. `functions`: what calls are held to (parser.h). Constant regular expressions that can't be evaluated
-// are errors of new texts alone.
+// Parses and checks each rule on its own: syntax; the body binds every head variable (safety); variables in a
+// FILTER or BIND are bound; no blank node or impossible triple in a head; no construct in the body that
+// cannot be maintained incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate),
+// no NOW() or RAND(). Reports all errors, not only the first. `file` names the text in diagnostics. The
+// well-known prefixes need no declaration. `functions`: the functions that calls may use (parser.h). Constant
+// regular expressions that cannot be evaluated are errors only in new texts.
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {},
                        const sparql::FunctionRegistry* functions = nullptr,
                        RuleTextOrigin origin = RuleTextOrigin::kNew);

@@ -1,5 +1,5 @@
-// Preview of a change of the rules: the facts that it would add and remove. The rules are changed in an engine of
-// its own, over a private copy of a graph version. Any thread; the result is the caller's.
+// Preview of a change of the rules: the facts that it would add and remove. The change is applied in a
+// separate engine, on a private copy of a graph version. Any thread; the caller owns the result.
 #ifndef DOCENT_REASONER_RULES_RULE_PREVIEW_H_
 #define DOCENT_REASONER_RULES_RULE_PREVIEW_H_
 
@@ -23,16 +23,16 @@ struct RuleSetText {
 };
 
 struct RulePreview {
-  size_t added = 0;  // inferred facts that would be there and are not
+  size_t added = 0;  // number of facts that would be inferred in addition
   size_t removed = 0;
   std::vector<std::string> added_triples;  // the first of them, N-Triples, sorted
   std::vector<std::string> removed_triples;
 };
 
-// `current`: the rule sets that `version` follows. The set `name` would get `text`; nullopt: would be
-// removed. At most `shown` triples of each kind are told. INVALID_ARGUMENT with the rendered diagnostics;
-// NOT_FOUND for the removal of a set that is not there; RESOURCE_EXHAUSTED as a turn that does it. `cancellation` ends it early,
-// as an error; null: none, nor a limit of steps.
+// `current`: the rule sets of `version`. `text`: the new text of the set `name`; nullopt: its removal. Lists
+// at most `shown` triples of each kind. INVALID_ARGUMENT with the rendered diagnostics; NOT_FOUND for the
+// removal of an unknown set; RESOURCE_EXHAUSTED like a turn with this change. `cancellation` ends it early,
+// as an error; null: none, and no limit of steps.
 absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
                                          const std::vector<RuleSetText>& current, const std::string& name,
                                          const std::optional<std::string>& text, size_t shown,

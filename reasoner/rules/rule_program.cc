@@ -12,8 +12,8 @@
 namespace docent::rules {
 namespace {
 
-// a → b with the strongest sign that any of their patterns gives it, once where it is so whatever the axioms are and once
-// where a rule has a part about axioms, which say what it makes and of what.
+// Adds a → b with the strongest sign that any of their patterns gives: once for dependencies that hold for
+// all axioms, and once for a rule with a part about axioms, which decide its results.
 void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b,
                      std::vector<RuleDependency>& out) {
   RuleDependency found[2] = {{a, b, false, false}, {a, b, false, true}};
@@ -63,8 +63,9 @@ std::string CanonicalText(const Rule& rule) {
   return absl::StrCat(text, "\n<-\n", sparql::PrintPattern(*rule.body.algebra));
 }
 
-// Splits a positive body into what speaks of the schema and the rest. A check that asks for equal things and for other facts
-// about them (eq-diff1) is joined as it is: there may be very many pairs, and an instance of it saves one lookup.
+// Splits a positive body into its patterns about the schema and the rest. A check of equal things and other
+// facts about them (eq-diff1) is not split: there may be very many pairs, and an instance saves one lookup
+// only.
 void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
   const auto text = [&](TermId id) { return id.IsIri() ? dictionary.Lexical(id) : std::string_view(); };
   uint32_t schema = 0;
@@ -104,7 +105,7 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
               : "take the negation out of the cycle: a rule may negate only what does not depend on it"};
 }
 
-// Rules that compute new values from values of their own make, without end: each an error with its cycle.
+// Finds rules that compute endlessly new values from their own results; each is an error with its cycle.
 bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rules,
                       const std::vector<RuleDependency>& dependencies, Diagnostics& diagnostics) {
   bool ok = true;
@@ -228,8 +229,8 @@ void RuleProgram::FindEquality(const RuleSets& sets, Dictionary& dictionary) {
   }
 }
 
-// Components in order of dependency → as few strata as negation needs: a rule lies above those that it negates and not below
-// those that it uses.
+// From components in order of dependency to as few strata as negation needs: a rule is above the rules that
+// it negates and not below the rules that it uses.
 bool RuleProgram::Place(NegationOrder order) {
   const bool same = !rules_of_stratum.empty() && order.IsSame(order_);
   order_ = std::move(order);
@@ -275,9 +276,9 @@ int RuleProgram::StratumOf(const Triple& fact) const {
   return first_entangled + level;
 }
 
-// Where the dependencies have a negative cycle: false, with its message, if axioms do not matter to it. Several such knots
-// become one, with what lies between them; so what is refused among some rules is refused among more, and never the other way
-// about.
+// For a negative cycle of dependencies: false, with a diagnostic, if the axioms cannot break it. Several such
+// cycles become one, with the rules between them; so a set refused among some rules is also refused among
+// more rules.
 bool RuleProgram::FindOrdered(Diagnostics& diagnostics) {
   const auto count = static_cast<uint32_t>(rules.size());
   Stratification components = Stratify(count, dependencies_);

@@ -1,5 +1,5 @@
-// All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. For this
-// folder and reasoner/explain. Writer thread only (bodies keep scratch space); after Build only Place changes it.
+// All rules of all sets, compiled: bodies, strata and pattern indexes. For this folder and reasoner/explain.
+// Writer thread only (bodies keep scratch space); after Build only Place changes it.
 #ifndef DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 #define DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 
@@ -41,14 +41,14 @@ struct HeadTriple {
   std::array<int16_t, 3> columns = {matching::Trigger::kNoColumn, matching::Trigger::kNoColumn,
                                     matching::Trigger::kNoColumn};
 
-  // False where the row does not make an RDF triple (unbound variable, literal as subject).
+  // False if the row gives no RDF triple (unbound variable, literal as subject).
   bool Make(absl::Span<const TermId> row, Triple& out) const;
-  // Extends `seed` by what makes this head `triple`; false if it cannot.
+  // Binds in `seed` the columns with which this head gives `triple`; false if it cannot.
   bool SeedFrom(const Triple& triple, absl::Span<TermId> seed) const;
   QuadPattern Pattern() const { return {constants[0], constants[1], constants[2], TermId()}; }
 };
 
-// Whether some triple matches both, what stands for the same variable aside. The graphs do not count.
+// True if some triple matches both, ignoring repeated variables and graphs.
 bool CanUnify(const QuadPattern& a, const QuadPattern& b);
 
 struct CompiledRule {
@@ -61,29 +61,30 @@ struct CompiledRule {
   std::unique_ptr<matching::Body> body;
   int stratum = 0;
   bool check = false;     // no head: each solution is an inconsistency
-  bool positive = false;  // a conjunction of patterns without EXISTS: what its triples prove
+  bool positive = false;  // a conjunction of patterns without EXISTS: its triples prove the head
   uint32_t patterns = 0;  // bit set: all of a positive body
-  // Those of them that speak of the schema, if others do not: the SchemaIndex knows their solutions. Else 0.
+  // The patterns about the schema, if there are others as well: the SchemaIndex holds their solutions. Else
+  // 0.
   uint32_t schema = 0;
-  bool filters = false;      // there are filters that the schema part alone does not decide
-  bool of_schema = false;    // positive, and all of its patterns speak of the schema
-  bool of_equality = false;  // what it makes is written out by EqualityClasses; it is never evaluated
+  bool filters = false;      // some filters are not decided by the schema part alone
+  bool of_schema = false;    // positive, and all of its patterns are about the schema
+  bool of_equality = false;  // EqualityClasses writes its results; it is never evaluated
 
   // The triple that a solution matches with pattern `i` of a flat body.
   Triple Premise(size_t i, absl::Span<const TermId> row) const;
-  // Why evaluating it ended, with its label; OK as it is.
+  // The status with the rule's label in front; OK stays OK.
   absl::Status Named(absl::Status status) const;
 };
 
-// Of axioms that know all but their subject or their object: which these are.
+// Values of the unknown subject or object of axiom patterns.
 using AxiomAnswers = absl::flat_hash_map<FactPattern, std::vector<TermId>>;
 
-// Levels are strata above the first of those of the rules that are entangled.
+// Levels count strata from the first stratum of the entangled rules.
 struct NegationOrder {
   std::vector<int> of_rules;                       // of RuleProgram::ordered, from 1
   absl::flat_hash_map<FactPattern, int> of_facts;  // from 1; others: 0
-  absl::flat_hash_set<TermId> with_subjects;       // predicates of those that know a subject
-  AxiomAnswers asked;  // what the order rests on beside the instances of the SchemaIndex
+  absl::flat_hash_set<TermId> with_subjects;       // predicates of patterns with a known subject
+  AxiomAnswers asked;  // basis of the order, in addition to the instances of the SchemaIndex
 
   bool IsSame(const NegationOrder& other) const {
     return of_rules == other.of_rules && of_facts == other.of_facts;
@@ -94,27 +95,27 @@ using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
 
 class RuleProgram {
  public:
-  // Null and diagnostics (negation through recursion with its cycle, unknown functions) where it cannot be
+  // Null and diagnostics (negation through recursion with its cycle, unknown functions) if the rules cannot
   // run.
   static std::shared_ptr<RuleProgram> Build(const RuleSets& sets, Dictionary& dictionary,
                                             const sparql::FunctionRegistry* functions,
                                             Diagnostics& diagnostics);
 
-  // Rules with negation that would depend on themselves if the axioms were such: the axioms decide which of them comes after
-  // which (negation_order.h). They, and all other rules that are entangled with them, run in several strata, and make in each
-  // the facts of its level.
+  // Rules with negation that would depend on themselves under some axioms: the existing axioms decide their
+  // order (negation_order.h). They, and all rules entangled with them, run in several strata; in each they
+  // make the facts of its level.
   std::vector<uint32_t> ordered;
-  bool Place(NegationOrder order);  // whether it is another one
+  bool Place(NegationOrder order);  // true if the order has changed
   const NegationOrder& order() const { return order_; }
-  uint64_t placed_for = 0;  // SchemaIndex::changes() of the axioms that the order is for; 0: of none
-  // The strata in which they run; empty (0 to -1) where there are none.
+  uint64_t placed_for = 0;  // SchemaIndex::changes() of the axioms on which the order is based; 0: none
+  // The strata in which they run; empty (0 to -1) if there are none.
   int first_entangled = 0, last_entangled = -1;
   bool IsEntangled(uint32_t rule) const { return component_[rule] == entangled_; }
   bool Runs(uint32_t rule, int stratum) const {
     return rules[rule].stratum == stratum ||
            (IsEntangled(rule) && rules[rule].stratum < stratum && stratum <= last_entangled);
   }
-  // Whether the rules of equality are there, all five of them, and which speak for them in messages.
+  // The equality rules: true if all five are present, and the rules named in messages.
   struct Equality {
     bool by_classes = false;
     uint32_t transitivity = 0, replacement = 0;
@@ -124,15 +125,15 @@ class RuleProgram {
   bool ClosesEquality(int stratum) const {
     return equality.by_classes && Runs(equality.replacement, stratum);
   }
-  // Where it is entangled rules that make it.
+  // The stratum of a fact made by entangled rules.
   int StratumOf(const Triple& fact) const;
 
   std::vector<CompiledRule> rules;
   int stratum_count = 0;
   std::vector<std::vector<uint32_t>> rules_of_stratum;
   matching::PatternIndex
-      triggers;  // reference: rule, trigger of its body; of rules with a schema part those alone
-  matching::PatternIndex schema_triggers;  // the latter again
+      triggers;  // reference: rule, trigger of its body; rules with a schema part: those of that part only
+  matching::PatternIndex schema_triggers;  // only those of schema parts
   matching::PatternIndex heads;  // reference: rule, triple of its head; not of rules with a schema part
 
  private:
@@ -143,7 +144,7 @@ class RuleProgram {
   void Index();
 
   std::vector<RuleDependency> dependencies_;
-  std::vector<int> component_;  // of each rule: of the dependencies, those depended on first
+  std::vector<int> component_;  // of each rule in the dependencies; a dependency has a lower number
   int component_count_ = 0;
   int entangled_ = -1;  // the component of `ordered`
   NegationOrder order_;

@@ -1,8 +1,8 @@
-// The rule sets that come with the server, as `.rules` text: `rdfs` and `owl2rl`.
+// Built-in rule sets, as `.rules` text: `rdfs` and `owl2rl`.
 //
 // They are ordinary documents of the rule language: loaded, replaced, removed, previewed and logged like a
-// user's own. Each rule bears the name that its W3C table gives it; which rules are covered, and how, stands
-// in docs/reference/rules.md. Pure; any thread.
+// user's own. Each rule has its name from the W3C table; docs/reference/rules.md lists the covered rules and
+// how they are implemented. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_RULE_SETS_H_
 #define DOCENT_REASONER_RULES_RULE_SETS_H_
 
@@ -12,12 +12,12 @@
 
 namespace docent::rules {
 
-// Names, in the order in which people should see them.
+// Names, in display order.
 std::vector<std::string> BuiltInRuleSets();
-// Empty if there is none of that name.
+// Empty if no set has this name.
 std::string BuiltInRuleSet(std::string_view name);
 
-// Longest lists that have a rule of their own length in owl2rl: classes of one intersection (cls-int1; longer
+// Longest lists for which owl2rl has a rule of that length: classes of one intersection (cls-int1; longer
 // ones go cell by cell), properties of one chain (prp-spo2) and of one key (prp-key). A body has at most 32
 // patterns.
 inline constexpr int kIntersectionClasses = 10;

@@ -1,4 +1,4 @@
-// Where the text of a rule set comes from.
+// Origin of the text of a rule set.
 #ifndef DOCENT_REASONER_RULES_RULE_TEXT_ORIGIN_H_
 #define DOCENT_REASONER_RULES_RULE_TEXT_ORIGIN_H_
 
@@ -7,8 +7,8 @@
 namespace docent::rules {
 
 enum class RuleTextOrigin : uint8_t {
-  kNew,       // somebody gives it now
-  kAccepted,  // it is in force, or the log has it: what an older version took stays accepted
+  kNew,       // a user puts it now
+  kAccepted,  // it is in force, or from the log: a text accepted by an older version stays accepted
 };
 
 }  // namespace docent::rules

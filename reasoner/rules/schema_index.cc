@@ -115,7 +115,7 @@ void SchemaIndex::Lost(const Triple& triple) {
     Remove(found->second.back().instance);
 }
 
-// From each list the last one comes to its place.
+// In each list the last entry moves to its place.
 void SchemaIndex::Remove(uint32_t id) {
   Instance& instance = instances_[id];
   const Support support = SupportOf(instance.rule, instance.row);

@@ -1,14 +1,14 @@
-// The rules, specialised to the schema that the graph holds.
+// Schema index: the rules, specialised to the schema in the graph.
 //
 // Most rules of OWL 2 RL join a few patterns about the schema with patterns about the data:
 //   ?p rdfs:domain ?c . ?x ?p ?y  →  ?x a ?c
-// Asked of each changed triple, such a rule would cost a lookup for every property that has no domain. So the
-// solutions of the schema part are kept here (an *instance* each: p = ex:worksFor, c = ex:Person), and the
-// rest of the body stands in a discrimination index with the instance's values put in (?x ex:worksFor ?y). A
-// changed triple finds the instances that it concerns and no others. (Partial evaluation, as in the peers'
-// "TBox-specialised" rules; here kept up to date while the schema changes.)
+// Evaluated for each changed triple, such a rule would cost a lookup even for properties without a domain. So
+// the solutions of the schema part are kept here (an *instance* each: p = ex:worksFor, c = ex:Person), and
+// the rest of the body is in a discrimination index with the instance's values (?x ex:worksFor ?y). A changed
+// triple finds the instances that it concerns and no others. (Partial evaluation, as in the peers'
+// "TBox-specialised" rules; here maintained while the schema changes.)
 //
-// A changed schema triple itself goes the general way: its rule is joined with all data.
+// A changed schema triple itself takes the general path: its rule is joined with all data.
 // Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
 #define DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
@@ -29,16 +29,17 @@ class SchemaIndex {
  public:
   struct Instance {
     uint32_t rule = 0;
-    std::vector<TermId> row;  // columns of the body that the schema part binds; the others none
+    std::vector<TermId> row;  // columns of the body that the schema part binds; the others kNone
     std::vector<matching::PatternIndex::Handle> triggers;
     std::vector<matching::PatternIndex::Handle> heads;
-    absl::InlinedVector<uint32_t, 4> places;  // in the lists of the triples that it rests on
+    absl::InlinedVector<uint32_t, 4> places;  // in the lists of the triples on which it rests
   };
 
-  // All instances of `program` in `graph`. `program` must outlive this or the next Build.
-  // `cancellation` (null: none) ends it early, as an error that names the rule; then it is to be built anew. So below.
+  // Builds all instances of `program` in `graph`. `program` must outlive this or the next Build.
+  // `cancellation` (null: none) ends it early, as an error that names the rule; the index must then be built
+  // again. The same holds below.
   absl::Status Build(RuleProgram& program, const GraphVersion& graph, Cancellation* cancellation);
-  // `triple` stands in `graph` now and did not before; the other way about.
+  // `triple` is new in `graph`. Below: `triple` was removed.
   absl::Status Gained(const Triple& triple, const GraphVersion& graph, Cancellation* cancellation);
   void Lost(const Triple& triple);
 
@@ -61,7 +62,7 @@ class SchemaIndex {
       if (!instances_[id].triggers.empty()) visit(id, instances_[id]);
     }
   }
-  // Grows with every change.
+  // Increases with every change.
   uint64_t changes() const { return changes_; }
 
  private:
@@ -69,11 +70,11 @@ class SchemaIndex {
                     const sparql::RunOptions& run);
   void Add(uint32_t rule, absl::Span<const TermId> row);
   void Remove(uint32_t id);
-  // The triples that an instance rests on, sorted, each once.
+  // The triples on which an instance rests, sorted and distinct.
   using Support = absl::InlinedVector<Triple, 4>;
   Support SupportOf(uint32_t rule, absl::Span<const TermId> row) const;
 
-  // An instance, and which of its triples this is.
+  // An instance, and the index of the triple in its support.
   struct Place {
     uint32_t instance, number;
   };

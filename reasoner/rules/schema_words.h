@@ -1,5 +1,5 @@
-// Tests whether patterns and facts are about the schema (classes, properties, lists of axioms, equality) and not about
-// things. Pure; any thread.
+// Tests of patterns and facts: are they about the schema (classes, properties, lists of axioms, equality) or
+// about things? Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
 #define DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
 
@@ -8,8 +8,8 @@
 namespace docent::rules {
 
 // True for patterns whose predicate is a word of RDFS or OWL about classes and properties, of lists, or
-// owl:sameAs; and for those that ask for a class of RDF, RDFS or OWL. Each IRI: the text of a constant, empty
-// of a variable.
+// owl:sameAs; and for patterns with a class of RDF, RDFS or OWL as type. Each IRI: the text of a constant,
+// empty for a variable.
 bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri);
 
 }  // namespace docent::rules

@@ -51,11 +51,11 @@ class Importer {
   }
 
  private:
-  // A rule as the document of rules has it.
+  // A rule in the made rule document.
   struct Made {
     std::string name, head, target, where;
     size_t construct = 0;  // in ImportedRules::constructs
-    // in the text: of all, and without the target
+    // in the text: of the whole rule, and of the part without the target
     size_t begin = 0, target_begin = 0, target_end = 0, end = 0;
   };
 
@@ -96,7 +96,7 @@ class Importer {
     return text;
   }
 
-  // What ?this stands for: one pattern for each target.
+  // The patterns that bind ?this: one for each target.
   std::vector<std::string> Targets() const {
     std::vector<std::string> targets;
     const auto add = [&](const char* kind, const char* before, const char* after) {
@@ -152,7 +152,7 @@ class Importer {
     for (const sparql::TriplePattern& triple : parsed.query.construct_template) {
       absl::StrAppend(&head, sparql::PrintTriple(triple, print), " . ");
     }
-    // The target stands in the same group as the pattern, so that its filters see ?this.
+    // The target is in the same group as the pattern, so that its filters see ?this.
     std::string where = sparql::PrintPattern(*parsed.query.algebra, print);
     where = where.substr(1, where.rfind('}') - 1);
     if (by_class_.line == 0 && !Values(shape_, Sh("targetClass")).empty()) by_class_ = place_;
@@ -164,12 +164,12 @@ class Importer {
     result_.constructs.push_back(std::move(read));
   }
 
-  // What is printed has line breaks between its parts alone: those of literals are escaped.
+  // Printed text has line breaks only between its parts: those of literals are escaped.
   static std::string WithoutLineBreaks(std::string_view printed) {
     return absl::StrReplaceAll(std::string(printed), {{"\n", " "}});
   }
 
-  // Of a literal whose characters stand in the document as they are.
+  // For a literal whose characters are in the document unchanged.
   size_t QuoteOf(const ImportedConstruct& read) const {
     if (read.literal.offset >= source_.size()) return 0;
     const std::string_view written = source_.substr(read.literal.offset);
@@ -178,7 +178,7 @@ class Importer {
     return quoted && written.size() > quote && written.substr(quote).starts_with(read.text) ? quote : 0;
   }
 
-  // The document of rules, each in its line; and what the rule language says of them.
+  // Writes the rule document, each rule in its line, and parses it.
   void Write() {
     const auto line = [this](const Made& rule) { return result_.constructs[rule.construct].literal.line; };
     std::stable_sort(made_.begin(), made_.end(),
@@ -199,7 +199,7 @@ class Importer {
     if (!text.empty()) text += '\n';
     result_.rules = made_.size();
     std::map<std::pair<size_t, std::string>, bool>
-        told;  // place and message: a rule of two targets has its mistakes twice
+        told;  // place and message: a rule with two targets has its mistakes twice
     for (Diagnostic& d : ParseRules(text, file_, {}, functions_).diagnostics) {
       d.span = InDocument(d.span);
       if (told.emplace(std::pair(d.span.offset, d.message), true).second)
@@ -207,7 +207,8 @@ class Importer {
     }
   }
 
-  // Where the word that a place of `text` names stands in the document: the same of those that are alike, if both have as many.
+  // The place in the document of the word at a place of `text`: the same occurrence, if both have the same
+  // number of occurrences.
   SourceSpan InDocument(const SourceSpan& in_rules) const {
     const auto rule = std::find_if(made_.begin(), made_.end(), [&](const Made& m) {
       return m.begin <= in_rules.offset && in_rules.offset < m.end;
@@ -258,8 +259,8 @@ class Importer {
   std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
   std::map<std::tuple<std::string, std::string, std::string>, SourceSpan> places_;  // of objects
   std::string shape_;
-  SourceSpan place_;     // of what is looked at
-  SourceSpan by_class_;  // of a rule whose target is a class
+  SourceSpan place_;     // of the current node
+  SourceSpan by_class_;  // of a rule with a class as target
   std::vector<Made> made_;
   ImportedRules result_;
 };

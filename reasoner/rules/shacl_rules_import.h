@@ -1,11 +1,12 @@
-// SHACL rules in RDF (W3C SHACL Advanced Features, section 8: sh:SPARQLRule) as a `.rules` document.
+// Conversion of SHACL rules in RDF (W3C SHACL Advanced Features, section 8: sh:SPARQLRule) to a `.rules`
+// document.
 //
 //   ex:RobotShape sh:targetClass ex:Robot ; sh:rule [ a sh:SPARQLRule ; sh:prefixes ex: ;
 //     sh:construct "CONSTRUCT { $this ex:state ex:Free } WHERE { $this ex:task ex:None }" ] .
 //   →  RULE { ?this ex:state ex:Free } WHERE { ?this a ex:Robot . ?this ex:task ex:None }
 //
-// A rule stands in the line of its sh:construct, so that errors and proofs (`rule 2 (line 5)`) name the line of the RDF
-// document; what is wrong with it is told where the document has it. Pure; any thread.
+// A rule is in the line of its sh:construct, so that errors and proofs (`rule 2 (line 5)`) name the line of
+// the RDF document. Mistakes are reported at their place in that document. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_SHACL_RULES_IMPORT_H_
 #define DOCENT_REASONER_RULES_SHACL_RULES_IMPORT_H_
 
@@ -23,14 +24,14 @@ class FunctionRegistry;
 
 namespace docent::rules {
 
-// A sh:construct as it was read.
+// A parsed sh:construct.
 struct ImportedConstruct {
   sparql::Query query;
   std::string text;     // of the literal
-  size_t prologue = 0;  // bytes of the declarations of sh:prefixes, which stand before it in what was parsed
+  size_t prologue = 0;  // bytes of the declarations of sh:prefixes, which precede it in the parsed text
   SourceSpan literal;   // its place in the document
-  size_t quote = 0;     // bytes of its quotation mark; 0: its characters are written otherwise (escapes, XML)
-  // Where the document has a place of the query, as exactly as the way it is written allows.
+  size_t quote = 0;     // bytes of its quotation mark; 0: its characters are escaped or XML
+  // A place of the query in the document, as exact as the literal's form allows.
   SourceSpan InDocument(const SourceSpan& in_query) const;
 };
 
@@ -43,11 +44,11 @@ struct ImportedRules {
 };
 
 // The rules of all shapes of `shapes`. Targets: sh:targetClass, sh:targetNode, sh:targetSubjectsOf,
-// sh:targetObjectsOf, and a shape that is a class itself; a class means its instances
-// as the graph has them, which a warning says. Deactivated shapes and rules are left out; sh:order
-// is not needed, as rules go to a fixpoint. Errors: sh:condition and other kinds of rules (sh:TripleRule), a
-// query that is no CONSTRUCT, its mistakes, and what a rule may not have (rule_parser.h). `source` is the document's text,
-// `file` names it in diagnostics. `functions`: as of ParseRules.
+// sh:targetObjectsOf, and a shape that is a class itself; a class stands for its instances in the graph,
+// which a warning mentions. Deactivated shapes and rules are left out; sh:order is ignored, as rules run to a
+// fixpoint. Errors: sh:condition and other kinds of rules (sh:TripleRule), a query that is no CONSTRUCT, its
+// mistakes, and constructs that a rule must not have (rule_parser.h). `source` is the document's text, `file`
+// names it in diagnostics. `functions`: as of ParseRules.
 ImportedRules ImportShaclRules(const LocatedRdf& shapes, std::string_view source, std::string_view file,
                                const sparql::FunctionRegistry* functions = nullptr);
 

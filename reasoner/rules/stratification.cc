@@ -7,7 +7,7 @@ namespace {
 
 using Graph = std::vector<std::vector<uint32_t>>;
 
-// Tarjan's algorithm with its own stack. Components come out after all that they depend on.
+// Tarjan's algorithm with an explicit stack. A component comes after all components on which it depends.
 class Components {
  public:
   explicit Components(const Graph& graph)
@@ -71,7 +71,7 @@ class Components {
   int count_ = 0;
 };
 
-// A shortest way (empty: there is none) from `from` to `to` along the graph, both included.
+// A shortest path from `from` to `to` along the graph, with both ends; empty: there is none.
 std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to) {
   std::vector<int64_t> before(graph.size(), -1);
   std::vector<uint32_t> queue = {from};

@@ -1,7 +1,7 @@
-// Strata of a rule program: a rule is evaluated after those that it negates (datalog with stratified
+// Strata of a rule program: a rule is evaluated after the rules that it negates (datalog with stratified
 // negation).
 //
-// Rule A depends on rule B if a head of B can make a triple that a pattern of A's body matches, constants
+// Rule A depends on rule B if a head of B can make a triple that a pattern of A's body matches; constants are
 // compared position by position. So `?r a ex:Free` may negate `?r a ex:Busy`, although both are about
 // rdf:type.
 #ifndef DOCENT_REASONER_RULES_STRATIFICATION_H_
@@ -12,23 +12,23 @@
 
 namespace docent::rules {
 
-// rules[a] needs what rules[b] derives.
+// rules[a] uses facts that rules[b] derives.
 struct RuleDependency {
   uint32_t from = 0;  // a
   uint32_t to = 0;    // b
   bool negative = false;
-  bool by_axioms = false;  // only where there are axioms that make it so
+  bool by_axioms = false;  // only with certain axioms
 };
 
 struct Stratification {
-  std::vector<int> stratum;  // by rule; dependencies lie in the same or a lower one
+  std::vector<int> stratum;  // by rule; dependencies are in the same or a lower stratum
   int count = 0;
-  // Empty, or rules r0, r1, …, each depending on the next and the last on the first, r0 negatively on r1:
-  // there are no strata.
+  // If not empty, there are no strata: rules r0, r1, …, each depends on the next and the last on the first,
+  // r0 negatively on r1.
   std::vector<uint32_t> negative_cycle;
 };
 
-// Rules r0 = `rule`, r1, …, each depending on the next and the last on the first; empty if there is no such
+// Rules r0 = `rule`, r1, …, each depends on the next and the last on the first; empty if there is no such
 // cycle.
 std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
                                    const std::vector<RuleDependency>& dependencies);

@@ -1,4 +1,4 @@
-// The constraint components of SHACL Core, section 4. Each check names its section.
+// Checks of the constraint components of SHACL Core, section 4. Each names its section.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -16,8 +16,8 @@ namespace {
 
 using sparql::Value;
 
-// SPARQL's order of literals, but that times with and without zone compare only where they are more than 14 hours apart
-// (XML Schema part 2, section 3.2.7.4). nullopt: they do not compare.
+// SPARQL's order of literals, except that times with and without zone compare only if they are more than 14
+// hours apart (XML Schema part 2, section 3.2.7.4). nullopt: not comparable.
 std::optional<int> Compare(TermId a, TermId b, const Dictionary& dictionary) {
   const Value left = Value::OfId(a, dictionary), right = Value::OfId(b, dictionary);
   if (left.IsTime() && right.IsTime() &&
@@ -137,7 +137,7 @@ void Evaluation::CheckCount(const Place& place) {
                       limit, least ? " needed" : " allowed"));
 }
 
-// 4.3 sh:minExclusive and its kin: a value that does not compare violates
+// 4.3 sh:minExclusive and the other ranges: a value that is not comparable violates
 void Evaluation::CheckRange(const Place& place) {
   for (const TermId value : place.values) {
     if (place.sink.done()) return;
@@ -168,7 +168,7 @@ void Evaluation::CheckRange(const Place& place) {
 
 namespace {
 
-// Counts the work and the memory of a search by functions of the evaluation.
+// Counts the work and the memory of a regular expression search in the evaluation.
 class PatternGuard : public sparql::MatchGuard {
  public:
   PatternGuard(absl::FunctionRef<bool()> poll, absl::FunctionRef<bool(size_t)> charge, size_t* memory)
@@ -188,7 +188,7 @@ class PatternGuard : public sparql::MatchGuard {
 bool Evaluation::MatchesPattern(TermId value, const Constraint& constraint) {
   if (value.IsBlank()) return false;
   std::unique_ptr<sparql::Regex>& regex = regexes_[&constraint];
-  if (regex == nullptr)  // the reader of shapes has looked for mistakes
+  if (regex == nullptr)  // the shape reader has checked it for mistakes
     sparql::Regex::Compile(constraint.pattern.lexical, constraint.flags.lexical, false, &regex);
   if (regex == nullptr) return false;
   const std::string text = dictionary_.Decode(value).lexical;
@@ -231,7 +231,7 @@ void Evaluation::CheckString(const Place& place) {
   }
 }
 
-// 4.4.5 sh:uniqueLang: one result for each language that several values have
+// 4.4.5 sh:uniqueLang: one result for each language of several values
 void Evaluation::CheckUniqueLang(const Place& place) {
   std::map<std::string, int> seen;
   for (const TermId value : place.values) {
@@ -279,7 +279,7 @@ void Evaluation::CheckDisjoint(const Place& place) {
   }
 }
 
-// 4.5.3 sh:lessThan, 4.5.4 sh:lessThanOrEquals: a result for each pair
+// 4.5.3 sh:lessThan, 4.5.4 sh:lessThanOrEquals: one result for each pair
 void Evaluation::CheckLess(const Place& place) {
   const bool strict = place.constraint.component == Component::kLessThan;
   if (place.focus.IsLiteral()) return;
@@ -376,7 +376,7 @@ void Evaluation::CheckQualified(const Place& place) {
                       least ? "least " : "most ", place.constraint.number, least ? " needed" : " allowed"));
 }
 
-// 4.8.1 sh:closed: the path of a result is the property that is too much
+// 4.8.1 sh:closed: the path of a result is the property that is not allowed
 void Evaluation::CheckClosed(const Place& place) {
   const std::vector<TermId>& allowed = place.constraint.terms;
   for (const TermId node : place.values) {

@@ -20,7 +20,7 @@ bool AllDigits(std::string_view text) {
   return !text.empty();
 }
 
-// [+-]?[0-9]+ without leading zeros and sign of zero: a number of any size as text.
+// [+-]?[0-9]+ without leading zeros and without the sign of zero: a number of any size as text.
 struct BigInteger {
   bool negative = false;
   std::string_view digits;  // no leading zeros; "0" is "0"
@@ -42,7 +42,8 @@ bool AtMost(std::string_view digits, std::string_view limit) {
   return digits.size() < limit.size() || (digits.size() == limit.size() && digits <= limit);
 }
 
-// Section 3.4.13 and following: the types derived from xsd:integer, with their bounds as magnitudes ("" : none).
+// Section 3.4.13 and following: the types derived from xsd:integer, with the magnitudes of their bounds ("":
+// none).
 struct IntegerType {
   std::string_view name, base, lowest, highest;
 };
@@ -102,14 +103,14 @@ std::string_view ZoneOf(std::string_view text) {
   return is_zone ? zone : std::string_view();
 }
 
-// A part of a date, made whole with what it leaves out.
+// Checks a part of a date by completing it.
 bool IsDatePart(std::string_view before, std::string_view text, std::string_view after) {
   const std::string_view zone = ZoneOf(text);
   const std::string_view part = text.substr(0, text.size() - zone.size());
   return sparql::ParseDateText(Concat(before, part, after, zone)).has_value();
 }
 
-// PnYnMnDTnHnMn.nS (section 3.3.6.2); the order of the designators, at least one, and one after T.
+// PnYnMnDTnHnMn.nS (section 3.3.6.2): checks the order of the designators; at least one, and one after T.
 bool IsDuration(std::string_view text, std::string_view date_parts, std::string_view time_parts) {
   if (text.starts_with('-')) text.remove_prefix(1);
   if (!text.starts_with('P')) return false;

@@ -7,7 +7,7 @@
 
 namespace docent::shapes {
 
-// nullopt: the datatype is not one of XML Schema's that are known here.
+// nullopt: not a known datatype of XML Schema.
 std::optional<bool> IsValidLexicalForm(std::string_view text, std::string_view datatype);
 
 // True if `datatype` is `base`, or derived from it by XML Schema part 2 (xsd:int from xsd:integer from xsd:decimal).

@@ -1,5 +1,5 @@
-// One validation on its way: focus nodes, value nodes, constraints (SHACL sections 3.4 and 4). Private to this folder;
-// one thread.
+// State of one validation: focus nodes, value nodes, constraints (SHACL sections 3.4 and 4). Private to this
+// folder; one thread.
 #ifndef DOCENT_REASONER_SHAPES_EVALUATION_H_
 #define DOCENT_REASONER_SHAPES_EVALUATION_H_
 
@@ -19,14 +19,14 @@
 
 namespace docent::shapes {
 
-// A query of a shape, prepared for the variables that have values before it runs, in this order: parameters, ?this, ?value, ?currentShape,
-// ?shapesGraph, as far as it mentions them.
+// A prepared query of a shape. Before it runs it gets values for the variables that it mentions, in this
+// order: parameters, ?this, ?value, ?currentShape, ?shapesGraph.
 struct PreparedShapeQuery {
   std::unique_ptr<sparql::PreparedQuery> query;
-  std::vector<std::string> names;  // of those
+  std::vector<std::string> names;  // of these variables
   std::vector<TermId> values;
-  int this_at = -1, value_at = -1, shape_at = -1;             // among them
-  int this_column = -1, value_column = -1, path_column = -1;  // of a row
+  int this_at = -1, value_at = -1, shape_at = -1;             // their places among the names
+  int this_column = -1, value_column = -1, path_column = -1;  // of a result row
   int message_column = -1, failure_column = -1;
 };
 
@@ -38,13 +38,13 @@ class Evaluation {
   absl::StatusOr<ValidationReport> Run();
 
  private:
-  // Where results go: into a report, or only that there is one (does the node conform?).
+  // Destination of results: a report, or only a flag (does the node conform?).
   struct Sink {
-    std::vector<ValidationResult>* results = nullptr;  // null: only `any` counts
+    std::vector<ValidationResult>* results = nullptr;  // null: only `any` is set
     bool any = false;
     bool done() const { return any && results == nullptr; }
   };
-  // What one constraint of one shape is checked on.
+  // The subject of a check: one constraint of one shape, with its nodes.
   struct Place {
     const Shape& shape;
     const Constraint& constraint;
@@ -59,7 +59,7 @@ class Evaluation {
   bool Conforms(ShapeIndex shape, TermId node);
   void CheckConstraint(const Place& place);
 
-  // constraint_checks.cc: a function a group of components
+  // constraint_checks.cc: one function for each group of components
   void CheckValueType(const Place& place);
   void CheckCount(const Place& place);
   void CheckRange(const Place& place);
@@ -90,11 +90,11 @@ class Evaluation {
                   const std::vector<std::pair<std::string, std::string>>& values,
                   std::optional<Term> message);
 
-  // A result about `value` (none: about the focus node), with our message where the shape has none.
+  // Adds a result about `value` (kNone: about the focus node), with our message if the shape has none.
   void Report(const Place& place, TermId value, const std::string& message);
   void Add(const Place& place, ValidationResult result, const std::string& message);
 
-  // value_paths.cc: the nodes that a path leads to from `node`, distinct.
+  // value_paths.cc: the distinct nodes that a path reaches from `node`.
   std::vector<TermId> ValueNodes(const Path& path, TermId node);
   void Step(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
   void StepSequence(const Path& path, bool backwards, const std::vector<TermId>& from,
@@ -104,13 +104,13 @@ class Evaluation {
 
   bool IsInstance(TermId node, TermId cls);
   const absl::flat_hash_set<TermId>& ClassAndSubclasses(TermId cls);
-  // Whether the value matches sh:pattern; false, too, where the evaluation must end.
+  // True if the value matches sh:pattern; also false if the evaluation must end.
   bool MatchesPattern(TermId value, const Constraint& constraint);
   TermId Id(std::string_view iri) const { return dictionary_.FindIri(iri).value_or(kAbsentTerm); }
   std::string Show(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
   std::string ShowPath(const Shape& shape) const;
 
-  // False once the evaluation must end; status_ says why.
+  // False once the evaluation must end; status_ gives the reason.
   bool Poll();
   bool Charge(size_t bytes);
 
@@ -122,7 +122,7 @@ class Evaluation {
   absl::Status status_;
   size_t memory_ = 0;
   ValidationReport report_;
-  absl::flat_hash_set<TermId> nodes_;  // that a shape was held against
+  absl::flat_hash_set<TermId> nodes_;  // checked against a shape
   absl::flat_hash_map<std::pair<ShapeIndex, TermId>, bool> conforms_;
   std::map<TermId, absl::flat_hash_set<TermId>> classes_;
   absl::flat_hash_map<const Constraint*, std::unique_ptr<sparql::Regex>> regexes_;

@@ -1,4 +1,4 @@
-// Documents as graphs with the places of their triples: what `docent validate` and `docent check` work on without a
+// Documents as graphs with the places of their triples, for `docent validate` and `docent check` without a
 // server. One thread.
 #ifndef DOCENT_REASONER_SHAPES_FILE_GRAPH_H_
 #define DOCENT_REASONER_SHAPES_FILE_GRAPH_H_
@@ -18,13 +18,13 @@ class FileGraph {
  public:
   FileGraph() : writer_(nullptr) {}
 
-  // The quads of a document into the graph `name`, whatever graphs they have themselves. Blank nodes of two documents
+  // Adds the quads of a document to the graph `name`, ignoring their own graphs. Blank nodes of two documents
   // must have different labels (ParseRdfOptions::blank_node_scope).
   void Add(const std::string& file, const LocatedRdf& document, const std::string& name);
 
   const Dictionary& dictionary() const { return dictionary_; }
   const GraphVersion& version() const { return writer_.current(); }
-  // The graph as SHACL sees it; not valid after another Add. An unknown name is an empty graph.
+  // The graph for SHACL; invalid after another Add. An unknown name is an empty graph.
   GraphView View(const std::string& name) const;
   const SourceMap& Places(const std::string& name) const;
 

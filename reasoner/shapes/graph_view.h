@@ -1,5 +1,5 @@
-// Some graphs of a version, read as one RDF graph: what SHACL calls the data graph and the shapes graph. A triple that
-// stands in several of them counts once. Value over a version that must outlive it; any thread.
+// View of some graphs of a version as one RDF graph: SHACL's data graph or shapes graph. A triple in several
+// of them counts once. Value over a version that must outlive it; any thread.
 #ifndef DOCENT_REASONER_SHAPES_GRAPH_VIEW_H_
 #define DOCENT_REASONER_SHAPES_GRAPH_VIEW_H_
 
@@ -11,25 +11,25 @@
 
 namespace docent::shapes {
 
-// Stands for a term that the dictionary does not have: matches nothing, and is no wildcard.
+// Placeholder for a term that is not in the dictionary: it matches nothing, and is not a wildcard.
 inline constexpr TermId kAbsentTerm = TermId::Make(TermId::Tag::kLocal, (uint64_t{1} << 60) - 2);
 
 class GraphView {
  public:
   // All graphs of the version.
   explicit GraphView(const GraphVersion& version) : version_(&version), all_(true) {}
-  // These graphs; none of them need exist.
+  // These graphs; they need not exist.
   GraphView(const GraphVersion& version, std::vector<TermId> graphs)
       : version_(&version), all_(false), graphs_(std::move(graphs)) {
     std::sort(graphs_.begin(), graphs_.end());
   }
 
   const GraphVersion& version() const { return *version_; }
-  // All graphs of the version, or graphs().
+  // True for all graphs of the version; false: graphs().
   bool IsWhole() const { return all_; }
   const std::vector<TermId>& graphs() const { return graphs_; }
 
-  // Calls `visit(quad)` for each distinct triple that matches (none is a wildcard) until it returns false.
+  // Calls `visit(quad)` for each distinct matching triple (kNone is a wildcard) until it returns false.
   template <typename Visit>
   void ForEach(TermId subject, TermId predicate, TermId object, const Visit& visit) const {
     Quad last;
@@ -42,7 +42,7 @@ class GraphView {
       if (!visit(quad)) return;
     }
   }
-  // None of the three is a wildcard here.
+  // No wildcards here.
   bool Contains(TermId subject, TermId predicate, TermId object) const {
     bool found = false;
     ForEach(subject, predicate, object, [&found](const Quad&) {

@@ -90,7 +90,8 @@ std::optional<Path> PathReader::ReadNested(TermId node, int depth) {
   if (!node.IsBlank()) {
     return Fail(absl::StrCat(ToDisplay(dictionary_.Decode(node)), " is no property path"));
   }
-  // A blank node that is a list is a sequence, whatever else it says (tests path-strange-001 and -002 of the suite).
+  // A blank node that is a list is a sequence, whatever other triples it has (tests path-strange-001 and -002
+  // of the suite).
   if (!graph_.Objects(node, first_).empty()) return ReadMembers(Path::Kind::kSequence, node, depth);
   std::optional<std::pair<Path::Kind, TermId>> found;
   for (const PathWord& word : kPathWords) {

@@ -1,4 +1,5 @@
-// Property paths in a shapes graph (SHACL section 2.3.1), and RDF lists. Private to this folder. One thread.
+// Reader of property paths in a shapes graph (SHACL section 2.3.1), and of RDF lists. Private to this folder.
+// One thread.
 #ifndef DOCENT_REASONER_SHAPES_PATH_READER_H_
 #define DOCENT_REASONER_SHAPES_PATH_READER_H_
 
@@ -16,7 +17,7 @@ class PathReader {
  public:
   PathReader(const GraphView& graph, const Dictionary& dictionary, int nesting_limit);
 
-  // nullopt: ill-formed, and problem() says why.
+  // nullopt: ill-formed; problem() gives the reason.
   std::optional<Path> Read(TermId node);
   std::optional<std::vector<TermId>> ReadList(TermId head);
   const std::string& problem() const { return problem_; }

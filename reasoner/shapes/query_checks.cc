@@ -1,4 +1,4 @@
-// Constraints and targets that are SPARQL queries (SHACL sections 5 and 6; Advanced Features, section 3).
+// Constraints and targets in SPARQL (SHACL sections 5 and 6; Advanced Features, section 3).
 #include <algorithm>
 #include <utility>
 
@@ -10,14 +10,15 @@
 namespace docent::shapes {
 namespace {
 
-// What a message shows for a value: a text as it is, an IRI as people write it.
+// A value as shown in a message: a text unchanged, an IRI as a short name.
 std::string InMessage(const Term& term) {
   return term.IsLiteral() ? term.lexical : ToDisplay(term);
 }
 
 }  // namespace
 
-// The queries ask the data graph alone; the shapes graph, and where that is the whole version all graphs, by GRAPH.
+// The queries read the data graph only; by GRAPH also the shapes graph, and all graphs if the data graph is
+// the whole version.
 void Evaluation::SetDataset(sparql::Query* query) const {
   if (data_.IsWhole()) return;
   for (const TermId graph : data_.graphs()) {
@@ -28,7 +29,7 @@ void Evaluation::SetDataset(sparql::Query* query) const {
     query->from_named.push_back(dictionary_.Decode(shapes_.shapes_graph));
 }
 
-// Null: it cannot run, and status_ says why.
+// Null: it cannot run; status_ gives the reason.
 Evaluation::Prepared* Evaluation::Prepare(const ShapeQuery& query) {
   std::unique_ptr<Prepared>& prepared = prepared_[&query];
   if (prepared != nullptr) return prepared.get();
@@ -86,7 +87,8 @@ void Evaluation::Fail(const ShapeQuery& query, const absl::Status& status) {
                   : status;
 }
 
-// With `focus` and `value` (none: it is no ASK) as ?this and ?value. Null: status_ says why.
+// Starts the query with `focus` as ?this and `value` as ?value (kNone: it is no ASK). Null: status_ gives the
+// reason.
 Evaluation::Prepared* Evaluation::Start(const Place& place, TermId value) {
   Prepared* prepared = Prepare(*place.constraint.query);
   if (prepared == nullptr) return nullptr;
@@ -106,7 +108,7 @@ sparql::RunOptions Evaluation::RunNow() const {
   return {.version = &data_.version(), .cancellation = options_.cancellation, .now_us = options_.now_us};
 }
 
-// 5.3 and 6.3: the solutions of a SELECT violate, and values for which an ASK is false.
+// 5.3 and 6.3: each solution of a SELECT violates, and each value for which an ASK is false.
 void Evaluation::CheckQuery(const Place& place) {
   const ShapeQuery& query = *place.constraint.query;
   if (query.query.form == sparql::Query::Form::kSelect) {
@@ -135,7 +137,7 @@ void Evaluation::CheckQuery(const Place& place) {
   }
 }
 
-// The values that messages may name and that do not come from a solution.
+// The values that messages may contain and that do not come from a solution.
 std::vector<std::pair<std::string, std::string>> Evaluation::GivenTexts(const Place& place) const {
   std::vector<std::pair<std::string, std::string>> values;
   values.emplace_back("this", InMessage(dictionary_.Decode(place.focus)));
@@ -148,7 +150,7 @@ std::vector<std::pair<std::string, std::string>> Evaluation::GivenTexts(const Pl
   return values;
 }
 
-// 5.3.2: what a solution becomes.
+// 5.3.2: the result for a solution.
 void Evaluation::ReportRow(const Place& place, const Prepared& prepared) {
   const absl::Span<const TermId> row = prepared.query->row();
   const auto at = [&](int column) { return column < 0 ? TermId() : row[static_cast<size_t>(column)]; };
@@ -185,7 +187,7 @@ void Evaluation::ReportRow(const Place& place, const Prepared& prepared) {
   AddOfQuery(place, std::move(result), values, std::move(message));
 }
 
-// The message: of the solution, of the query, of its component, of the shape, or ours.
+// Adds a result. Its message is from the solution, the query, its component, the shape, or ours.
 void Evaluation::AddOfQuery(const Place& place, ValidationResult result,
                             const std::vector<std::pair<std::string, std::string>>& values,
                             std::optional<Term> message) {
@@ -211,7 +213,7 @@ void Evaluation::AddOfQuery(const Place& place, ValidationResult result,
           : Concat("violates the constraint ", Show(query.component)));
 }
 
-// The values of ?this. One that the data do not hold has no name here, and nothing to check.
+// The values of ?this. A value without an id is not in the data, so there is nothing to check.
 void Evaluation::AddTargetsOf(const ShapeQuery& query, std::vector<TermId>* nodes) {
   Prepared* prepared = Prepare(query);
   if (prepared == nullptr) return;

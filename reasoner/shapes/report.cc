@@ -20,7 +20,7 @@ std::string Joined(const Path& path, std::string_view separator, const Dictionar
   return out;
 }
 
-// The child, in brackets where a sign before or behind it would be taken for a part of it.
+// The child path, in brackets if an operator before or after it would bind to a part of it.
 std::string Grouped(const Path& child, const Dictionary& dictionary) {
   std::string text = PathText(child, dictionary);
   return child.kind == Path::Kind::kPredicate ? text : Concat("(", text, ")");
@@ -33,7 +33,7 @@ std::string SeverityText(TermId severity, const Dictionary& dictionary) {
   return iri == Shacl("Violation") ? "violation" : ToDisplay(Term::Iri(iri));
 }
 
-// What a person who reads English is told: that, or a text without language, or the first.
+// The message for a reader of English: an English text, else one without language, else the first.
 std::string MessageText(const std::vector<Term>& messages) {
   const auto english = [](const Term& message) { return SameLanguage(message.language.substr(0, 2), "en"); };
   const Term* best = &messages[0];
@@ -139,7 +139,7 @@ void SetPlace(const SourcePlace* place, std::string* file, int* line, int* colum
   *column = place->span.column;
 }
 
-// Where the value was written, else where the node has that property, else where the node is described.
+// The place of the value, else of the node's property, else of the node's description.
 const SourcePlace* PlaceOf(const ValidationResult& result, const SourceMap& data) {
   const bool simple = result.has_path && result.path.kind == Path::Kind::kPredicate;
   const SourcePlace* place = nullptr;

@@ -1,5 +1,5 @@
-// SHACL shapes (W3C Recommendation 20 July 2017, sections 2 to 6), read and checked: what the shape reader makes and the
-// validator evaluates. Values; any thread.
+// SHACL shapes (W3C Recommendation 20 July 2017, sections 2 to 6) after reading and checking: output of the
+// shape reader and input of the validator. Values; any thread.
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_H_
 
@@ -37,7 +37,7 @@ struct Path {
   std::vector<Path> children;
 };
 
-// The constraint components of section 4, in its order; and those whose constraints are queries.
+// The constraint components of section 4, in its order; and those with queries as constraints.
 enum class Component : uint8_t {
   kClass,
   kDatatype,
@@ -81,11 +81,11 @@ inline std::string ComponentIri(Component component) {
 
 using ShapeIndex = uint32_t;
 
-// A query of a shape, with the path of the shape in it where it says $PATH.
+// A query of a shape, with the shape's path in place of $PATH.
 struct ShapeQuery {
   sparql::Query query;                 // SELECT, or ASK of each value node
-  std::vector<std::string> variables;  // that it mentions
-  // Parameters, by the names of their variables, with their values at the shape.
+  std::vector<std::string> variables;  // all variables in it
+  // Parameters by variable name, with their values at the shape.
   std::vector<std::pair<std::string, TermId>> parameters;
   std::vector<TermId> messages;            // of the constraint or validator, with {?variables}
   std::vector<TermId> component_messages;  // of the component
@@ -103,40 +103,41 @@ struct Constraint {
   Term pattern, flags;             // kPattern
   std::vector<Term> languages;     // kLanguageIn
   std::vector<TermId> terms;       // kIn: the members; kClosed: the properties that are allowed
-  std::vector<ShapeIndex> shapes;  // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: what they name
+  std::vector<ShapeIndex> shapes;  // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: the named shapes
   std::vector<ShapeIndex> siblings;  // kQualified… with sh:qualifiedValueShapesDisjoint
   ShapeQueryPtr query;               // kSparql, kOwn
 };
 
 struct Shape {
-  TermId node;  // what names it in the shapes graph
+  TermId node;  // its name in the shapes graph
   bool is_property = false;
   Path path;              // of a property shape
   bool has_path = false;  // it is well-formed
   std::vector<Constraint> constraints;
-  TermId severity;               // sh:Violation where none is given
+  TermId severity;               // sh:Violation if none is given
   std::vector<TermId> messages;  // sh:message
   bool deactivated = false;
 
   // targets (section 2.1.3)
   std::vector<TermId> target_nodes;
-  std::vector<TermId> target_classes;  // sh:targetClass, and the shape itself where it is a class
+  std::vector<TermId> target_classes;  // sh:targetClass, and the shape itself if it is a class
   std::vector<TermId> target_subjects_of;
   std::vector<TermId> target_objects_of;
   std::vector<ShapeQueryPtr>
-      target_queries;  // SHACL Advanced Features, section 3: sh:SPARQLTarget and its kin
+      target_queries;  // SHACL Advanced Features, section 3: sh:SPARQLTarget and target types
   bool HasTargets() const {
     return !target_nodes.empty() || !target_classes.empty() || !target_subjects_of.empty() ||
            !target_objects_of.empty() || !target_queries.empty();
   }
 };
 
-// The shapes of a shapes graph that have targets, and all that they refer to. No shape refers to itself, directly or
-// through others.
+// The shapes of a shapes graph that have targets, and all shapes that they refer to. No shape refers to
+// itself, directly or through others.
 struct ShapeSet {
   std::vector<Shape> shapes;  // by ShapeIndex
-  TermId shapes_graph;        // its name, for $shapesGraph; none: it is several graphs
-  // The properties whose triples can matter for a validation; `any_property`: all (a closed shape, a query).
+  TermId shapes_graph;        // its name, for $shapesGraph; kNone: it is several graphs
+  // The properties whose triples can matter for a validation; `any_property`: all properties (a closed shape,
+  // a query).
   std::vector<TermId> properties;
   bool any_property = false;
 

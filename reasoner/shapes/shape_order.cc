@@ -18,7 +18,8 @@ std::vector<ShapeIndex> ReferencesOf(const Shape& shape) {
 
 }  // namespace
 
-// Shapes that nobody left refers to are taken away, one after the other (Kahn 1962); what stays refers in a circle.
+// Removes shapes to which no remaining shape refers, one after the other (Kahn 1962); the remaining ones form
+// cycles.
 ShapeOrder OrderShapes(const ShapeSet& set) {
   const size_t count = set.shapes.size();
   std::vector<std::vector<ShapeIndex>> references(count);
@@ -38,7 +39,7 @@ ShapeOrder OrderShapes(const ShapeSet& set) {
   }
   ShapeOrder out;
   if (order.size() < count) {
-    // Every shape left is referred to by one that is left: going back from any of them ends in a circle.
+    // Another remaining shape refers to each remaining one: walking back from any of them ends in a cycle.
     std::vector<ShapeIndex> back(count, 0);
     ShapeIndex start = 0;
     for (size_t i = 0; i < count; ++i) {

@@ -9,9 +9,9 @@
 namespace docent::shapes {
 
 struct ShapeOrder {
-  std::vector<ShapeIndex> cycle;  // shapes that each refer to the next, the last to the first; empty: none
+  std::vector<ShapeIndex> cycle;  // each refers to the next, the last to the first; empty: none
   int depth = 0;                  // of the longest chain of references
-  ShapeIndex deepest = 0;         // where it begins
+  ShapeIndex deepest = 0;         // the start of that chain
 };
 ShapeOrder OrderShapes(const ShapeSet& shapes);
 

@@ -1,5 +1,5 @@
-// Shape properties: the predicates whose facts a set of shapes looks at, so that a change of others needs no validation.
-// Private to this folder. Any thread.
+// Shape properties: the predicates of the facts that a set of shapes reads; a change of other facts needs no
+// validation. Private to this folder. Any thread.
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_PROPERTIES_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_PROPERTIES_H_
 
@@ -8,7 +8,7 @@
 
 namespace docent::shapes {
 
-// Sets `properties`, in order, and `any_property` where queries or sh:closed may look at any fact.
+// Sets `properties`, in order, and `any_property` if queries or sh:closed may read any fact.
 void CollectProperties(const Dictionary& dictionary, ShapeSet* set);
 
 }  // namespace docent::shapes

@@ -20,7 +20,7 @@ bool IsPath(const PatternTerm& term) {
   return term.IsVariable() && term.variable().name == kPathVariable;
 }
 
-// Every node of an algebra, those of EXISTS among them, the outermost first.
+// Visits every node of an algebra, also inside EXISTS, the outermost first.
 template <typename Visit>
 void ForEachNode(const Algebra& node, const Visit& visit) {
   visit(node);

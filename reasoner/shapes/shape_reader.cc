@@ -23,7 +23,7 @@
 namespace docent::shapes {
 namespace {
 
-// What values a parameter may have, and how many.
+// The allowed values of a parameter, and their number.
 enum class ValueRule : uint8_t {
   kIri,
   kInteger,
@@ -40,7 +40,7 @@ struct Parameter {
   Component component;
   ValueRule values;
   bool single;
-  bool property_only;  // has no meaning on a node shape (section 4, "scope" of the syntax rules)
+  bool property_only;  // not allowed on a node shape (section 4, "scope" of the syntax rules)
 };
 constexpr std::array<Parameter, 27> kParameters = {{
     {Component::kClass, ValueRule::kIri, false, false},
@@ -287,7 +287,7 @@ class ShapeReader {
     return false;
   }
 
-  // False: it is ill-formed, or says nothing.
+  // False: it is ill-formed, or has no effect.
   bool ReadValue(const Parameter& parameter, const std::string& name, TermId node, TermId value,
                  Constraint* out) {
     switch (parameter.values) {
@@ -346,7 +346,7 @@ class ShapeReader {
     return false;
   }
 
-  // sh:uniqueLang and sh:closed: only the literal true says something (test uniqueLang-002 of the suite).
+  // sh:uniqueLang and sh:closed: only the literal true has an effect (test uniqueLang-002 of the suite).
   bool ReadTrue(const std::string& name, TermId node, TermId value, Constraint* out) {
     if (dictionary_.Datatype(value) != kXsdBoolean) return Wrong(node, name, value, "true or false");
     if (!IsTrue({value})) return false;
@@ -428,13 +428,14 @@ class ShapeReader {
     return true;
   }
 
-  // Section 4.7.3: a shape, how many values conform to it, and whether those of sibling shapes count.
+  // Section 4.7.3: a shape, the number of values that must conform to it, and whether those of sibling shapes
+  // are excluded.
   void ReadQualified(Shape* shape) {
     const std::vector<TermId> shapes = Values(shape->node, "qualifiedValueShape");
     const std::vector<TermId> least = Values(shape->node, "qualifiedMinCount");
     const std::vector<TermId> most = Values(shape->node, "qualifiedMaxCount");
     if (shapes.empty() && least.empty() && most.empty()) return;
-    if (shapes.empty()) {  // a component without all its parameters is none (test qualified-001 of the suite)
+    if (shapes.empty()) {  // without all its parameters it is ignored (test qualified-001 of the suite)
       return Report(shape->node, least.empty() ? "qualifiedMaxCount" : "qualifiedMinCount",
                     "a qualified count without sh:qualifiedValueShape says nothing",
                     "add the shape whose values count, or write sh:minCount or sh:maxCount",
@@ -481,7 +482,7 @@ class ShapeReader {
     for (const TermId sibling : sorted) out->siblings.push_back(IndexOf(sibling));
   }
 
-  // What the shapes graph says in words of the sh: namespace and nobody evaluates.
+  // Reports triples with words of the sh: namespace that have no effect.
   void CheckWords() {
     for (const TermId predicate : graph_.version().predicates()) {
       const std::string_view iri = dictionary_.Lexical(predicate);
@@ -564,7 +565,7 @@ class ShapeReader {
   const TermId type_;
   NodeRoles roles_;
   SparqlReader sparql_;
-  absl::btree_set<TermId> strays_;  // say what shapes say, and are none that is used
+  absl::btree_set<TermId> strays_;  // nodes that look like shapes and are not used
   absl::flat_hash_map<TermId, ShapeIndex> index_;
   std::deque<ShapeIndex> waiting_;
   ParsedShapes parsed_;

@@ -22,7 +22,7 @@ struct Word {
   std::string_view name;
   uint8_t roles;
 };
-// Beside the parameters of Core, which stand at shapes. A parameter may be described as a property shape is.
+// Words other than the parameters of Core at shapes. A parameter may be described like a property shape.
 constexpr std::array<Word, 41> kWords = {{
     {"path", kShape | kParameter},
     {"severity", kShape},
@@ -54,7 +54,7 @@ constexpr std::array<Word, 41> kWords = {{
     {"propertyValidator", kComponent},
     {"labelTemplate", kComponent},
     {"optional", kParameter},
-    // they lead to nothing that is checked, wherever they stand
+    // they lead to nothing that is checked, at any node
     {"declare", kAnywhere},
     {"prefix", kAnywhere},
     {"namespace", kAnywhere},
@@ -67,7 +67,7 @@ constexpr std::array<Word, 41> kWords = {{
     {"suggestedShapesGraph", kAnywhere},
     {"shapesGraphWellFormed", kAnywhere},
 }};
-// Of reports, which may stand in the graph of the shapes.
+// Words of reports, which may be in the graph of the shapes.
 constexpr std::array<std::string_view, 11> kReportWords = {"conforms",
                                                            "result",
                                                            "detail",
@@ -79,7 +79,7 @@ constexpr std::array<std::string_view, 11> kReportWords = {"conforms",
                                                            "sourceShape",
                                                            "value",
                                                            "sourceConstraintComponent"};
-// Of SHACL, its Advanced Features and its JavaScript extensions.
+// Words of SHACL, its Advanced Features and its JavaScript extensions.
 struct NotEvaluated {
   std::string_view name, advice;
 };

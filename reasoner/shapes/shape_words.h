@@ -1,5 +1,6 @@
-// The words of the sh: namespace: which of them say something, and at what kind of node. What a shapes graph says beyond that
-// is not evaluated, and told. Private to this folder. Pure functions and values; one thread a value.
+// The words of the sh: namespace, and the kinds of nodes at which they have an effect. Other uses in a shapes
+// graph are not evaluated, and reported. Private to this folder. Pure functions and values; one thread a
+// value.
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_WORDS_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_WORDS_H_
 
@@ -13,7 +14,7 @@
 
 namespace docent::shapes {
 
-// What a node of the shapes graph is read as; one may be several.
+// Roles of a node in the shapes graph; a node may have several.
 enum class NodeRole : uint8_t {
   kShape = 1,
   kConstraint = 2,  // the value of sh:sparql
@@ -21,13 +22,13 @@ enum class NodeRole : uint8_t {
   kParameter = 8,
   kValidator = 16,
   kTarget = 32,
-  kRule = 64,  // the value of sh:rule: `docent rules use` reads it
+  kRule = 64,  // the value of sh:rule, read by `docent rules use`
 };
 
 class NodeRoles {
  public:
   void Add(TermId node, NodeRole role) { roles_[node] |= static_cast<uint8_t>(role); }
-  // As bits; 0: nothing that is read leads to the node.
+  // As bits; 0: no evaluated triple leads to the node.
   uint8_t Of(TermId node) const {
     const auto found = roles_.find(node);
     return found == roles_.end() ? 0 : found->second;
@@ -39,19 +40,20 @@ class NodeRoles {
 
 enum class WordUse : uint8_t {
   kSays,          // it is evaluated at nodes of these roles
-  kElsewhere,     // it is evaluated, but at nodes of other roles
-  kNotEvaluated,  // of SHACL, and not evaluated here
+  kElsewhere,     // it is evaluated, but only at nodes of other roles
+  kNotEvaluated,  // a word of SHACL that is not evaluated here
   kUnknown,
 };
-// Of "minCount" at a node of these roles (bits).
+// Use of "minCount" at a node of these roles (bits).
 WordUse UseOf(std::string_view word, uint8_t roles);
-// Where it says something: "a sh:SPARQLConstraint, the value of sh:sparql". Empty of an unknown word.
+// The nodes at which it has an effect: "a sh:SPARQLConstraint, the value of sh:sparql". Empty for an unknown
+// word.
 std::string PlaceOfWord(std::string_view word);
-// What to do about a word that is not evaluated.
+// The remedy for a word that is not evaluated.
 std::string_view AdviceFor(std::string_view word);
-// A word that says something of the shape it stands at, so that it is no accident.
+// True for a word that shows that its node is meant as a shape.
 bool MakesAShape(std::string_view word);
-// All words that say something at a shape, for guesses.
+// All words that have an effect at a shape, for hints.
 const std::vector<std::string>& ShapeWords();
 
 }  // namespace docent::shapes

@@ -1,4 +1,4 @@
-// File and line of each triple, for reports on files. Filled once, then read by any thread.
+// Map from triples to file and line, for reports on files. Filled once, then read by any thread.
 #ifndef DOCENT_REASONER_SHAPES_SOURCE_MAP_H_
 #define DOCENT_REASONER_SHAPES_SOURCE_MAP_H_
 
@@ -18,14 +18,14 @@ struct SourcePlace {
 
 class SourceMap {
  public:
-  // Where the subject and the object of a triple stand; its graph does not count. The first place is kept.
+  // Adds the places of subject and object of a triple; its graph is ignored. The first place is kept.
   void Add(const Quad& quad, const SourcePlace& subject, const SourcePlace& object) {
     triples_.try_emplace(Quad{quad.subject, quad.predicate, quad.object, TermId()}, object);
     subjects_.try_emplace(quad.subject, subject);
     predicates_.try_emplace(Quad{quad.subject, quad.predicate, TermId(), TermId()}, object);
   }
-  // The place of the triple's object, a none object being any; or where a node is described first. Null where it is not
-  // known.
+  // The place of the triple's object (kNone: any object), or the first description of a node. Null if it is
+  // not known.
   const SourcePlace* Find(TermId subject, TermId predicate, TermId object = TermId()) const {
     const auto& map = object.IsNone() ? predicates_ : triples_;
     auto it = map.find(Quad{subject, predicate, object, TermId()});

@@ -26,7 +26,7 @@ std::string LocalName(std::string_view iri) {
   return std::string(end == std::string_view::npos ? iri : iri.substr(end + 1));
 }
 
-// As SPARQL's VARNAME, in ASCII.
+// SPARQL's VARNAME, in ASCII.
 bool IsVariableName(std::string_view name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' ||
@@ -56,7 +56,7 @@ bool SparqlReader::IsTrue(TermId node, std::string_view local) const {
                      [](TermId id) { return id.tag() == TermId::Tag::kBoolean && InlineBoolean(id); });
 }
 
-// Of the class sh:local and of its subclasses in the shapes graph.
+// Instances of the class sh:local and of its subclasses in the shapes graph.
 std::vector<TermId> SparqlReader::InstancesOf(std::string_view local) const {
   std::vector<TermId> classes = {Sh(local)};
   if (local == "TargetType") classes.push_back(Sh("SPARQLTargetType"));
@@ -275,7 +275,7 @@ std::vector<SparqlReader::ArgumentList> SparqlReader::ArgumentsAt(TermId node, D
     return {};
   }
   std::vector<ArgumentList> all;
-  if (values.size() == 1) {  // section 6.1: of one parameter each value is a constraint
+  if (values.size() == 1) {  // section 6.1: each value of a single parameter is a constraint
     for (const TermId value : values[0]) all.push_back({{declared->parameters[0].variable, value}});
     return all;
   }
@@ -293,7 +293,7 @@ std::vector<SparqlReader::ArgumentList> SparqlReader::ArgumentsAt(TermId node, D
   return all;
 }
 
-// Section 6.3. What is no SPARQL (such as a sh:JSValidator) is none.
+// Section 6.3. Validators in other languages (such as a sh:JSValidator) are ignored.
 TermId SparqlReader::ValidatorFor(const Shape& shape, const Declared& component) {
   for (const char* word : {shape.is_property ? "propertyValidator" : "nodeValidator", "validator"}) {
     for (const TermId validator : Values(component.node, word)) {
@@ -392,7 +392,7 @@ void SparqlReader::CheckUnused() {
   lenient_ = false;
 }
 
-// Any path will do for what is asked of $PATH.
+// Any path is good enough for the checks of $PATH.
 void SparqlReader::CheckQueries(const Declared& declared, bool constraint) {
   if (!constraint) {
     ReadQuery(declared.node, "select", GivenOf(declared, false, false), nullptr);

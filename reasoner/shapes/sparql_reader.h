@@ -1,5 +1,6 @@
-// The parts of a shapes graph that are written in SPARQL: constraints of shapes (SHACL section 5), constraint components
-// (section 6), and targets (SHACL Advanced Features, section 3). Private to this folder. One thread.
+// Reader of the SPARQL parts of a shapes graph: constraints of shapes (SHACL section 5), constraint
+// components (section 6), and targets (SHACL Advanced Features, section 3). Private to this folder. One
+// thread.
 #ifndef DOCENT_REASONER_SHAPES_SPARQL_READER_H_
 #define DOCENT_REASONER_SHAPES_SPARQL_READER_H_
 
@@ -26,19 +27,21 @@ namespace docent::shapes {
 
 class SparqlReader {
  public:
-  // Says what is wrong at a node of the shapes graph, at its value for the word `local` ("": at the node).
+  // Reports a mistake at a node of the shapes graph, at its value for the word `local` ("": at the node).
   using Tell = std::function<void(TermId node, std::string_view local, std::string message, std::string hint,
                                   Diagnostic::Severity severity)>;
 
-  // All must outlive it. `functions`: what calls are held to; null: nothing. `roles` learns what the nodes are that it reads.
+  // All arguments must outlive it. `functions`: the functions that calls may use; null: unchecked. `roles`
+  // receives the roles of the nodes read.
   SparqlReader(const GraphView& graph, const Dictionary& dictionary,
                const sparql::FunctionRegistry* functions, NodeRoles& roles, Tell tell);
 
-  // The constraints that `shape` (whose path is read) has by sh:sparql and by components of the shapes graph.
+  // Reads the constraints of `shape` (whose path is read) from sh:sparql and from components of the shapes
+  // graph.
   void ReadConstraints(Shape* shape);
-  // Its values for sh:target.
+  // Reads its values for sh:target.
   void ReadTargets(Shape* shape);
-  // Says what is wrong with components and target types that no shape uses.
+  // Reports mistakes in components and target types that no shape uses.
   void CheckUnused();
 
  private:
@@ -51,11 +54,11 @@ class SparqlReader {
     TermId node;
     std::string local, message, hint;
   };
-  // A component or a type of targets: what has parameters.
+  // A component or a type of targets, with its parameters.
   struct Declared {
     TermId node;
     std::vector<Parameter> parameters;
-    std::vector<Problem> problems;  // it is ill-formed
+    std::vector<Problem> problems;  // if not empty, it is ill-formed
     bool used = false;
   };
   // Values by the names of parameters.
@@ -81,14 +84,14 @@ class SparqlReader {
   void ReadParameters(Declared* declared);
   std::vector<TermId> Messages(TermId node);
   using Prefixes = std::vector<std::pair<std::string, std::string>>;
-  // nullopt: ill-formed, and said.
+  // nullopt: ill-formed, and reported.
   std::optional<Prefixes> PrefixesOf(TermId node);
-  // The query at `word` of `node`; null: ill-formed, and said. `path`: null where there is none to put in.
+  // The query at `word` of `node`; null: ill-formed, and reported. `path`: null if there is none.
   std::shared_ptr<ShapeQuery> ReadQuery(TermId node, std::string_view word, const GivenVariables& given,
                                         const Path* path);
   void ReadSparql(Shape* shape, TermId node);
   void ReadOwn(Shape* shape, Declared* component);
-  // What the parameters are at `node`, an element for each constraint; none: it does not use them.
+  // The arguments at `node`, an element for each constraint; empty: it does not use them.
   std::vector<ArgumentList> ArgumentsAt(TermId node, Declared* declared);
   TermId ValidatorFor(const Shape& shape, const Declared& component);
   static GivenVariables GivenOf(const Declared& declared, bool constraint, bool ask);
@@ -99,7 +102,7 @@ class SparqlReader {
   const sparql::FunctionRegistry* functions_;
   NodeRoles& roles_;
   const Tell tell_;
-  bool lenient_ = false;  // what is wrong matters to no shape
+  bool lenient_ = false;  // no shape uses it: mistakes are warnings
   std::vector<Declared> components_, target_types_;
 };
 

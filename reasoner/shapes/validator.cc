@@ -86,7 +86,7 @@ void Evaluation::Check(const Shape& shape, TermId focus, Sink& sink) {
   }
 }
 
-// Shapes do not refer to themselves, so the answer depends on shape and node alone.
+// Shapes do not refer to themselves, so the result depends only on shape and node.
 bool Evaluation::Conforms(ShapeIndex shape, TermId node) {
   const std::pair<ShapeIndex, TermId> key(shape, node);
   if (auto it = conforms_.find(key); it != conforms_.end()) return it->second;

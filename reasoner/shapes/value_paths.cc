@@ -21,7 +21,7 @@ std::vector<TermId> Evaluation::ValueNodes(const Path& path, TermId node) {
   return out;
 }
 
-// Appends to `to` where the path leads from each node of `from`; repeats are possible.
+// Appends the nodes that the path reaches from each node of `from` to `to`; repeats are possible.
 void Evaluation::Step(const Path& path, bool backwards, const std::vector<TermId>& from,
                       std::vector<TermId>* to) {
   switch (path.kind) {
