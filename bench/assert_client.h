@@ -1,4 +1,4 @@
-// The updates of a benchmark, over one AssertStream.
+// Client that sends the updates of a benchmark over one AssertStream.
 #ifndef DOCENT_BENCH_ASSERT_CLIENT_H_
 #define DOCENT_BENCH_ASSERT_CLIENT_H_
 
@@ -12,11 +12,12 @@
 
 namespace docent::bench {
 
-// Requests go out in order, answers are read as they come; a refusal is said on standard error. One thread sends, gRPC's call in.
+// Requests go out in order, answers are read as they come; refusals are printed on standard error. One thread
+// sends; gRPC's threads call in.
 class AssertClient final : public grpc::ClientBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
  public:
   explicit AssertClient(const std::shared_ptr<grpc::Channel>& channel);
-  // Waits for nothing.
+  // Does not block.
   void Send(v1::AssertRequest request);
   // Waits until every request is answered. Once, before the object's end.
   void Finish();

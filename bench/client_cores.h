@@ -4,9 +4,9 @@
 
 namespace docent::bench {
 
-// This thread, and those that it makes from now on, keep to the upper half of the cores that it may use; with one core
-// nothing changes. A load that may run anywhere is spread by the kernel as it sees fit, which may be badly for tens of
-// milliseconds at a time; the server, in a process of its own, still may use all cores.
+// Restricts this thread, and the threads it starts later, to the upper half of its cores; with one core
+// nothing changes. The kernel may spread an unrestricted load badly for tens of milliseconds at a time. The
+// server, in a process of its own, may still use all cores.
 void KeepToUpperHalfOfCores();
 
 }  // namespace docent::bench

@@ -12,8 +12,8 @@
 
 namespace docent::bench {
 
-// An exit code where the benchmark is not to be run: help was asked for (0), or the arguments are wrong (2); either is
-// printed.
+// An exit code if the benchmark must not run: help was requested (0), or the arguments are wrong (2); both
+// are printed.
 inline std::optional<int> Parse(CLI::App* app, const std::vector<std::string>& args) {
   try {
     app->parse(std::vector<std::string>(args.rbegin(), args.rend()));  // CLI11 takes them last first

@@ -59,7 +59,7 @@ std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t 
       }
       return facts;
     };
-    // Each block its own: the places of one's facts must not be in the cache from the other's.
+    // Each block has its own data, so that the cache holds nothing of another block.
     struct Block {
       std::vector<Quad> base, looked_at;
     };

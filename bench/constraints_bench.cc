@@ -32,7 +32,7 @@ double Micros(Clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
 }
 
-// What reading the clock costs, twice, in microseconds.
+// Cost of reading the clock twice, in microseconds.
 double ClockCost() {
   std::vector<double> costs;
   for (int i = 0; i < 1001; ++i) {
@@ -100,7 +100,8 @@ class ConstraintsBench {
     missed_ = missed_ || !met;
   }
 
-  // Matching alone, each update timed by itself; nothing is fetched ahead, which would be paid for outside of the clock.
+  // Matching only, each update timed on its own; without prefetching, whose cost would be outside the timed
+  // part.
   void Measure(size_t count, uint32_t seed, Figures& figures) {
     ConstraintGraph graph(count);
     const std::vector<Update> updates = EncodedUpdates(count, seed, kWarmUp + kUpdates, graph);
@@ -141,7 +142,7 @@ class ConstraintsBench {
     figures.p99.push_back(times[times.size() * 99 / 100]);
     figures.evaluations.push_back(static_cast<double>(set.counters().evaluations - evaluations) / kUpdates);
     for (size_t s = 0; s < shapes.size(); ++s) figures.shapes[s].push_back(shapes[s].mean());
-    // It has gone through all its updates: a further round of them takes them back.
+    // All updates are done: a further round undoes them.
     std::vector<Update> back(updates.rbegin(), updates.rend());
     for (Update& update : back) update.add = !update.add;
     figures.turn.push_back(Turns(back, graph, &set));
@@ -149,7 +150,7 @@ class ConstraintsBench {
     figures.store.push_back(Turns(EncodedUpdates(count, seed, kWarmUp + kUpdates, alone), alone, nullptr));
   }
 
-  // A turn from the fact to the immutable version, with the constraints or without; microseconds each.
+  // Turns from the fact to the immutable version, with or without the constraints; microseconds each.
   static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph,
                       conditions::StandingConditions* set) {
     Clock::time_point start;
@@ -184,7 +185,7 @@ class ConstraintsBench {
     Require(Median(f.turn) <= 1.5 * Median(f.store), "turn at most 1.5 times the store's own");
   }
 
-  // Each constraint whose predicates occur in the update is asked again; of `asked` of them, scaled to `count`.
+  // Evaluates each constraint whose predicates occur in the update again; `asked` of them, scaled to `count`.
   void RunAgain(size_t asked, size_t count) {
     constexpr size_t kUpdatesAgain = 40;
     ConstraintGraph graph(count);

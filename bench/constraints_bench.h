@@ -1,5 +1,5 @@
-// `docent-bench constraints`: what one update costs while 100 to 100,000 constraints stand, beside running them
-// again and beside CLIPS.
+// `docent-bench constraints`: cost of one update with 100 to 100,000 standing constraints, compared with
+// evaluating them again and with CLIPS.
 #ifndef DOCENT_BENCH_CONSTRAINTS_BENCH_H_
 #define DOCENT_BENCH_CONSTRAINTS_BENCH_H_
 

@@ -15,8 +15,9 @@ namespace {
 
 constexpr int kTimeoutSeconds = 120;
 
-// One rule a shape, with the constraints as facts (cj, cn, cf): a rule for each constraint takes CLIPS minutes to build.
-// Patterns stand in the order that makes an update cheapest. Each firing is counted, so that nothing is left out.
+// One rule for each shape, with the constraints as facts (cj, cn, cf): CLIPS takes minutes to build a rule
+// for each constraint. The patterns are in the cheapest order for an update. Each firing is counted, so that
+// none is left out.
 constexpr char kClips[] = R"clp(
 (defglobal ?*fired* = 0)
 (deftemplate at (slot v) (slot r))

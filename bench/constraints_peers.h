@@ -11,12 +11,12 @@
 
 namespace docent::bench {
 
-// What the figures are called, of Docent's updates, too: the mean of all, and one shape.
+// Name of the figures, also for Docent's updates: the mean of all shapes, and one shape.
 inline constexpr char kPairsNet[] = "pair net, join, negated, free variable";
 std::string PairNetOf(ConstraintShape shape);
 
-// Mean cost of an update in microseconds, net of the same loop over facts that no rule looks at. Without a value and
-// with the reason where CLIPS is not installed or takes too long.
+// Mean cost of an update in microseconds, net of the same loop over facts without rules. Without a value and
+// with a reason if CLIPS is not installed or takes too long.
 std::vector<Measurement> MeasureConstraintPeers(size_t constraints);
 
 }  // namespace docent::bench

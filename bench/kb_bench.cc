@@ -35,7 +35,7 @@ struct Arguments {
   std::string npm = "build/kb_peers";
 };
 
-// What was measured on one graph.
+// Measurements on one graph.
 struct Round {
   size_t triples = 0;
   std::vector<KbCase> cases;
@@ -52,7 +52,7 @@ std::string Short(size_t triples) {
   return triples % 1000000 == 0 ? absl::StrCat(triples / 1000000, "M") : absl::StrCat(triples / 1000, "k");
 }
 
-// Docent's and the peer's latency over the instances that both ran; nothing where one has none.
+// Docent's and the peer's latency over the instances that both ran; nullopt if one has none.
 std::optional<std::pair<double, double>> Pair(const Round& round, size_t peer, size_t number) {
   const KbAnswer* ours = round.Find(0, number);
   const KbAnswer* theirs = round.Find(peer, number);
@@ -87,7 +87,7 @@ Comparison Compare(const Round& round, size_t peer, const std::string& form) {
   return c;
 }
 
-// Lists where a peer's answers are others than docent's; the number of such cases for Oxigraph.
+// Lists the cases in which a peer's answers differ from Docent's; returns their number for Oxigraph.
 int CheckAnswers(const Round& round) {
   int wrong = 0;
   for (size_t s = 1; s < round.systems.size(); ++s) {
@@ -177,7 +177,7 @@ void PrintTable(const Round& round) {
   std::printf("\n%s\n", ToTable(figures).c_str());
 }
 
-// Docent and the peers that are wanted; none where a name is no peer's.
+// Docent and the requested peers; empty if a name is unknown.
 std::vector<KbSystem> Wanted(const Arguments& arguments) {
   const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   const std::vector<KbSystem> all = KbSystems(programs, arguments.scripts, arguments.npm);

@@ -1,7 +1,7 @@
-// `docent-bench kb`: loading, memory and query latency of the store and SPARQL engine beside Oxigraph's npm
-// build (WASM), and stock librdf trees with Rasqal. Each system is a process of
-// its own that is handed the same data file and the same queries (kb_docent_main.cc says what it answers),
-// one after the other.
+// `docent-bench kb`: loading, memory and query latency of the store and SPARQL engine, compared with
+// Oxigraph's npm build (WASM) and stock librdf trees with Rasqal. Each system is a process of its own
+// with the same data file and the same queries (see kb_docent_main.cc for its output), one after the
+// other.
 #ifndef DOCENT_BENCH_KB_BENCH_H_
 #define DOCENT_BENCH_KB_BENCH_H_
 

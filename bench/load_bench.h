@@ -1,5 +1,5 @@
-// `docent-bench load`: a file of N-Triples into a running server, as `docent load` does it: checked, sent in parts, parsed,
-// applied, durable.
+// `docent-bench load`: loads a file of N-Triples into a running server, as `docent load` does: checked, sent
+// in parts, parsed, applied, durable.
 #ifndef DOCENT_BENCH_LOAD_BENCH_H_
 #define DOCENT_BENCH_LOAD_BENCH_H_
 

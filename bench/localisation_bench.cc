@@ -53,7 +53,7 @@ struct TrackFigures {
   }
 };
 
-// Rows in the order of metrics first, then of systems, as they were added first.
+// Result rows, ordered by metric, then by system, in the order of first insertion.
 class Results {
  public:
   explicit Results(std::string name) : name_(std::move(name)) {}
@@ -137,7 +137,7 @@ bool Arrived(const Pose2& estimate, const Pose2& truth) {
          std::abs(maps::WrapAngle(estimate.heading_rad - truth.heading_rad)) < 10 / kDegrees;
 }
 
-// Starts that know nothing; success: within 0.3 m and 10 degrees after 30 s of driving.
+// Starts without a known pose; success: within 0.3 m and 10 degrees after 30 s of driving.
 absl::StatusOr<Results> MeasureStarts(const maps::HallLayout& layout,
                                       const std::shared_ptr<const maps::HallModel>& hall, int starts) {
   Results results("s01 start from nothing");

@@ -1,5 +1,5 @@
-// docent-bench localisation: how far the localiser is from the truth, what an update costs, and the same for MRPT's
-// own filters in the same run. Also makes the reference of scenario s02.
+// `docent-bench localisation`: error of the localiser and cost of an update, and the same for MRPT's own
+// filters in the same run. Also makes the reference of scenario s02.
 #ifndef DOCENT_BENCH_LOCALISATION_BENCH_H_
 #define DOCENT_BENCH_LOCALISATION_BENCH_H_
 

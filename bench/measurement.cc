@@ -32,7 +32,7 @@ std::string Number(double value) {
   return absl::StrFormat("%.4g", value);
 }
 
-// Four digits that count; from 10,000 on with commas.
+// Four significant digits; from 10,000 on with commas.
 std::string NumberForPeople(double value) {
   const std::string number = Number(value);
   const double rounded = std::strtod(number.c_str(), nullptr);  // 9,999.9 is 10,000
@@ -45,7 +45,7 @@ std::string NumberForPeople(double value) {
 
 const std::vector<std::string> kTitles = {"metric", "system", "median", "min", "max", "unit", "runs"};
 
-// What could not be measured has a reason instead of figures.
+// A measurement without figures shows its reason.
 std::vector<std::string> RowOf(const Measurement& m) {
   if (m.runs.empty()) return {m.metric, m.system, absl::StrCat("not measured: ", m.reason)};
   const auto [low, high] = std::minmax_element(m.runs.begin(), m.runs.end());

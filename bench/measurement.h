@@ -1,4 +1,4 @@
-// One measured figure, and the two ways of printing it: a table for people, one JSON object a line for machines.
+// One measured figure, and its two output forms: a table for people, one JSON object a line for machines.
 // Shared by all benchmarks. Values; any thread.
 #ifndef DOCENT_BENCH_MEASUREMENT_H_
 #define DOCENT_BENCH_MEASUREMENT_H_
@@ -28,10 +28,10 @@ std::string ToJsonLine(const Measurement& measurement);
 // A table with the cases and metrics in the order given, one row a measurement.
 std::string ToTable(const std::vector<Measurement>& measurements);
 
-// To standard output, in one of these ways.
+// Prints to standard output in one of these forms.
 void Print(const std::vector<Measurement>& measurements, bool json);
 
-// CPU time that this process has used, in milliseconds: what figures are taken from on a machine that others use, too.
+// CPU time of this process in milliseconds: the basis of figures on a shared machine.
 double CpuMillis();
 
 }  // namespace docent::bench

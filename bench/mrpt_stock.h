@@ -1,5 +1,5 @@
-// MRPT's own localisation as a baseline and as a reference that shares neither our map nor our sensor model: its
-// particle filter with its likelihood field on its occupancy grid.
+// MRPT's own localisation, as a baseline and as a reference that shares neither our map nor our sensor model:
+// its particle filter with its likelihood field on its occupancy grid.
 #ifndef DOCENT_BENCH_MRPT_STOCK_H_
 #define DOCENT_BENCH_MRPT_STOCK_H_
 
@@ -29,24 +29,25 @@ struct StockSettings {
   robot::MotionModelSettings motion;
 };
 
-// pf-localization as its package configures it.
+// pf-localization with the configuration of its package.
 StockSettings PfLocalization();
-// Every beam weighed, tempered as ours, as many particles as ours.
+// Weighs every beam, tempered as ours, with the same number of particles as ours.
 StockSettings EveryBeam();
 
 // One thread; MRPT's process-wide random generator is seeded by the constructor.
 class StockFilter {
  public:
-  // The grid that MRPT weighs on: the plane of the laser of our model, or (for a reference) drawn by MRPT from scans.
+  // The grid for MRPT's weights: the plane of the laser of our model, or (for a reference) drawn by MRPT from
+  // scans.
   StockFilter(const maps::DistanceGrid& laser_field, const StockSettings& settings, uint32_t seed);
   StockFilter(const std::vector<maps::PosedScan>& scans, const StockSettings& settings, uint32_t seed);
   ~StockFilter();
 
   void StartAt(const maps::Pose2& pose, double sigma_xy_m, double sigma_heading_rad, int particles);
-  // Anywhere free within the bounds. INTERNAL: MRPT found no free cell.
+  // Starts at any free place within the bounds. INTERNAL: MRPT found no free cell.
   absl::Status StartAnywhere(const maps::Bounds& within);
 
-  // Mean pose after one step. INTERNAL: what MRPT threw.
+  // Mean pose after one step. INTERNAL: an MRPT exception.
   absl::StatusOr<maps::Pose2> Update(const maps::Pose2& odometry, const maps::LaserScan& scan);
 
   int particles() const;
@@ -57,13 +58,13 @@ class StockFilter {
   std::unique_ptr<Impl> impl_;
 };
 
-// MRPT's iterative closest points (CICP) of a scan against all points of a recorded map: how the reference is made
-// finer than the cells of a grid. One thread.
+// MRPT's iterative closest points (CICP) of a scan against all points of a recorded map. It makes the
+// reference more accurate than the cells of a grid. One thread.
 class IcpAligner {
  public:
   explicit IcpAligner(const std::vector<maps::PosedScan>& map);
   ~IcpAligner();
-  // `pose` corrected. INTERNAL: what MRPT threw, or fewer than half of the points found a partner.
+  // `pose` corrected. INTERNAL: an MRPT exception, or fewer than half of the points found a partner.
   absl::StatusOr<maps::Pose2> Align(const maps::LaserScan& scan, const maps::Pose2& pose) const;
 
  private:

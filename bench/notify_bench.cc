@@ -42,7 +42,7 @@ double Percentile(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
 }
 
-// Facts that no constraint looks at, until there are `triples` in all.
+// Facts without constraints, up to `triples` in total.
 std::vector<TermQuad> World(size_t triples, size_t constraints) {
   std::vector<TermQuad> quads = ConstraintBackground(constraints);
   for (size_t i = 0; quads.size() < triples; ++i) {
@@ -81,13 +81,13 @@ struct Phase {
   size_t wrong = 0;
 };
 
-// Tells updates over one stream, `batch` in each request.
+// Sends updates over one stream, `batch` in each request.
 class Teller {
  public:
   Teller(const std::shared_ptr<grpc::Channel>& channel, const Arguments& arguments)
       : channel_(channel), arguments_(arguments), updates_(arguments.constraints, 1) {}
 
-  // `rate` updates a second on a fixed schedule (open loop); 0: as many as go with in_flight outstanding.
+  // `rate` updates a second on a fixed schedule (open loop); 0: as fast as in_flight allows.
   Phase Run(Subscribers& subscribers, double rate, size_t batch) {
     AssertClient client(channel_);
     const SteadyClock::time_point start = SteadyClock::now();
@@ -136,7 +136,7 @@ class Teller {
   ConditionUpdates updates_;
 };
 
-// False: not all subscriptions have an answer. `met`: the targets, over SubscribeStream.
+// False: some subscriptions have no answer. `met`: the targets, over SubscribeStream.
 bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerProcess& server, Teller& teller,
                     std::vector<Measurement>* figures, bool* met) {
   const bool many = streams == Streams::kOneAConnection;

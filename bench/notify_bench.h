@@ -1,5 +1,5 @@
-// `docent-bench notify`: from Assert sent to the notification received, over gRPC on loopback and durable, with
-// thousands of subscriptions of which each update changes one.
+// `docent-bench notify`: time from sending an Assert to receiving the notification, over gRPC on loopback and
+// durable, with thousands of subscriptions; each update changes one of them.
 #ifndef DOCENT_BENCH_NOTIFY_BENCH_H_
 #define DOCENT_BENCH_NOTIFY_BENCH_H_
 

@@ -20,10 +20,10 @@ namespace docent::bench {
 namespace {
 
 constexpr uint64_t kRobots = 100;
-constexpr uint64_t kWarm = 100000;  // updates after which memory is looked at first
+constexpr uint64_t kWarm = 100000;  // updates before the first look at memory
 constexpr const char* kProperties[] = {"x", "y", "heading", "poseTime"};
 
-// The microsecond that pose number `n` is of.
+// The time of pose number `n` in microseconds.
 TimeMicros TimeOf(uint64_t n) {
   return TimeMicros{1'800'000'000'000'000} + static_cast<TimeMicros>(n) * 1000 + 7;
 }
@@ -39,7 +39,8 @@ std::string DateTime(TimeMicros us, int zone_hours) {
                          zone_hours == 0 ? "Z" : absl::StrFormat("%+03d:00", zone_hours));
 }
 
-// `n` thousandths as robots' programs write them: a decimal, a double with six digits (C's %f), or with all that it has.
+// `n` thousandths in the notations of robot programs: a decimal, a double with six digits (C's %f), or all
+// its digits.
 Term Number(uint64_t n, uint64_t robot) {
   const double value = static_cast<double>(n) / 1000 + static_cast<double>(n % 977) * 1e-12;
   switch (robot % 3) {

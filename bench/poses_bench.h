@@ -1,4 +1,5 @@
-// `docent-bench poses`: memory under a stream of poses: a hundred robots, each position and time a value not seen before.
+// `docent-bench poses`: memory under a stream of poses from a hundred robots; each position and time is a new
+// value.
 #ifndef DOCENT_BENCH_POSES_BENCH_H_
 #define DOCENT_BENCH_POSES_BENCH_H_
 

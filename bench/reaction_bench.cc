@@ -29,10 +29,10 @@ namespace docent::bench {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-constexpr int kRobots = 64;  // more than updates in flight: waiting for a free robot is not what is measured
+constexpr int kRobots = 64;  // more than updates in flight, so that no update waits for a free robot
 constexpr size_t kInFlight = 32;
 
-// When each update was due, and when its Invoke came.
+// Times at which updates were due, and at which their Invokes came.
 class Reactions {
  public:
   void Due(const std::string& token, SteadyClock::time_point when) {
@@ -48,13 +48,13 @@ class Reactions {
     due_.erase(it);
     last_ = now;
   }
-  // Waits until all that are due have come, or `timeout`.
+  // Waits until all due ones have come, or `timeout`.
   bool WaitForAll(absl::Duration timeout) {
     absl::MutexLock lock(&mutex_);
     auto none = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return due_.empty(); };
     return mutex_.AwaitWithTimeout(absl::Condition(&none), timeout);
   }
-  // Waits until fewer than `limit` are due.
+  // Waits until fewer than `limit` are outstanding.
   void WaitForRoom(size_t limit) {
     absl::MutexLock lock(&mutex_);
     auto room = [this, limit]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return due_.size() < limit; };
@@ -74,7 +74,7 @@ class Reactions {
   SteadyClock::time_point last_ ABSL_GUARDED_BY(mutex_);
 };
 
-// The one feedback of a command that is done at once.
+// The single feedback of a command that is done at once.
 class DoneAtOnce final : public grpc::ServerWriteReactor<v1::Feedback> {
  public:
   explicit DoneAtOnce(const std::string& command) {
@@ -90,7 +90,7 @@ class DoneAtOnce final : public grpc::ServerWriteReactor<v1::Feedback> {
   v1::Feedback feedback_;
 };
 
-// An adapter for all robots that is done at once.
+// Adapter for all robots; each command is done at once.
 class InstantAdapter final : public v1::RobotAdapter::CallbackService {
  public:
   explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
@@ -180,8 +180,8 @@ struct Phase {
   size_t lost = 0;
 };
 
-// Sends `count` updates over one AssertStream. `rate` per second on a fixed schedule (open loop: an update is due at its time,
-// whether the ones before are done or not); 0: as fast as `in_flight` allows.
+// Sends `count` updates over one AssertStream. `rate` per second on a fixed schedule (open loop: an update is
+// due at its time, whether the earlier ones are done or not); 0: as fast as `in_flight` allows.
 Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions, uint64_t first, size_t count,
             double rate, size_t in_flight, size_t constraints, size_t triples) {
   AssertClient client(channel);

@@ -25,8 +25,8 @@ constexpr char kLog[] = "localization_demo.rawlog";
 constexpr char kMap[] = "localization_demo.simplemap.gz";
 constexpr int kReferenceRuns = 7;
 constexpr int kReferenceParticles = 20000;
-constexpr size_t kFirstCompared = 10;  // MRPT's stock filter needs some steps to find the robot at all
-// Where the drive begins somewhere: [LocalizationExperiment] init_PDF of localization_demo.ini.
+constexpr size_t kFirstCompared = 10;  // MRPT's stock filter needs some steps to find the robot
+// The region in which the drive begins: [LocalizationExperiment] init_PDF of localization_demo.ini.
 constexpr maps::Bounds kStart = {-10, -15, 10, -5};
 
 struct RealData {
@@ -65,7 +65,8 @@ Pose2 StartThatLeadsTo(const Pose2& end, const RecordedDrive& drive) {
   return maps::Compose(end, maps::Between(moved, Pose2()));
 }
 
-// One run: first from anywhere, to learn where the drive ends; then again from where it must have begun.
+// One run: first with an unknown start, to learn where the drive ends; then again from the start that follows
+// from it.
 absl::StatusOr<std::vector<Pose2>> ReferenceRun(const RealData& data, uint32_t seed) {
   StockSettings settings = PfLocalization();
   settings.motion = {0.05, 0.02, 0.02, 0.08, 0.01, 0.0035};
@@ -80,7 +81,7 @@ absl::StatusOr<std::vector<Pose2>> ReferenceRun(const RealData& data, uint32_t s
   return RunStock(again, data.drive, nullptr);
 }
 
-// The mean corrected by scan matching against the recorded map's own points.
+// Corrects the mean by scan matching against the recorded map's own points.
 absl::Status AlignAll(const RealData& data, std::vector<ReferencePose>& poses) {
   const IcpAligner aligner(data.scans);
   for (ReferencePose& pose : poses) {
@@ -91,7 +92,7 @@ absl::Status AlignAll(const RealData& data, std::vector<ReferencePose>& poses) {
   return absl::OkStatus();
 }
 
-// Mean of the runs that end where most of them end.
+// Mean of the runs that end at the most common place.
 std::vector<ReferencePose> MeanOfAgreeing(const std::vector<std::vector<Pose2>>& runs,
                                           const RecordedDrive& drive, size_t* agreeing) {
   std::vector<const std::vector<Pose2>*> best;

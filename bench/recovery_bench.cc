@@ -22,11 +22,11 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 constexpr size_t kBatch = 50000;          // quads of a loading turn
 constexpr size_t kTurnsPerCommit = 2000;  // one-fact turns
-constexpr int kMovers = 1000;             // visitors whose place changes, where states are replaced
+constexpr int kMovers = 1000;             // visitors whose place changes, in runs that replace states
 constexpr int kPlaces = 200;
 constexpr double kTargetSeconds = 20;  // for a million of each
 
-// Visitors stand somewhere; where they are, the robots that serve there are near, and the hall is theirs.
+// Visitors have places; robots that serve at the place are near, and the hall follows from it.
 constexpr char kRules[] = R"(PREFIX docent: <https://w3id.org/docent#>
 RULE { ?v docent:isIn ?hall } WHERE { ?v docent:isAt ?place . ?place docent:partOf ?hall }
 RULE { ?v docent:isNear ?r } WHERE { ?v docent:isAt ?place . ?r docent:serves ?place }
@@ -59,7 +59,7 @@ class LogWriter {
     if (status.ok()) status = Flush();
     if (status.ok()) status = Snapshot();
     for (int64_t i = 0; i < options_.records && status.ok(); ++i) {
-      // a visitor that was there before comes to another place; or somebody new comes, and nobody goes
+      // an existing visitor moves to another place; or a new visitor comes, and none leaves
       const int64_t visitor = replace_ ? i % kMovers : i;
       WriteBatch batch;
       batch.operations.push_back({QuadOperation::Kind::kAdd,

@@ -1,4 +1,4 @@
-// docent-bench recovery: how long a start takes after a crash, from a snapshot and the log after it.
+// `docent-bench recovery`: duration of a start after a crash, from a snapshot and the log after it.
 #ifndef DOCENT_BENCH_RECOVERY_BENCH_H_
 #define DOCENT_BENCH_RECOVERY_BENCH_H_
 

@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What the peers compute, too: ten rules of the tables, the ontology as data.
+// The rules that the peers compute as well: ten rules of the tables, with the ontology as data.
 constexpr char kTenRules[] = R"rules(
 RULE { ?c1 rdfs:subClassOf ?c3 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?c2 rdfs:subClassOf ?c3 }
 RULE { ?x a ?c2 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?x a ?c1 }
@@ -156,7 +156,7 @@ class RulesBench {
     Axiom(name, "GraduateStudent", "Student", size, data, writer, engine);  // each is one by its courses, too
   }
 
-  // The whole turn in memory: store, rules, a version.
+  // A whole turn in memory: store, rules, a version.
   double Turn(GraphWriter& writer, rules::RuleEngine& engine, const std::vector<Quad>& add,
               const std::vector<Quad>& remove) {
     const Clock::time_point start = Clock::now();
@@ -188,7 +188,7 @@ class RulesBench {
     Note(name, absl::StrCat("fact in, ", inferred, " inferred"), "us", {Median(in)});
     Note(name, absl::StrCat("fact out, ", inferred, " inferred"), "us", {Median(out)});
     Require(size != 1000000 || (Median(in) < 60 && Median(out) < 60));
-    // at most 2.5 times what it is among a hundredth of the facts
+    // at most 2.5 times its cost among a hundredth of the facts
     if (size == 10000) small_[name.substr(name.find(','))] = {Median(in), Median(out)};
     const auto small = small_.find(name.substr(name.find(',')));
     if (size != 1000000 || small == small_.end()) return;
@@ -213,7 +213,7 @@ class RulesBench {
   const std::vector<size_t> sizes_;
   const bool peers_;
   bool missed_ = false;
-  std::map<std::string, std::pair<double, double>> small_;  // microseconds a fact in and out, by rules
+  std::map<std::string, std::pair<double, double>> small_;  // microseconds to add and remove a fact, by rules
   uint64_t revision_ = 2;
   size_t changed_ = 0;
   GraphVersionPtr version_;

@@ -1,5 +1,5 @@
-// `docent-bench rules`: closure of generated university data, one fact in and out, a subclass axiom out and
-// in; beside SWI-Prolog and EYE where they are installed. In process, one core.
+// `docent-bench rules`: closure of generated university data, one fact added and removed, a subclass axiom
+// removed and added; compared with SWI-Prolog and EYE if they are installed. In process, one core.
 #ifndef DOCENT_BENCH_RULES_BENCH_H_
 #define DOCENT_BENCH_RULES_BENCH_H_
 

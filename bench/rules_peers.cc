@@ -91,7 +91,7 @@ void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurem
        inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
 }
 
-// Process, parsing and printing included: it tells the time of the whole alone.
+// Includes process start, parsing and printing: EYE reports only the total time.
 void MeasureEye(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
   const auto note = [&](double inferred, double seconds, const std::string& reason) {
     Note("EYE", facts, inferred, seconds, reason, out, "file to closure");

@@ -1,4 +1,4 @@
-// SWI-Prolog and EYE on the same university data and the same ten rules. Runs them as processes.
+// Runs SWI-Prolog and EYE as processes, on the same university data and the same ten rules.
 #ifndef DOCENT_BENCH_RULES_PEERS_H_
 #define DOCENT_BENCH_RULES_PEERS_H_
 
@@ -9,8 +9,8 @@
 
 namespace docent::bench {
 
-// Without a value and with the reason where a peer is not installed or takes longer than the benchmark gives
-// it.
+// Without a value and with a reason if a peer is not installed or exceeds the time limit of the
+// benchmark.
 std::vector<Measurement> MeasureRulePeers(size_t facts);
 
 }  // namespace docent::bench

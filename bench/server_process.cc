@@ -31,7 +31,7 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::Start(const std::s
   if (pipe(out) != 0) return absl::UnavailableError("pipe failed");
   server->pid_ = fork();
   if (server->pid_ == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);  // a benchmark that is interrupted leaves no server behind
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // an interrupted benchmark leaves no server behind
     dup2(out[1], STDOUT_FILENO);
     close(out[0]);
     close(out[1]);

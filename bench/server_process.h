@@ -1,4 +1,4 @@
-// A `docent serve` of its own for a benchmark: its process, its data folder, its addresses. One thread.
+// A `docent serve` process for a benchmark, with its data folder and its addresses. One thread.
 #ifndef DOCENT_BENCH_SERVER_PROCESS_H_
 #define DOCENT_BENCH_SERVER_PROCESS_H_
 
@@ -13,7 +13,7 @@ namespace docent::bench {
 
 class ServerProcess {
  public:
-  // Starts the program `docent` that stands beside this one, on free ports of 127.0.0.1, with an empty data folder below
+  // Starts the program `docent` beside this one, on free ports of 127.0.0.1, with an empty data folder below
   // `parent_folder`.
   static absl::StatusOr<std::unique_ptr<ServerProcess>> Start(const std::string& parent_folder);
   // Ends the process and removes the folder.
@@ -21,7 +21,7 @@ class ServerProcess {
 
   const std::string& grpc_address() const { return grpc_address_; }
   const std::string& http_address() const { return http_address_; }
-  // That the server has used so far.
+  // CPU time of the server so far.
   double CpuSeconds() const;
 
  private:

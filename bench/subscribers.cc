@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kConnections = 8;
 
-// The constraint as a client follows it: with free variables by its bindings.
+// The constraint as a client's query: with free variables it asks for their bindings.
 std::string QueryOf(size_t constraint) {
   const StandingConstraint standing = StandingConstraintNumber(constraint);
   std::string text = standing.ask;
@@ -141,7 +141,7 @@ Subscribers::~Subscribers() {
 void Subscribers::Replied(size_t constraint, const v1::SubscribeReply& reply) {
   const SteadyClock::time_point now = SteadyClock::now();
   if (reply.reset()) {
-    if (ready_) ++result_.wrong;  // the whole answer anew: changes were lost
+    if (ready_) ++result_.wrong;  // a new whole answer: changes were lost
     ++answered_;
   } else if (reply.is_boolean()) {
     Notified(constraint, reply.boolean(), now);

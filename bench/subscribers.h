@@ -1,5 +1,5 @@
-// The clients of `docent-bench notify`: they follow constraints over eight connections, and each notification is held
-// against the update that it must come from. gRPC's threads call in; the rest from any thread.
+// Clients of `docent-bench notify`: they follow constraints over eight connections, and match each
+// notification with the update that causes it. gRPC's threads call in; the other functions from any thread.
 #ifndef DOCENT_BENCH_SUBSCRIBERS_H_
 #define DOCENT_BENCH_SUBSCRIBERS_H_
 
@@ -20,33 +20,33 @@ namespace docent::bench {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// Subscribe, or one SubscribeStream a connection.
+// Subscribe for each constraint, or one SubscribeStream for each connection.
 enum class Streams { kOneAConstraint, kOneAConnection };
 
 class Subscribers {
  public:
-  // Follows the first `count` standing constraints; waits until each has its first answer.
+  // Follows the first `count` constraints; waits until each has its first answer.
   Subscribers(const std::string& address, size_t count, Streams streams);
   ~Subscribers();
 
   bool ready() const { return ready_; }
-  // What an update does: this constraint begins to hold, or ceases to.
+  // The effect of an update: this constraint begins or ceases to hold.
   struct Flip {
     size_t constraint;
     bool holds;
   };
-  // Those of the updates that were due then.
+  // Registers the expected flips of updates that were due at `due`.
   void Expect(const std::vector<Flip>& flips, SteadyClock::time_point due);
-  // Until fewer than `limit` notifications are outstanding; false: not within `timeout`.
+  // Waits until fewer than `limit` notifications are outstanding; false: `timeout` passed.
   bool WaitForFewerThan(size_t limit, absl::Duration timeout);
 
   struct Result {
     std::vector<double> latencies_us;
-    size_t lost = 0;   // expected and not come
-    size_t wrong = 0;  // come and not expected then: out of order, or twice
+    size_t lost = 0;   // expected but not received
+    size_t wrong = 0;  // received but not expected: out of order, or repeated
     SteadyClock::time_point last;
   };
-  // What came since the last Take; what is outstanding is given up.
+  // The notifications since the last Take; outstanding ones are given up.
   Result Take();
 
  private:

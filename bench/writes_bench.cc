@@ -46,7 +46,7 @@ QuadOperation Fact(const std::string& subject, const std::string& predicate, Ter
   return {QuadOperation::Kind::kAdd, {Term::Iri(subject), Term::Iri(predicate), std::move(object), Term()}};
 }
 
-// A fact that nobody told before: number `n` of `client`.
+// A new fact: number `n` of `client`.
 WriteBatch OneFact(int client, uint64_t n) {
   WriteBatch batch;
   batch.operations.push_back(Fact(absl::StrCat("urn:client:", client, "-", n % 1000), "urn:bench:counted",
@@ -54,7 +54,7 @@ WriteBatch OneFact(int client, uint64_t n) {
   return batch;
 }
 
-// Things that know other things and have a number: `triples` in all.
+// Things that know other things and have a number: `triples` in total.
 WriteBatch Background(size_t triples) {
   WriteBatch batch;
   batch.mode = WriteBatch::Mode::kLoad;
@@ -68,7 +68,8 @@ WriteBatch Background(size_t triples) {
   return batch;
 }
 
-// The writer with all that it needs, snapshots and history too, as the server has it, without network and robots.
+// The writer with its surroundings, as in the server, with snapshots and history, but without network and
+// robots.
 class LocalWriter {
  public:
   static absl::StatusOr<std::unique_ptr<LocalWriter>> Start(const std::string& folder) {
@@ -131,13 +132,13 @@ class LocalWriter {
   std::thread thread_;
 };
 
-// One client: at most so many of its facts are under way, each one's time from being told to being acknowledged is kept.
+// One client: limits its facts in flight, and records the time of each from sending to acknowledgement.
 class Client {
  public:
   Client(LocalWriter* writer, int number, size_t in_flight)
       : writer_(*writer), number_(number), in_flight_(in_flight) {}
 
-  // Tells facts until `end`: as fast as answers come, or one every `period` (0: no pace).
+  // Sends facts until `end`: as fast as answers come, or one every `period` (0: no pace).
   void Run(SteadyClock::time_point end, SteadyClock::duration period, std::atomic<uint64_t>* next) {
     SteadyClock::time_point due = SteadyClock::now();
     while (SteadyClock::now() < end) {
@@ -147,7 +148,7 @@ class Client {
         mutex_.Await(absl::Condition(this, &Client::HasRoom));
         ++open_;
       }
-      // A client that keeps a pace also counts what it waited for room; one that does not tells when it has room.
+      // A paced client counts the waiting time for a free place, too; an unpaced one sends when it has one.
       const auto told = period.count() > 0 ? due : SteadyClock::now();
       due += period;
       writer_.inbox().Push(OneFact(number_, next->fetch_add(1)),
@@ -188,7 +189,7 @@ struct Load {
   uint64_t refused = 0;
 };
 
-// All clients for `seconds`; `rate` facts a second in all, 0: as many as go.
+// Runs all clients for `seconds`; `rate` facts a second in total, 0: as many as possible.
 Load Drive(LocalWriter* writer, const Arguments& arguments, double rate, std::atomic<uint64_t>* next) {
   std::vector<std::unique_ptr<Client>> clients;
   std::vector<std::thread> threads;
@@ -216,7 +217,7 @@ Load Drive(LocalWriter* writer, const Arguments& arguments, double rate, std::at
   return load;
 }
 
-// Runs a query on the newest version again and again until `stop`, or `seconds` have passed.
+// Runs a query on the newest version repeatedly until `stop`, or until `seconds` have passed.
 std::vector<double> QueryLatencies(const LocalWriter& writer, const std::string& text, double seconds,
                                    const std::atomic<bool>* stop) {
   std::vector<double> out;
@@ -233,7 +234,7 @@ std::vector<double> QueryLatencies(const LocalWriter& writer, const std::string&
   return out;
 }
 
-// One of about a millisecond here.
+// A query of about a millisecond on this machine.
 std::string MillisecondQuery(const LocalWriter& writer) {
   const std::atomic<bool> never{false};
   for (size_t limit = 500;; limit *= 2) {

@@ -1,5 +1,5 @@
-// `docent-bench writes`: one-fact versions a second in memory; durable facts a second and their latency from many clients in
-// process; and what half that load does to the latency of a query.
+// `docent-bench writes`: one-fact versions a second in memory; durable facts a second and their latency from
+// many clients in process; and the effect of half that load on the latency of a query.
 #ifndef DOCENT_BENCH_WRITES_BENCH_H_
 #define DOCENT_BENCH_WRITES_BENCH_H_
 

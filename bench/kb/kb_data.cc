@@ -30,7 +30,7 @@ class Generator {
  private:
   size_t Below(size_t n) { return random_.Below(n); }
   bool Chance(size_t percent) { return Below(100) < percent; }
-  // Few are popular, most are not: Zipf-like, as WatDiv's follows and likes.
+  // Few are popular, most are not: similar to Zipf, as WatDiv's follows and likes.
   size_t Popular(size_t n) {
     const double u = (static_cast<double>(Below(1 << 20)) + 1) / (1 << 20);
     return std::min(n - 1, static_cast<size_t>(static_cast<double>(n) * u * u * u));
@@ -170,7 +170,7 @@ class Generator {
     if (u % 8 != 0) Say(Iri(user), Iri("friendOf"), Iri(absl::StrCat("user", u / 8 * 8 + Below(8))));
   }
 
-  // Up to `most` different ones.
+  // Adds up to `most` different ones.
   void Several(const std::string& user, const std::string& property, const std::string& what, size_t among,
                size_t most) {
     std::vector<size_t> chosen;

@@ -1,7 +1,7 @@
-// The graph of `docent-bench kb`: three worlds in one graph, made from a seed, as N-Triples.
-//  - a university in the manner of LUBM (Guo et al., Journal of Web Semantics 2005): departments, courses,
+// Generated graph of `docent-bench kb`: three worlds in one graph, from a seed, as N-Triples.
+//  - a university similar to LUBM (Guo et al., Journal of Web Semantics 2005): departments, courses,
 //    advisors, publications; regular, deep
-//  - a shop in the manner of WatDiv (Aluç et al., ISWC 2014): users who follow, like and befriend, products,
+//  - a shop similar to WatDiv (Aluç et al., ISWC 2014): users who follow, like and befriend, products,
 //    reviews, offers; skewed, sparse properties
 //  - a live place: robots and visitors with poses, booths with topics
 // Names, classes and counts are ours; only the shape of the published generators is followed. One thread.
@@ -16,7 +16,7 @@
 
 namespace docent::bench {
 
-// How many of each there are: what parameters are drawn from.
+// Number of things of each kind, from which parameters are drawn.
 struct KbCounts {
   size_t triples = 0;
   size_t departments = 0, universities = 0;

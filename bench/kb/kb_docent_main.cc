@@ -1,13 +1,13 @@
-// docent_kb_docent JOB.json: Docent's store and SPARQL engine as one of the measured systems of `docent-bench
-// kb`. Like every peer it loads the job's data, then runs the cases that it is asked for, a line each on standard
-// input (the case's number, a space, "cold" or "prepared"), until that ends. It prints one JSON object a line, one
-// when the data are loaded and one for each request:
+// docent_kb_docent JOB.json: Docent's store and SPARQL engine as one of the measured systems of
+// `docent-bench kb`. Like every peer it loads the job's data, then runs the requested cases, a
+// line each on standard input (the case's number, a space, "cold" or "prepared"), until the
+// input ends. It prints one JSON object a line, one when the data are loaded and one for each
+// request:
 //   {"load_s": seconds, "bytes": growth of resident memory, "index_bytes", "dictionary_bytes"}
-//   {"case": number, "mode": "cold" | "prepared", "answers": [rows of each instance], "us": [[latency of each
-//   instance] a pass]}
+//   {"case": number, "mode": "cold" | "prepared", "answers": [rows of each instance],
+//    "us": [[latency of each instance] a pass]}
 //   {"case": number, "mode": …, "reason": why there is no figure}
-// cold: text → parse → plan → run, every answer made anew; rows are decoded to terms. Nothing is kept between
-// runs.
+// cold: text → parse → plan → run; rows are decoded to terms. Nothing is cached between runs.
 #include <unistd.h>
 
 #include <chrono>
@@ -56,7 +56,7 @@ class Engine {
            {"dictionary_bytes", dictionary_.bytes()}});
   }
 
-  // One instance from its text; the rows, or -1 with `reason`.
+  // Runs one instance from its text; the number of rows, or -1 with `reason`.
   int64_t Cold(const std::string& text, bool ask, std::string* reason) {
     sparql::ParsedQuery parsed = sparql::ParseQuery(text);
     if (!parsed.ok()) return Failed(Render(parsed.diagnostics, text), reason);
@@ -68,7 +68,7 @@ class Engine {
   std::unique_ptr<sparql::PreparedQuery> Prepare(const json& c) {
     const std::string text =
         absl::StrReplaceAll(c["text"].get<std::string>(), {{"<http://bench.example/@P@>", "?parameter"}});
-    if (absl::StrContains(text, "@P@")) return nullptr;  // a text that no term is: nothing to bind
+    if (absl::StrContains(text, "@P@")) return nullptr;  // inside a longer text: not a term to bind
     const sparql::ParsedQuery parsed = sparql::ParseQuery(text);
     sparql::PrepareOptions options;
     if (text != c["text"]) options.bound = {"parameter"};
@@ -97,7 +97,7 @@ class Engine {
     });
     return status.ok() ? rows : Failed(status.ToString(), reason);
   }
-  // The integer of the first row of the answer before.
+  // The integer in the first row of the last answer.
   int64_t last() const { return last_; }
   const Dictionary& dictionary() const { return dictionary_; }
 
@@ -115,8 +115,8 @@ class Engine {
   int64_t last_ = 0;
 };
 
-// After one run that is not measured, passes over the instances until the budget is spent, at most the job's "passes"; a
-// first pass may end early.
+// After one unmeasured run, passes over the instances until the budget is spent, at most the job's "passes";
+// a first pass may end early.
 template <typename RunOne>  // int64_t RunOne(size_t instance, std::string* reason)
 void Measure(const json& job, size_t number, const char* mode, RunOne run_one) {
   const json& c = job["cases"][number];

@@ -1,4 +1,4 @@
-// Time and memory that a process of `docent-bench kb` measures of itself.
+// Time and memory of a process of `docent-bench kb`, measured by itself.
 #ifndef DOCENT_BENCH_KB_KB_PROCESS_H_
 #define DOCENT_BENCH_KB_KB_PROCESS_H_
 
@@ -16,7 +16,7 @@ inline double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What was needed and is needed no more, malloc may keep for some seconds.
+// malloc may keep unused memory for some seconds.
 inline size_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");
   size_t total = 0, resident = 0;
@@ -24,7 +24,7 @@ inline size_t ResidentBytes() {
   return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Without the pages of the program's and its libraries' files.
+// Without pages of program and library files.
 inline size_t AnonymousBytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -34,7 +34,7 @@ inline size_t AnonymousBytes() {
   return 0;
 }
 
-// When it has not changed for three seconds; at most half a minute.
+// The value once it has been stable for three seconds; at most half a minute.
 inline size_t SettledResidentBytes() {
   size_t resident = ResidentBytes();
   for (int second = 0, still = 0; second < 30 && still < 3; ++second) {

@@ -37,10 +37,10 @@ struct Shape {
   bool counted = true;  // has a COUNT form
 };
 
-constexpr int kPasses = 100;  // at most, over the instances of a case
+constexpr int kPasses = 100;  // maximum over the instances of a case
 
-// # is the parameter. Patterns are written in an order that a person might choose; "badly ordered" is the
-// worst one.
+// # is the parameter. Patterns are in an order that a person might choose; "badly ordered" is the worst
+// order.
 constexpr Shape kShapes[] = {
     {"univ: graduates of a course", Draw::kCourse, "?x", "?x :takesCourse # . ?x a :GraduateStudent"},
     {"univ: degree from own university", Draw::kNone, "?x ?y ?z",
@@ -101,7 +101,7 @@ constexpr Shape kShapes[] = {
      "GROUP BY ?t ORDER BY DESC(?n) LIMIT 5", false},
 };
 
-// The k-th of 10,000 values of a parameter; the last tenth of them name nothing.
+// The k-th of 10,000 values of a parameter; the last tenth of them do not exist.
 std::string Value(Draw draw, const KbCounts& counts, size_t k) {
   constexpr size_t kValues = 10000;
   const auto of = [k](size_t n) { return k % kValues * (n * 10 / 9 + 1) / kValues; };

@@ -1,4 +1,4 @@
-// The queries of `docent-bench kb`, and the job file that every measured system is handed. One thread.
+// The queries of `docent-bench kb`, and the job file for every measured system. One thread.
 #ifndef DOCENT_BENCH_KB_KB_QUERIES_H_
 #define DOCENT_BENCH_KB_KB_QUERIES_H_
 
@@ -19,11 +19,12 @@ struct KbCase {
   std::vector<std::string> parameters;
 };
 
-// `instances`: parameters a case. They are drawn from 10,000 values, a tenth of which the graph does not
-// have.
+// `instances`: parameters for each case. They are drawn from 10,000 values, a tenth of which are not in the
+// graph.
 std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64_t seed);
 
-// The job as JSON: data file, cases, the milliseconds that a system may spend on a case, and the most passes over it.
+// The job as JSON: data file, cases, the time budget of a case in milliseconds, and the maximum number of
+// passes.
 std::string ToJobJson(const std::string& data_file, const std::vector<KbCase>& cases, int budget_ms);
 
 }  // namespace docent::bench

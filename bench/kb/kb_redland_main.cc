@@ -1,6 +1,6 @@
 // docent_kb_redland JOB.json: stock librdf with its `trees` storage and Rasqal, as a measured system of
-// `docent-bench kb`. What it prints: bench/kb/kb_docent_main.cc. Rasqal can't be cancelled: each case runs in a
-// child process, which is killed when the case takes too long.
+// `docent-bench kb`. For the output see bench/kb/kb_docent_main.cc. Rasqal cannot be cancelled: each case
+// runs in a child process, which is killed if the case takes too long.
 #include <redland.h>
 #include <signal.h>
 #include <sys/prctl.h>

@@ -87,7 +87,7 @@ KbProcess::KbProcess(const KbSystem& system, const std::string& job_file, int ti
       absl::StrCat("exec env ", system.command, " ", Quoted(job_file), " 2>/dev/null");
   pid_ = fork();
   if (pid_ == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // a benchmark that is interrupted leaves no peer behind
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // an interrupted benchmark leaves no peer behind
     dup2(ends[1], STDIN_FILENO);
     dup2(ends[1], STDOUT_FILENO);
     execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));

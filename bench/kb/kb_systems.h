@@ -1,4 +1,4 @@
-// The measured systems of `docent-bench kb` as processes, and what they answer. One thread.
+// The measured systems of `docent-bench kb` as processes, and their answers. One thread.
 #ifndef DOCENT_BENCH_KB_KB_SYSTEMS_H_
 #define DOCENT_BENCH_KB_KB_SYSTEMS_H_
 
@@ -15,7 +15,7 @@ namespace docent::bench {
 
 struct KbSystem {
   std::string name;     // as in the results
-  std::string command;  // shell words; the job file's name is put behind it
+  std::string command;  // shell words; the job file's name is appended
   std::string missing;  // why it cannot run; empty: it can
 };
 
@@ -27,11 +27,11 @@ std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& 
 struct KbAnswer {
   std::vector<int64_t> answers;         // rows (count, 0 or 1) of each instance
   std::vector<std::vector<double>> us;  // latency of each instance, a pass each
-  std::string reason;                   // why there is none
+  std::string reason;                   // why there is no answer
 
-  // Mean latencies of the first `instances`, ascending: of each instance's quickest pass, of its second
-  // quickest, and so on. On a machine that others use, too, the middle one leaves out the passes that were
-  // interrupted.
+  // Mean latencies of the first `instances`, ascending: of each instance's fastest pass, of
+  // its second fastest, and so on. On a shared machine the middle one excludes interrupted
+  // passes.
   std::vector<double> Means(size_t instances) const;
 };
 
@@ -43,23 +43,23 @@ struct KbRun {
   std::map<std::pair<size_t, std::string>, KbAnswer> answers;  // by case and mode
 };
 
-// One system's process, which has loaded the data and then runs cases as it is asked to. So that systems can be measured
-// in turn, case by case: the speed of a machine that others use, too, changes within minutes. Not copyable; ends its
-// process with itself.
+// One system's process: it has loaded the data and runs cases on request. Systems are measured in turn, case
+// by case, because the speed of a shared machine changes within minutes. Not copyable; the destructor ends
+// the process.
 class KbProcess {
  public:
-  // Waits until the data are loaded. The whole of what is waited for here and in Measure() is at most `timeout_s`.
+  // Waits until the data are loaded. The total waiting time here and in Measure() is at most `timeout_s`.
   KbProcess(const KbSystem& system, const std::string& job_file, int timeout_s);
   ~KbProcess();
   KbProcess(const KbProcess&) = delete;
   KbProcess& operator=(const KbProcess&) = delete;
 
-  // Measures a case ("cold" or "prepared"); nothing where the process has ended or its time is over.
+  // Measures a case ("cold" or "prepared"); does nothing if the process has ended or its time is over.
   void Measure(size_t number, const std::string& mode);
   const KbRun& run() const { return run_; }
 
  private:
-  // Waits for the next line that is a JSON object; false: there will be none, or not in the time that is left.
+  // Waits for the next line with a JSON object; false: there is none in the remaining time.
   bool TakeLine();
   void End();
 

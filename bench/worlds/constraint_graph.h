@@ -1,4 +1,4 @@
-// A graph with the background of constraint_world.h and the constraints followed over it, in process. One thread.
+// In-process graph with the background of constraint_world.h and its constraints. One thread.
 #ifndef DOCENT_BENCH_WORLDS_CONSTRAINT_GRAPH_H_
 #define DOCENT_BENCH_WORLDS_CONSTRAINT_GRAPH_H_
 
@@ -19,15 +19,15 @@ namespace docent::bench {
 
 class ConstraintGraph {
  public:
-  // What stands in it before the first update, for so many constraints.
+  // The graph before the first update, for `constraints` constraints.
   explicit ConstraintGraph(size_t constraints);
 
   Quad Encode(const TermQuad& fact);
   Delta Apply(bool add, const Quad& quad) {
     return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad});
   }
-  // The constraints follow what Apply does, as in a turn of the server.
-  // The next immutable version.
+  // The constraints are updated after each Apply, as in a turn of the server.
+  // Freezes the next immutable version.
   void Freeze() { writer_.Freeze(Revision(++revision_)); }
   const GraphVersion& version() const { return writer_.current(); }
   Dictionary& dictionary() { return dictionary_; }
@@ -39,11 +39,11 @@ class ConstraintGraph {
   uint64_t revision_ = 0;
 };
 
-// Ends the program where the text is no query.
+// Ends the program if the text is no query.
 sparql::Query ParseConstraint(const std::string& text);
 using ConstraintQueries = std::vector<std::pair<sparql::Query, conditions::RegisterOptions>>;
 ConstraintQueries ParseConstraints(size_t count);
-// By number. Ends the program where one is refused.
+// By number. Ends the program if one is refused.
 std::vector<conditions::ConditionId> RegisterAll(const ConstraintQueries& queries,
                                                  const ConstraintGraph& graph,
                                                  conditions::StandingConditions& set);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kRooms = 64;
 constexpr size_t kVisitorsOfARoom = 64;
-constexpr size_t kMostTold = 16;  // facts of a shape that stand at once
+constexpr size_t kMostTold = 16;  // facts of a shape that are asserted at the same time
 
 Term Named(const std::string& name) {
   return Term::Iri(absl::StrCat(kConstraintNs, name));
@@ -29,7 +29,7 @@ Term Reading(size_t whole, uint64_t serial) {
 
 struct Place {
   ConstraintShape shape;
-  size_t n;  // among those of its shape
+  size_t n;  // number within its shape
 };
 
 Place PlaceOf(size_t i) {
@@ -179,7 +179,7 @@ std::optional<ConditionUpdates::Update> ConditionUpdates::Tell(ConstraintShape s
 
 std::optional<ConditionUpdates::Update> ConditionUpdates::Retract(ConstraintShape shape) {
   std::vector<Told>& told = told_[static_cast<size_t>(shape)];
-  // of readings the highest one: a lower one flips nothing
+  // for readings the highest one: removing a lower one flips nothing
   const size_t at = shape == ConstraintShape::kThreshold ? told.size() - 1 : random_() % told.size();
   if (IsUsed(shape, told[at].n)) return std::nullopt;
   std::swap(told[at], told.back());

@@ -15,7 +15,7 @@ using maps::DistanceGrid;
 using maps::Point2;
 using maps::Pose2;
 
-// Shortest way over cells with enough clearance, by Dijkstra from `from`; empty where there is none.
+// Shortest path over cells with enough clearance, by Dijkstra from `from`; empty if there is none.
 std::vector<Point2> ShortestWay(const DistanceGrid& grid, const Point2& from, const Point2& to,
                                 double clearance_m) {
   const int start = grid.RowOf(from.y_m) * grid.width + grid.ColumnOf(from.x_m);
@@ -52,7 +52,7 @@ std::vector<Point2> ShortestWay(const DistanceGrid& grid, const Point2& from, co
   return way;
 }
 
-// Truth poses at each step: turn towards a point ahead on the way, drive when roughly facing it.
+// True poses at each step: turn towards a point ahead on the path, drive when roughly facing it.
 std::vector<Pose2> FollowWay(const std::vector<Point2>& way, Pose2 pose, const TourSettings& settings) {
   std::vector<Pose2> poses;
   size_t target = 0;

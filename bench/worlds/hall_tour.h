@@ -1,4 +1,4 @@
-// A simulated drive through a hall for benchmarks: truth, odometry with noise, and scans, all by seed.
+// Simulated drive through a hall for benchmarks: true poses, noisy odometry, and scans, all from a seed.
 #ifndef DOCENT_BENCH_WORLDS_HALL_TOUR_H_
 #define DOCENT_BENCH_WORLDS_HALL_TOUR_H_
 
@@ -19,7 +19,7 @@ struct TourSettings {
   double clearance_m = 0.40;  // of the driven way from obstacles
   int stops = 6;              // service points visited, drawn by seed
   double people = 0;          // unmapped walkers within 6 m, as cylinders of radius 0.22 m
-  // Odometry: random per step, and a systematic error drawn once for each drive (a wheel's wear).
+  // Odometry: random errors of each step, and a scale error drawn once for each drive (wheel wear).
   double xy_per_m = 0.05;         // standard deviation, m for each m
   double heading_per_rad = 0.05;  // rad for each rad
   double heading_per_m = 0.02;    // rad for each m
@@ -37,10 +37,10 @@ struct Tour {
   maps::LaserScan first_scan;  // at `start`
   std::vector<TourStep> steps;
   double length_m = 0;
-  double odometry_drift_m = 0;  // at the end, if nothing but the odometry were trusted
+  double odometry_drift_m = 0;  // error at the end with odometry alone
 };
 
-// FAILED_PRECONDITION: the layout has fewer than two service points that can be reached from each other.
+// FAILED_PRECONDITION: the layout has no two service points with a path between them.
 absl::StatusOr<Tour> SimulateTour(const maps::HallLayout& layout, const maps::HallModel& hall,
                                   const TourSettings& settings, const maps::ScannerSettings& scanner,
                                   uint64_t seed);

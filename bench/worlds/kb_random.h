@@ -1,4 +1,4 @@
-// Numbers that follow from a seed, the same on every machine (splitmix64, Steele et al., OOPSLA 2014). One
+// Pseudo-random numbers from a seed, the same on every machine (splitmix64, Steele et al., OOPSLA 2014). One
 // thread.
 #ifndef DOCENT_BENCH_WORLDS_KB_RANDOM_H_
 #define DOCENT_BENCH_WORLDS_KB_RANDOM_H_

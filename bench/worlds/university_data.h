@@ -1,7 +1,7 @@
-// A university in the manner of LUBM (Guo, Pan, Heflin, Journal of Web Semantics 2005), for `docent-bench
-// rules`: exactly as many facts as asked for, and an ontology of 47 axioms (20 subclasses, 5 subproperties,
-// 10 domains, 9 ranges, a transitive property, 2 inverse ones). Names, counts and the generator are ours.
-// Deterministic. Pure functions.
+// University data similar to LUBM (Guo, Pan, Heflin, Journal of Web Semantics 2005), for `docent-bench
+// rules`: exactly the requested number of facts, and an ontology of 47 axioms (20 subclasses, 5
+// subproperties, 10 domains, 9 ranges, a transitive property, 2 inverse ones). Names, counts and the
+// generator are ours. Deterministic. Pure functions.
 #ifndef DOCENT_BENCH_WORLDS_UNIVERSITY_DATA_H_
 #define DOCENT_BENCH_WORLDS_UNIVERSITY_DATA_H_
 
@@ -13,8 +13,8 @@ namespace docent::bench {
 
 inline constexpr char kUniversityNs[] = "http://example.org/university#";
 
-// Local names in kUniversityNs, but "type", "subClassOf", "subPropertyOf", "domain", "range", "inverseOf" as
-// predicates and "TransitiveProperty" as object, which mean those of RDF, RDFS and OWL.
+// Local names in kUniversityNs; but "type", "subClassOf", "subPropertyOf", "domain", "range", "inverseOf" as
+// predicates and "TransitiveProperty" as object stand for those of RDF, RDFS and OWL.
 using TripleSink = std::function<void(const std::string& s, const std::string& p, const std::string& o)>;
 
 void UniversityOntology(const TripleSink& sink);

@@ -56,7 +56,7 @@ std::string CawlConstraint(const std::string& name, const std::string& s, const 
                       "</verb><object>", Escape(o), "</object></constraint>");
 }
 
-// Visitors of the background; each update names one that no other update of the same round names.
+// Visitors of the background; each update of a round uses another visitor.
 constexpr size_t kTriplesPerVisitor = 4;
 size_t Visitors(size_t triples) {
   return triples / kTriplesPerVisitor;
@@ -120,7 +120,7 @@ MixedUpdate UpdateNumber(uint64_t k, size_t conditions, size_t background_triple
   Term visitor = Iri(absl::StrCat("visitor", v));
   switch (KindOf(i)) {
     case Kind::kThreshold: {
-      // canonical decimals that never come back
+      // canonical decimals that are never repeated
       std::string value = absl::StrCat(40 + k / 1000, ".", absl::Dec(k % 1000, absl::kZeroPad3), "1");
       update.add = {Iri("sensor" + n), Iri("temperature"), Term::Literal(value, std::string(kXsdDecimal)),
                     Term()};

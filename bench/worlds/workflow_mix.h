@@ -1,7 +1,7 @@
-// Workload of `docent-bench reaction`: workflow conditions of mixed kinds, a background graph, and updates of
-// which each makes exactly one of them begin to hold with a binding that it did not have.
+// Workload of `docent-bench reaction`: workflow conditions of mixed kinds, a background graph, and updates;
+// each update makes exactly one condition begin to hold, with a new binding.
 //
-//   a third      ?s ex:temperature ?t . FILTER(?t > …)          one predicate, conditions differ in sensor and threshold
+//   a third      ?s ex:temperature ?t . FILTER(?t > …)          one predicate, other sensor and threshold
 //   a third      ?v docent:isAt REGION . ?v ex:likes TOPIC      a join through the visitor
 //   a sixth      ?v docent:isAt ROOM . FILTER NOT EXISTS { ?v ex:badge ?b }
 //   a sixth      ?v ex:carries ?item . ?item ex:ownedBy OWNER   free variables on both sides
@@ -20,15 +20,15 @@ namespace docent::bench {
 
 // The condition of workflow `i`: one <rule> element of CAWL.
 std::string CawlRuleNumber(size_t i);
-// The variable of condition `i` that a token is bound to.
+// The variable of condition `i` that gets the token as its value.
 std::string TokenVariable(size_t i);
 
 // About `triples` triples: visitors with topics and names, sensors, items with owners.
 std::vector<TermQuad> Background(size_t triples, size_t conditions);
 
-// Update k. `token` is a term of it that no other update has and that a solution of the condition binds.
+// Update k. `token` is a term that only this update has, and that a solution of the condition binds.
 struct MixedUpdate {
-  TermQuad add;  // docent:isAt and ex:temperature are meant as state properties
+  TermQuad add;  // docent:isAt and ex:temperature are state properties
   std::string token;
 };
 MixedUpdate UpdateNumber(uint64_t k, size_t conditions, size_t background_triples);
