@@ -1,5 +1,5 @@
-// An adapter for tests: every operation takes a given time and does nothing else. What it did stands in its
-// journal (robot_adapters/sdk/command_journal.h). Ends with SIGTERM.
+// Adapter for tests: every operation takes a given time and does nothing else. Its journal
+// (robot_adapters/sdk/command_journal.h) records the commands. Ends with SIGTERM.
 //
 //   docent-scripted-adapter --server HOST:PORT --robot IRI --operation NAME[:PART,PART…] … --journal FILE
 //   --take-ms 200

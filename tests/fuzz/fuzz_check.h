@@ -1,4 +1,4 @@
-// What a fuzz target holds an answer against. A violation aborts, so that libFuzzer and sanitizers see it.
+// Checks of a fuzz target's results. A violation aborts, so that libFuzzer and sanitizers see it.
 #ifndef DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_
 #define DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_
 
@@ -17,7 +17,7 @@ inline void Require(bool good, const std::string& what) {
   std::abort();
 }
 
-// Each diagnostic says something and points into the text.
+// Each diagnostic has a message and points into the text.
 inline void RequireSound(const Diagnostics& diagnostics, std::string_view text) {
   for (const Diagnostic& d : diagnostics) {
     Require(!d.message.empty(), "a diagnostic without message");

@@ -12,7 +12,7 @@ namespace docent::fuzz {
 
 class Mutator {
  public:
-  // `corpus` must not be empty. `words` are put in now and then.
+  // `corpus` must not be empty. `words` are inserted sometimes.
   Mutator(uint32_t seed, std::vector<std::string> corpus, std::vector<std::string> words = {})
       : random_(seed), corpus_(std::move(corpus)), words_(std::move(words)) {}
 

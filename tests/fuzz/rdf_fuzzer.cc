@@ -1,4 +1,4 @@
-// Any bytes as a document in each RDF format: sound diagnostics, or quads that the store takes and that
+// Any bytes as a document in each RDF format: sound diagnostics, or quads that the store accepts and that
 // survive writing and reading.
 #include <cstddef>
 #include <cstdint>

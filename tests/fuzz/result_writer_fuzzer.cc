@@ -1,4 +1,4 @@
-// Any bytes as the terms of solutions: what each result writer makes is read back as the same solutions.
+// Any bytes as the terms of solutions: the output of each result writer is read back as the same solutions.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 using sparql::ResultFormat;
 
-// Cells come as a byte that says what, and text up to the next '|'.
+// A cell is a byte for its kind, and text up to the next '|'.
 std::optional<Term> CellOf(char kind, std::string text) {
   static constexpr std::string_view kTypes[] = {"",         kXsdInteger, kXsdDecimal,
                                                 kXsdDouble, kXsdBoolean, kXsdDate};
@@ -42,7 +42,7 @@ std::optional<Term> CellOf(char kind, std::string text) {
   }
 }
 
-// Whether XML 1.0 (section 2.2) can say every character; others become U+FFFD there.
+// True if XML 1.0 (section 2.2) can express every character; others become U+FFFD there.
 bool FitsXml(const std::string& text) {
   for (size_t i = 0; i < text.size(); ++i) {
     const unsigned char c = static_cast<unsigned char>(text[i]);

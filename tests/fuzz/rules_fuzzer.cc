@@ -1,5 +1,5 @@
-// Any bytes as a rule set: sound diagnostics; or rules whose inferred facts are the same whether the facts were told at once,
-// one by one, or together with others that were withdrawn, and of which a withdrawal of all facts leaves nothing.
+// Any bytes as a rule set: sound diagnostics; or rules with the same inferred facts whether the facts are
+// asserted together, one by one, or with others that are withdrawn later. Withdrawing all facts leaves none.
 #include <cstddef>
 #include <cstdint>
 #include <set>
@@ -51,7 +51,7 @@ struct World {
     axiom("http://example.org/n1", owl + "sameAs", "http://example.org/n4");
     return facts;
   }
-  // False where it was refused: at a limit, or as axioms make negation depend on itself where the rules alone do not.
+  // False if refused: at a limit, or if axioms make negation depend on itself.
   bool Tell(const std::vector<Quad>& add, const std::vector<Quad>& remove) {
     const absl::Status status = engine.Update(writer, writer.Apply(add, remove)).status();
     const bool by_axioms =
@@ -76,7 +76,7 @@ struct World {
   uint64_t revision = 0;
 };
 
-// Rules that count, draw or make names give others each time.
+// False for rules that count, draw random values or create names: their results differ each time.
 bool Repeats(std::string_view text) {
   std::string upper;
   for (const char c : text) upper += static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c);

@@ -65,7 +65,7 @@ void CheckOne(std::string_view text) {
   (void)sparql::PrintAlgebra(*parsed.query.algebra);
   const sparql::PrintOptions print{options.prefixes, true};
   const std::string printed = sparql::PrintQuery(parsed.query, print);
-  options.limits.query_nesting *= 10;  // what is printed has more parentheses
+  options.limits.query_nesting *= 10;  // the printed text has more parentheses
   options.limits.query_elements *= 10;
   options.limits.query_text_bytes *= 10;
   const sparql::ParsedQuery again = sparql::ParseQuery(printed, options);

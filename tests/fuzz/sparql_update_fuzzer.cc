@@ -1,5 +1,5 @@
 // Any bytes as an update: sound diagnostics; or operations that evaluate within their limits on a small
-// graph, whose quads the store takes, and which say what they read whenever they depend on the graph.
+// graph, whose quads the store accepts, and which list their reads if they depend on the graph.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ bool Fits(const absl::Status& status) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kInvalidArgument:
     case absl::StatusCode::kFailedPrecondition:
-    case absl::StatusCode::kUnimplemented:  // SERVICE, which nobody resolved
+    case absl::StatusCode::kUnimplemented:  // an unresolved SERVICE
     case absl::StatusCode::kDeadlineExceeded:
     case absl::StatusCode::kResourceExhausted:
       return true;

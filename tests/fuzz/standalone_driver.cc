@@ -1,9 +1,9 @@
-// Runs a fuzz target without libFuzzer: first each corpus file as it is, then seeded mutations of them.
+// Runs a fuzz target without libFuzzer: first each corpus file unchanged, then seeded mutations of them.
 //
-//   fuzz_cawl MUTATIONS SEED PATH…     PATH: a file, or a folder whose files are taken at any depth
-//                                      MUTATIONS like 600s: as many as go in so many seconds
+//   fuzz_cawl MUTATIONS SEED PATH…     PATH: a file, or a folder with files at any depth
+//                                      MUTATIONS like 600s: as many as possible in that many seconds
 //
-// A finding ends the program; the text that caused it stands in fuzz_finding.txt in the working folder.
+// A finding ends the program; the text that caused it is in fuzz_finding.txt in the working folder.
 #include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
@@ -51,7 +51,7 @@ std::vector<std::string> ReadCorpus(int argc, char** argv) {
 
 const std::string* running = nullptr;
 
-// Only calls that a signal handler may make.
+// Makes only calls that are allowed in a signal handler.
 void KeepFinding(int signal_number) {
   int file = open("fuzz_finding.txt", O_CREAT | O_TRUNC | O_WRONLY, 0644);
   if (file >= 0 && running != nullptr) {
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
   }
   signal(SIGABRT, KeepFinding);
   signal(SIGSEGV, KeepFinding);
-  signal(SIGTERM, KeepFinding);  // a test that ran out of time: what it was at
+  signal(SIGTERM, KeepFinding);  // sent at a timeout: keeps the current text
   for (const std::string& text : corpus) RunOne(text);
   char* unit = nullptr;
   const long number = std::strtol(argv[1], &unit, 10);

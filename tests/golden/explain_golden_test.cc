@@ -1,7 +1,8 @@
-// Golden cases of tests/golden/explain: situations of the booth-guide hall (scenario 1) and what is said about them.
+// Golden cases of tests/golden/explain: situations of the booth-guide hall (scenario 1) and their
+// explanations.
 //
-// situation.ttl: facts besides the hall, world.ttl and the ontologies. question.txt: "why" or "whynot" in the first
-// line, then the query. expected.txt: the text for people.
+// situation.ttl: facts in addition to the hall, world.ttl and the ontologies. question.txt: "why" or "whynot"
+// in the first line, then the query. expected.txt: the text for people.
 #include <gtest/gtest.h>
 
 #include <filesystem>

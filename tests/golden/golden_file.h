@@ -1,5 +1,5 @@
-// One folder a case: the input, and in expected.txt what must come out. DOCENT_UPDATE_GOLDEN=1 writes expected.txt
-// anew; read the difference before committing it.
+// Golden files: one folder for each case, with the input and the expected output in expected.txt.
+// DOCENT_UPDATE_GOLDEN=1 rewrites expected.txt; read the difference before committing it.
 #ifndef DOCENT_TESTS_GOLDEN_GOLDEN_FILE_H_
 #define DOCENT_TESTS_GOLDEN_GOLDEN_FILE_H_
 

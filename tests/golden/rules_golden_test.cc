@@ -1,8 +1,9 @@
-// Golden cases of tests/golden/rules: what is said about a wrong rule document; what a right one infers, turn
-// by turn.
+// Golden cases of tests/golden/rules: the diagnostics of a wrong rule document; the inferences of a correct
+// one, turn by turn.
 //
 // turns.txt: one change a line in the text of TestWorld ("+ann at b1", "-ann at b1"), an empty line ends a
-// turn. expected.txt: the diagnostics; or for each turn what docent:inferred gained (+) and lost (-).
+// turn. expected.txt: the diagnostics; or for each turn the facts that docent:inferred gained (+) and lost
+// (-).
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,4 +1,4 @@
-// Golden cases of tests/golden/sparql: what a query means, what it answers, what is said about a wrong one.
+// Golden cases of tests/golden/sparql: a query's algebra and answer, and the diagnostics of a wrong query.
 #include <gtest/gtest.h>
 
 #include <algorithm>

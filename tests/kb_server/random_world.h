@@ -1,6 +1,6 @@
-// A world in which anything may happen next, for tests that compare two ways to the same state: robots that
-// come and go, visitors, workflows that are deployed, replaced and taken away, runs with subflows, loops and
-// retries, lifetimes, rules. Deterministic for a seed.
+// A world with random events, for tests that compare two ways to the same state: robots that come and go,
+// visitors, workflows that are deployed, replaced and removed, runs with subflows, loops and retries,
+// lifetimes, rules. Deterministic for a seed.
 #ifndef DOCENT_TESTS_KB_SERVER_RANDOM_WORLD_H_
 #define DOCENT_TESTS_KB_SERVER_RANDOM_WORLD_H_
 
@@ -17,7 +17,7 @@
 
 namespace docent::server::test {
 
-// Greets all who are there at once, then calls the other workflow, and goes round while somebody is sad.
+// Greets all present visitors at once, then calls the other workflow, and loops while a visitor is sad.
 inline constexpr char kRound[] = R"(<?xml version="1.0"?>
 <CAWL name="Round" namespace="urn:w:" version="1.0" xmlns:docent="https://w3id.org/docent#"
       xmlns:ext="https://w3id.org/docent/cawl-ext#">
@@ -45,7 +45,7 @@ class RandomWorld {
  public:
   explicit RandomWorld(uint32_t seed) : random_(seed) {}
 
-  // The next batch, for stages that stand as these do. Some are refused.
+  // The next batch, for the current state of the stages. Some are refused.
   WriteBatch Next(const Stages& stages) {
     WriteBatch batch = step_++ < 6 ? Beginning(step_) : Anything(stages);
     now_us_ += static_cast<TimeMicros>(Below(3'000'000));
@@ -185,7 +185,7 @@ class RandomWorld {
   TimeMicros now_us_ = 1'700'000'000'000'000;
 };
 
-// Everything that the graph of the stages holds, as text.
+// All facts in the graph of the stages, as text.
 inline std::vector<std::string> Lines(const Dictionary& dictionary, const GraphVersion& graph) {
   std::vector<std::string> lines;
   graph.ForEach({}, [&](const Quad& quad) {

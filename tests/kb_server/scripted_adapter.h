@@ -1,4 +1,4 @@
-// A robot's adapter that does at once what a test wants: real gRPC on a free port of loopback.
+// Robot adapter that does at once what a test tells it: real gRPC on a free port of loopback.
 #ifndef DOCENT_TESTS_KB_SERVER_SCRIPTED_ADAPTER_H_
 #define DOCENT_TESTS_KB_SERVER_SCRIPTED_ADAPTER_H_
 

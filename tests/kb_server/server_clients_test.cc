@@ -1,5 +1,5 @@
-// Clients that read slowly or not at all, wait for what is not here yet, or come back: what they get, and
-// that nobody else notices.
+// Clients that read slowly or not at all, wait for future revisions, or reconnect: their results, and that
+// other clients do not notice.
 #include <atomic>
 #include <thread>
 
@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 class ServerClientsTest : public ServerWorkflowTest {
  protected:
-  // A query whose client reads when the test says so.
+  // A query whose client reads only when the test says so.
   struct Slow {
     grpc::ClientContext context;
     std::unique_ptr<grpc::ClientReader<v1::QueryReply>> reader;
@@ -125,7 +125,7 @@ TEST_F(ServerClientsTest, WhereOthersWaitAnHttpClientThatDoesNotReadLosesItsPlac
   EXPECT_FALSE(slow[0]->Receive().whole) << "cut, and the client sees it";
 }
 
-// Many clients that ask for a little and take nothing, each within its own limits.
+// Many clients that request a little and read nothing, each within its own limits.
 TEST_F(ServerClientsTest, AllThatIsMadeForClientsTogetherHasALimit) {
   settings_.limits.streams_bytes = 1 << 20;
   StartServer();
@@ -220,7 +220,7 @@ TEST_F(ServerClientsTest, UpdatesThatWaitForARevisionHarmNobody) {
       if (Call(context_, &v1::Context::Stub::Update, request, &reply).ok()) ++done;
     });
   }
-  // when all of them are there, others are answered all the same
+  // while all of them wait, other clients get answers
   absl::SleepFor(absl::Milliseconds(300));
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));  // less than theirs

@@ -1,4 +1,4 @@
-// Telling and asking over gRPC, the limits, and what one client's bad input does to others.
+// Asserting and querying over gRPC, the limits, and the effect of one client's bad input on others.
 #include <arpa/inet.h>
 #include <grpcpp/impl/client_unary_call.h>
 #include <netinet/in.h>
@@ -63,7 +63,7 @@ TEST_F(ServerContextTest, ABadBatchSaysWhereAndChangesNothing) {
   request = Words(1);
   request.set_request_id(std::string(257, 'x'));
   EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  // what would not be obeyed is not taken in silence
+  // options without effect are refused, not ignored
   request = Turtle(":a :b :c .");
   request.set_mode(v1::AssertRequest::LOAD);
   request.set_lifetime_ms(100);
@@ -91,7 +91,7 @@ TEST_F(ServerContextTest, BlankNodesOfDifferentTextsAreDifferent) {
     ASSERT_TRUE(Load(v1::LoadRequest::DATA, "data.ttl", absl::StrCat("@prefix : <urn:w:> . ", text)).ok());
   }
   EXPECT_FALSE(Ask("?n :what ?a . ?n :what ?b FILTER(?a != ?b)"));
-  // a part of a document knows the nodes of the others, and a text told again is the same
+  // a part of a document knows the blank nodes of the other parts, and a repeated text is the same
   v1::LoadRequest part;
   part.set_kind(v1::LoadRequest::DATA);
   part.set_document("both");
@@ -195,7 +195,7 @@ TEST_F(ServerContextTest, WhatCannotBeMeasuredIsNotTold) {
 
   MustTell(":R1 a docent:Robot ; docent:x 1.5 ; docent:y -0.5 ; docent:heading 3 ; :battery 8.5e1 .");
   EXPECT_TRUE(Robots()[0].has_pose());
-  // Data may say anything that RDF can; it is no pose for that.
+  // Data may contain everything that RDF allows; that does not make it a pose.
   ASSERT_TRUE(Load(v1::LoadRequest::DATA, "d.ttl",
                    "@prefix docent: <https://w3id.org/docent#> . <urn:w:R2> a docent:Robot ; "
                    "docent:x \"NaN\"^^<http://www.w3.org/2001/XMLSchema#double> ; docent:y 1e300 .")
@@ -421,7 +421,7 @@ TEST_F(ServerContextTest, AModuleThatDoesNotParseIsRefusedWithItsPlace) {
   EXPECT_EQ(Revision(), 0u);
 }
 
-// Connects, sends, and waits until the server has closed the connection or taken everything.
+// Connects, sends, and waits until the server has closed the connection or read everything.
 void SendRaw(const std::string& address, const std::string& bytes) {
   int port = 0;
   ASSERT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port));

@@ -1,4 +1,4 @@
-// Conditions that are expensive by nature: accepted, with a warning that shows what they cost.
+// Expensive conditions are accepted, with a warning that shows their cost.
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 

@@ -144,11 +144,11 @@ TEST_F(ServerExplainTest, WhatIfTellsWhatWouldHappenAndNothingDoes) {
   EXPECT_THAT(moves, Not(Contains(run.run() + "/Hello running")));  // the one robot goes to the caller
   EXPECT_GT(reply.commands_size(), 0);
 
-  // nothing of it has happened
+  // none of it has happened
   EXPECT_EQ(Revision(), before);
   EXPECT_FALSE(Ask(":John docent:isAt :Hall"));
   EXPECT_EQ(FindNode(GetRun(run.run()), "Hello")->state(), "waiting");
-  // and telling it does just that
+  // asserting it has exactly that effect
   v1::AssertRequest tell;
   *tell.mutable_add() = request.add();
   ASSERT_TRUE(Assert(tell).ok());

@@ -1,5 +1,5 @@
-// Updates, the graph store and other servers over HTTP, through a whole server. What the W3C suites of these
-// protocols cover is in tests/conformance/http.
+// Updates, the graph store and other servers over HTTP, through a whole server. The parts that W3C suites of
+// these protocols cover are in tests/conformance/http.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -50,7 +50,7 @@ TEST_F(GraphStoreTest, AnUpdateOverHttpSaysWhatItDid) {
   EXPECT_EQ(Update("CLEAR ALL", "?default-graph-uri=urn:x").status, 400);
 }
 
-// As Java and Python clients ask that like RDF/XML best and take others.
+// As Java and Python clients ask, which prefer RDF/XML and accept other formats.
 TEST_F(GraphStoreTest, WhatRdfXmlCannotSayIsSaidOtherwise) {
   StartServer();
   const std::string graph = "/rdf-graphs?graph=urn:w:g";
@@ -161,7 +161,7 @@ TEST_F(GraphStoreTest, PackedBodiesAreRead) {
   EXPECT_TRUE(Holds("GRAPH :z { :l rdf:_1 'é' }"));
 }
 
-// What takes longer than a query may ends with the limit's name, and when the client leaves.
+// A read that exceeds the time limit of a query ends with the limit's name, and when the client leaves.
 TEST_F(GraphStoreTest, ReadingABodyEndsAtTheTimeLimit) {
   settings_.limits.query_timeout_ms = 50;
   StartServer();

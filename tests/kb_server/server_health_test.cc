@@ -1,4 +1,4 @@
-// What /healthz says: the truth about what the server can do.
+// /healthz reports what the server can do.
 #include <filesystem>
 #include <fstream>
 #include <thread>

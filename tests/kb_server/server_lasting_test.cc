@@ -1,5 +1,5 @@
-// A workflow whose node fires only after its condition has held for some time: on a server whose clock the test
-// sets, over a restart.
+// A workflow whose node fires only after its condition has held for some time: on a server with a test clock,
+// over a restart.
 #include "gmock/gmock.h"
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
@@ -7,7 +7,7 @@
 namespace docent::server::test {
 namespace {
 
-// Waits until somebody has been in the hall for 200 ms while a robot is standing by.
+// Waits until a visitor has been in the hall for 200 ms while a robot is standing by.
 constexpr char kPatient[] = R"(<?xml version="1.0"?>
 <CAWL name="Patient" namespace="urn:w:" version="1.0" xmlns:docent="https://w3id.org/docent#"
       xmlns:ext="https://w3id.org/docent/cawl-ext#">
@@ -35,7 +35,7 @@ constexpr char kPatient[] = R"(<?xml version="1.0"?>
 class ServerLastingTest : public ServerWorkflowTest {
  protected:
   void AdvanceMs(int ms) { clock_.Advance(std::chrono::milliseconds(ms)); }
-  // Until the clock has been looked at once more: by a tick, or with this fact.
+  // Waits until the clock has been read once more: by a tick, or with this fact.
   std::string StateAfterAnotherTurn(const std::string& run) {
     MustTell(absl::StrCat(":x :counts ", ++count_, " ."));
     return FindNode(GetRun(run), "Stays")->state();

@@ -1,5 +1,5 @@
-// Names with blanks, slashes and other characters work from the document to the robot; what cannot work is refused where it
-// stands, or left out with a warning.
+// Names with blanks, slashes and other characters work from the document to the robot; names that cannot work
+// are refused at their place, or left out with a warning.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ std::string Escaped(const std::string& text) {
 
 class ServerNamesTest : public ServerWorkflowTest {
  protected:
-  // A workflow that invokes an operation of this name, all of whose parts have it.
+  // A workflow that invokes an operation of this name; all its parts have the name, too.
   static std::string Workflow(const std::string& name) {
     const std::string n = Escaped(name);
     return absl::StrCat("<CAWL name=\"", n, "\"><flow name=\"", n, "\"><source name=\"s ", n,

@@ -1,4 +1,5 @@
-// Shapes on a running server: validation on demand, loads that violate them, modules that come, change and go.
+// Shapes on a running server: validation on demand, loads with violations, modules that are added, changed
+// and removed.
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
@@ -93,7 +94,7 @@ TEST_F(ServerShapesTest, ALoadThatViolatesIsRefusedAndChangesNothing) {
   ASSERT_EQ(reply.diagnostics_size(), 1) << "a warning does not refuse";
   EXPECT_TRUE(reply.diagnostics(0).warning());
 
-  // what is told, not loaded, is not judged; and what was wrong before refuses nobody
+  // asserted facts are not checked, only loaded ones; and existing violations refuse no load
   MustTell(":B a :Room .");
   EXPECT_TRUE(LoadData(":C a :Room ; :door :D .").ok());
   EXPECT_FALSE(LoadData(":E a :Room .").ok());
@@ -150,7 +151,7 @@ TEST_F(ServerShapesTest, ResultsNameTheLinesOfTheTextsThatTheRequestBrings) {
   EXPECT_EQ(loaded.diagnostics(0).line(), 3);
   EXPECT_EQ(loaded.diagnostics(0).column(), 22);
 
-  // a part of a document has lines of its own
+  // a part of a document has line numbers of its own
   request.set_kind(v1::LoadRequest::DATA);
   request.set_document("d");
   request.set_text("<urn:w:E> a <urn:w:Room> .");

@@ -1,4 +1,4 @@
-// What a costly rule may do to a server: nothing that lasts.
+// A costly rule has no lasting effect on a server.
 #include <gmock/gmock.h>
 
 #include <future>

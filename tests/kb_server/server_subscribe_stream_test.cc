@@ -59,7 +59,7 @@ class ServerSubscribeStreamTest : public ServerTest {
     }
     return reply_.parts(next_++);
   }
-  // One who leaves is noticed a moment later.
+  // A client that leaves is noticed a moment later.
   bool OpenSubscriptionsBecome(int wanted) {
     const std::string line = absl::StrCat("docent_subscriptions ", wanted, "\n");
     for (const absl::Time end = absl::Now() + absl::Seconds(10); absl::Now() < end;) {

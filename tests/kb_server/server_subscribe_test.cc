@@ -115,7 +115,7 @@ TEST_F(ServerSubscribeTest, WhoComesBackHearsWhatWasMissedAndNothingTwice) {
   }
   EXPECT_EQ(client->rows.size(), 3u);
 
-  // another life of the server, or a token of another query: the whole answer, said so
+  // after a restart of the server, or with a token of another query: the whole answer, marked as such
   auto other = Follow("SELECT ?v { :b :p ?v }", resume);
   ASSERT_TRUE(other->Next());
   EXPECT_TRUE(other->reply.reset());

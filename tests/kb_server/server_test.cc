@@ -182,7 +182,7 @@ TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
   ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::List, v1::ListServicesRequest(), &services).ok());
   EXPECT_EQ(services.services_size(), 1);
 
-  // the run goes on where it was: its command finds the adapter at its new address
+  // the run continues: its command finds the adapter at its new address
   ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
   MustTell(":John docent:feels docent:Glad .");
   WaitForRun("Greet-1", "done");
@@ -190,7 +190,7 @@ TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
               ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
 }
 
-// An adapter that keeps its journal would answer an id that it knows with what it did then, and do nothing.
+// An adapter with a journal would answer a known id with the old result, and do nothing.
 TEST_F(ServerWorkflowTest, AnOlderBackupPutBackGivesNoCommandIdTwice) {
   ScriptedAdapter adapter;
   StartServer();

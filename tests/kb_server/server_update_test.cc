@@ -80,7 +80,7 @@ TEST_F(ServerUpdateTest, ReplayGivesTheValuesThatWereMade) {
   EXPECT_THAT(All(), UnorderedElementsAreArray(before));
 }
 
-// What each increments was read before the others had written; none is lost.
+// Each increment may read its value before the others are written; none is lost.
 void CountTogether(const std::function<grpc::Status()>& increment, int each) {
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {

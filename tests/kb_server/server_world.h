@@ -159,7 +159,7 @@ class ServerTest : public ::testing::Test {
     EXPECT_TRUE(status.ok()) << status.error_message();
     return run;
   }
-  // Says that a robot is there that offers "greet".
+  // Announces a robot that offers "greet".
   grpc::Status Join(const std::string& robot, const std::string& address, const std::string& type = "") {
     v1::JoinRequest request;
     request.set_address(address);
@@ -207,7 +207,7 @@ inline constexpr char kStates[] =
 
 class ServerWorkflowTest : public ServerTest {
  protected:
-  // Polls until the run is in the state; fails after a long time.
+  // Polls until the run reaches the state; fails after a long time.
   v1::Run WaitForRun(const std::string& id, const std::string& state) {
     v1::Run run = GetRun(id);
     for (int i = 0; i < 2000 && run.state() != state; ++i) {

@@ -58,7 +58,7 @@ inline WriteBatch Report(const CommandId& command, CommandReport::Outcome outcom
   return batch;
 }
 
-// State properties, a robot that offers "greet", and what the door sensor's readings mean.
+// State properties, a robot that offers "greet", and the mapping of the door sensor's readings.
 inline WriteBatch WorldFacts() {
   WriteBatch batch = Tell({
       Fact("docent:isAt", "a", "docent:StateProperty"),
@@ -92,7 +92,8 @@ RULE { ?person docent:isNear ?robot } WHERE {
 }
 )";
 
-// One node that waits until somebody is near the robot (a derived fact), and one that waits until he is glad.
+// One node that waits until a visitor is near the robot (a derived fact), and one that waits until the
+// visitor is glad.
 inline constexpr char kGreeting[] = R"(<?xml version="1.0"?>
 <CAWL name="Greeting" namespace="urn:w:" version="1.0" xmlns:docent="https://w3id.org/docent#">
   <flow name="Greet">
@@ -118,7 +119,7 @@ inline constexpr char kGreeting[] = R"(<?xml version="1.0"?>
 </CAWL>
 )";
 
-// The same, begun by whoever calls: one run for each caller.
+// The same, started by a caller: one run for each caller.
 inline constexpr char kCalled[] = R"(<?xml version="1.0"?>
 <CAWL name="Called" namespace="urn:w:" version="1.0" xmlns:docent="https://w3id.org/docent#">
   <activator name="OnCall">

@@ -1,4 +1,4 @@
-// A writer with all its ports, and a log that does what a test wants.
+// A writer with all its ports, and a log that a test controls.
 #ifndef DOCENT_TESTS_KB_SERVER_WRITER_NODE_H_
 #define DOCENT_TESTS_KB_SERVER_WRITER_NODE_H_
 
@@ -124,7 +124,7 @@ class Node {
     return ended;
   }
   absl::StatusOr<BatchOutcome> Ask(WriteBatch batch) { return Push(std::move(batch)).get(); }
-  // All of these in one group, by a writer that did not run before and ends afterwards.
+  // Sends all of these in one group, to a writer that did not run before and ends afterwards.
   std::vector<absl::StatusOr<BatchOutcome>> AskTogether(const std::vector<WriteBatch>& batches) {
     std::vector<std::future<absl::StatusOr<BatchOutcome>>> answers;
     for (const WriteBatch& batch : batches) answers.push_back(Push(batch));
@@ -179,7 +179,7 @@ inline WriteBatch Named(const std::string& request_id, WriteBatch batch) {
   return batch;
 }
 
-// World, rules, workflow, a run that waits, and what makes it go on.
+// World, rules, workflow, a waiting run, and the batch that lets it continue.
 inline std::vector<WriteBatch> Story() {
   return {WorldFacts(), Put(Document::Kind::kRules, "near.rules", kRules),
           Put(Document::Kind::kCawl, "greeting.xml", kGreeting), Named("start", Start("Greeting")),

@@ -25,7 +25,7 @@ const HallModel& Model() {
   return *model;
 }
 
-// The truth that the fields are held against: distance to the nearest shape that reaches `height_m`.
+// Reference for the fields: distance to the nearest shape that reaches `height_m`.
 double AnalyticDistance(const Point2& p, double height_m) {
   double nearest = DistanceToOutline(p, Layout().outline);
   for (const Obstacle& o : Layout().obstacles) {

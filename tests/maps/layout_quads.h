@@ -1,4 +1,4 @@
-// Quads of a small hall, said in C++: tests of maps and robots need no RDF parser.
+// Quads of a small hall, built in C++, so that tests of maps and robots need no RDF parser.
 #ifndef DOCENT_TESTS_MAPS_LAYOUT_QUADS_H_
 #define DOCENT_TESTS_MAPS_LAYOUT_QUADS_H_
 

@@ -1,5 +1,5 @@
-// Explanations on random graphs and rules. Each proof is checked against a graph that holds its told leaves alone;
-// each set of missing facts, and every proper subset of it, against a computation from scratch.
+// Explanations on random graphs and rules. Each proof is checked against a graph with only its asserted
+// leaves; each set of missing facts, and every proper subset of it, against a computation from scratch.
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -29,7 +29,7 @@ int Cases(int usual) {
   return given != nullptr ? std::atoi(given) : usual;
 }
 
-// A graph with its rules applied, from told quads in the text of TestWorld and as terms.
+// A graph with its rules applied, from asserted quads in the text of TestWorld and as terms.
 struct Closed {
   TestWorld world;
   std::unique_ptr<rules::RuleEngine> rules;
@@ -50,7 +50,7 @@ struct Closed {
     };
     world.writer.Apply(intern(add), intern(remove));
   }
-  // Everything that is in the graph counts as told.
+  // All facts in the graph count as asserted.
   void Infer() {
     const absl::StatusOr<Delta> delta = rules->Update(world.writer, Delta());
     ASSERT_TRUE(delta.ok()) << delta.status();
@@ -66,7 +66,7 @@ struct Closed {
   }
 };
 
-// Rules whose heads are p2, p3 and q, so that p0, p1 are told alone; stratified by construction.
+// Rules with heads p2, p3 and q, so that p0, p1 are only asserted; stratified by construction.
 std::string RandomRules(RandomWorld& random) {
   static const std::vector<std::string> kPool = {
       "RULE { ?x :q ?y } WHERE { ?x :p0 ?y . ?y :p1 ?z }\n",
@@ -174,7 +174,7 @@ TEST(ExplainProperty, EveryInferredFactHasAWellFoundedProofThatItsLeavesAloneGiv
         EXPECT_EQ(step.depth, deepest + 1) << "seed " << seed;
         deep += step.depth > 1 ? 1 : 0;
       }
-      // Where nothing is negated, the leaves alone make the fact.
+      // Without negation, the leaves alone give the fact.
       if (rules.find("NOT EXISTS") != std::string::npos || rules.find("MINUS") != std::string::npos) continue;
       Closed alone(rules, {});
       alone.Change(leaves, {});
@@ -254,7 +254,7 @@ TEST(ExplainProperty, TellingTheMissingFactsMakesItTrueAndNoProperSubsetDoes) {
         open += tell.fact.subject.IsVariable() || tell.fact.object.IsVariable() ? 1 : 0;
     }
   }
-  // Of the rest, some cannot be made true (a filter that contradicts itself).
+  // Some of the rest cannot be made true (a filter that contradicts itself).
   EXPECT_GT(repaired, asked * 85 / 100);
   EXPECT_GT(sets, asked);
   EXPECT_GT(several, asked / 20);
@@ -266,7 +266,7 @@ TEST(ExplainProperty, TellingTheMissingFactsMakesItTrueAndNoProperSubsetDoes) {
   RecordProperty("sets", sets);
 }
 
-// No single fact over the names in use makes it true where two or more are named.
+// If two or more facts are listed, no single fact over the names in use makes it true.
 TEST(ExplainProperty, NoSetOfOneIsMissedWhereTwoAreNamed) {
   int asked = 0;
   for (int seed = 5000; asked < Cases(400) / 10; ++seed) {
@@ -297,8 +297,8 @@ TEST(ExplainProperty, NoSetOfOneIsMissedWhereTwoAreNamed) {
   }
 }
 
-// Where it is said that the search was whole: no smaller set is there, and no other that withdraws one fact. Facts are
-// told of what no rule makes.
+// If the search was complete, there is no smaller set, and no other set that withdraws one fact. Only facts
+// that no rule makes are asserted.
 TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMissed) {
   int asked = 0, none = 0, one = 0, two = 0, not_whole = 0;
   for (int seed = 20000; asked < Cases(150); ++seed) {

@@ -1,5 +1,5 @@
-// What rules infer from told facts, computed naively: the reference of the property tests. It shares with
-// the engine the parser, the SPARQL evaluator and the strata.
+// Naive computation of the inferences of rules from asserted facts: the reference of the property tests. It
+// shares the parser, the SPARQL evaluator and the strata with the engine.
 #ifndef DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 #define DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 
@@ -22,8 +22,9 @@ namespace docent {
 
 inline constexpr char kRulesPrefix[] = "PREFIX : <http://example.org/>\n";
 
-// The strata of the engine's program, each applied naively, with those below it, until nothing is new. That the order of
-// rules with negation was right is seen in the end: what each rule makes is there, and each thing that is there is made.
+// The strata of the engine's program, each applied naively, with those below it, until nothing is new. The
+// order of rules with negation is checked at the end: all results of each rule are there, and each inferred
+// fact is a result.
 inline std::vector<std::string> NaiveInferences(const std::string& rules, const std::set<std::string>& told) {
   TestWorld world;
   world.Apply(std::vector<std::string>(told.begin(), told.end()));

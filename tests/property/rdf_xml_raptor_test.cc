@@ -1,6 +1,6 @@
-// Random RDF/XML documents, read by our reader and by Raptor: both give the same graph. Left out is what Raptor 2.0.15 reads
-// wrongly (white space in attributes, xml:lang of property attributes, bases with a query, a fragment or no path, XML
-// literals with markup) and warns of only.
+// Random RDF/XML documents, read by our reader and by Raptor: both give the same graph. Constructs that
+// Raptor 2.0.15 reads wrongly (white space in attributes, xml:lang of property attributes, bases with a
+// query, a fragment or no path, XML literals with markup) or only warns of are left out.
 #include <gtest/gtest.h>
 #include <raptor2.h>
 

@@ -1,5 +1,5 @@
-// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing condition
-// says is what its query says when it is run again, and its binding edges are the difference of two runs.
+// For any order of additions, removals, registrations, commits and rollbacks: the state of a standing
+// condition equals a new run of its query, and its binding changes are the difference of two runs.
 
 #include <cstdlib>
 #include <functional>
@@ -21,7 +21,7 @@ namespace {
 
 std::string RandomGroup(RandomWorld& random, int depth);
 
-// GRAPH around something that may have solutions without a triple of the graph, of graphs that come and go.
+// GRAPH around a pattern that may have solutions without a triple of the graph; the graphs come and go.
 std::string RandomGraph(RandomWorld& random, const std::string& triple, int depth) {
   const std::vector<std::string> names = {":g0", ":g1", ":g1", ":none", "?g"};
   std::string inside;
@@ -189,7 +189,7 @@ struct Step {
   enum class End { kNothing, kCommit, kRollback } end = End::kCommit;
 };
 
-// What goes wrong with `asked` through `steps`; empty if nothing does.
+// The failure of `asked` through `steps`; empty if there is none.
 std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps,
                        size_t register_late) {
   TestWorld world;
@@ -271,7 +271,7 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
   return "";
 }
 
-// Leaves out conditions, steps and single changes as long as something goes wrong.
+// Leaves out conditions, steps and single changes as long as the case still fails.
 std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t register_late) {
   const auto fails = [&](const std::vector<Asked>& a, const std::vector<Step>& s) {
     return !Difference(a, s, register_late).empty();

@@ -1,8 +1,8 @@
-// What other reasoners get wrong after some time: facts that support each other stay when nothing else
-// supports them, or facts go that something else supports. Here thousands of facts are told and withdrawn one
-// after the other under the whole of `owl2rl`; a fact told and withdrawn must leave what was there before,
-// quad by quad, and from time to time all that is inferred is compared with a computation from scratch and
-// with the naive one.
+// Known errors of other reasoners: facts that support only each other stay, or facts with other
+// support are removed. Here thousands of facts are asserted and withdrawn one after the other under
+// the whole of `owl2rl`. A fact asserted and withdrawn must leave the former graph, quad by quad; and
+// from time to time all inferred facts are compared with a computation from scratch and with the naive
+// one.
 
 #include <algorithm>
 #include <cstdlib>
@@ -27,7 +27,7 @@ namespace {
 
 using Facts = std::vector<std::string>;
 
-// What is always told, and what comes and goes.
+// Facts that are always asserted, and facts that come and go.
 struct Theme {
   std::string name;
   Facts always;
@@ -62,7 +62,7 @@ Theme InverseProperties() {
   return theme;
 }
 
-// One type for many reasons: told, told twice, by a domain, by a range, by several superclasses.
+// One type for many reasons: asserted, asserted twice, by a domain, by a range, by several superclasses.
 Theme SharedSupport() {
   Theme theme{
       "SharedSupport",
@@ -95,8 +95,8 @@ Theme EqualThings() {
   return theme;
 }
 
-// Literals, properties and classes that are equal to things, equality itself by another name, and larger classes that are told
-// and derived in several ways at once.
+// Literals, properties and classes that are equal to things, equality itself by another name, and larger
+// classes that are asserted and derived in several ways at once.
 Theme EqualInEveryPlace() {
   Theme theme{
       "EqualInEveryPlace",
@@ -115,7 +115,7 @@ Theme EqualInEveryPlace() {
   return theme;
 }
 
-// Cycles of a transitive property and of one that is symmetric besides, cut and closed again.
+// Cycles of a transitive property and of a transitive and symmetric one, cut and closed again.
 Theme TransitiveCycles() {
   Theme theme{
       "TransitiveCycles",
@@ -144,11 +144,11 @@ Theme AllTogether() {
   return theme;
 }
 
-// A graph under owl2rl, and what is told in it.
+// A graph under owl2rl, with its asserted facts.
 class Reasoner {
  public:
   explicit Reasoner(const Facts& told) {
-    // The order of ids is the order in which changes are looked at.
+    // The order of ids is the order in which changes are processed.
     for (int i = 5; i >= 0; --i) world_.Id(Node(i));
     EXPECT_TRUE(engine_.PutRules("owl2rl", rules::BuiltInRuleSet("owl2rl")).empty());
     Tell(told, {});
@@ -208,7 +208,7 @@ int PairCount() {
 
 class ReasonerRulesPairs : public testing::TestWithParam<Theme> {
  protected:
-  // What the incremental graph is held against; `naive`: slower by far.
+  // The reference for the incremental graph; `naive`: much slower.
   void Compare(const Reasoner& reasoner, bool naive, const std::string& when) {
     const Facts told(reasoner.told().begin(), reasoner.told().end());
     const std::string all = "\ntold:\n" + absl::StrJoin(told, "\n");

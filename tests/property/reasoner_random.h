@@ -1,5 +1,5 @@
 // Random graphs, changes, rules and queries over a small vocabulary, so that collisions, cycles and shared
-// support are common. Everything follows from one seed.
+// support are common. Everything depends on one seed.
 #ifndef DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
 #define DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
 
@@ -61,7 +61,7 @@ class RandomWorld {
     return quad;
   }
 
-  // A change of `told`, which is kept up to date. Also removes what is not there and adds what is.
+  // A change of `told`, which is updated. Also removes absent facts and adds existing ones.
   RandomBatch Batch(std::set<std::string>& told) {
     RandomBatch batch;
     std::set<std::string> used;

@@ -1,5 +1,5 @@
-// Whatever the order of additions, removals and rule changes: docent:inferred is what a computation from
-// scratch gives (naive_rules.h).
+// For any order of additions, removals and rule changes: docent:inferred equals a computation from scratch
+// (naive_rules.h).
 
 #include <array>
 #include <cstdlib>
@@ -69,7 +69,7 @@ struct Step {
   std::string new_rules;  // with rules, before the batch; empty: as before
 };
 
-// Whether a new engine refuses these facts, too: their axioms give rules with negation no order.
+// True if a new engine refuses these facts, too: their axioms leave rules with negation without an order.
 bool IsRefused(const std::string& rules, const std::set<std::string>& told) {
   TestWorld world;
   rules::RuleEngine engine(world.dictionary);
@@ -77,16 +77,16 @@ bool IsRefused(const std::string& rules, const std::set<std::string>& told) {
   return !engine.Update(world.writer, world.Apply({told.begin(), told.end()})).ok();
 }
 
-// How many steps were refused, and how many not, where rules with negation are entangled with others.
+// Number of refused and accepted steps when rules with negation are entangled with others.
 struct Tally {
   int refused = 0, taken = 0;
 };
 
-// The first step after which the two differ, or -1. `trace` explains it. A step that is refused leaves everything as it was.
+// The first step after which the two differ, or -1. `trace` explains it. A refused step changes nothing.
 int FirstDifference(const std::string& rules, const std::vector<Step>& steps, std::string* trace,
                     Tally* tally = nullptr) {
   TestWorld world;
-  // The order of ids is the order in which changes are looked at; it must not be that of the rules alone.
+  // The order of ids is the order in which changes are processed; it must not depend on the rules alone.
   for (size_t i = 0; i < 4; ++i) world.Id("p" + std::to_string((i * 3 + rules.size()) % 4));
   Limits limits;
   limits.inferred_per_turn =
@@ -208,7 +208,7 @@ std::string Shrink(std::string rules, std::vector<Step> steps) {
   return trace;
 }
 
-// Up to `wanted` rules that the engine takes together.
+// Up to `wanted` rules that the engine accepts together.
 std::string AcceptedRules(RandomWorld& random, int wanted) {
   TestWorld world;
   std::string rules;
@@ -275,13 +275,13 @@ constexpr char kSchemaRules[] =
     "RULE { } WHERE { ?c1 owl:disjointWith ?c2 . ?x a ?c1 . ?x a ?c2 }\n"
     "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y FILTER NOT EXISTS { ?y a :n0 } }\n";
 
-// Of the five of equality all or, as often, some.
+// All five equality rules or, as often, some of them.
 std::string SomeSchemaRules(RandomWorld& random, int percent) {
   const std::vector<std::string> all = Lines(kSchemaRules);
   const bool whole_equality = random.Chance(50);
   std::string rules;
   for (size_t i = 0; i < all.size(); ++i) {
-    // the last negates what the others make of types: left out where recursion would go through it
+    // the last negates types made by the others: left out if recursion would go through it
     const bool wanted = random.Chance(percent) || (whole_equality && i < 5);
     if (wanted && i + 1 < all.size()) rules += all[i] + "\n";
   }
@@ -307,7 +307,7 @@ TEST(ReasonerRulesProperty, SchemaAndDataChangeTogether) {
   }
 }
 
-// Rules with negation and aggregates that nothing but axioms can entangle, among those rules.
+// Rules with negation and aggregates that only axioms can entangle with those rules.
 constexpr char kNegatingRules[] =
     "RULE { ?x :q0 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n0 } }\n"
     "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n3 } }\n"
@@ -327,7 +327,7 @@ constexpr char kLikes[] =
     "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
     "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
 
-// Rules of which some are taken.
+// A pool from which rules are drawn.
 struct RulePool {
   std::vector<std::string> schema, negating, likes;
   int schema_percent, negating_percent;
@@ -425,7 +425,7 @@ std::vector<std::string> RdfsAxioms(const std::string& rule) {
   return axioms;
 }
 
-// Rules that speak of classes and properties, some of which would make axioms or negate what they make.
+// Rules about classes and properties, some of which would make axioms or negate their results.
 constexpr char kNegatingClasses[] =
     "RULE { ?c :q2 :n1 } WHERE { ?c a rdfs:Class NOT { ?c rdfs:subClassOf :n0 } }\n"
     "RULE { ?x :p3 ?c } WHERE { ?x :p0 ?c NOT { ?c rdfs:subClassOf ?c } }\n"
@@ -435,7 +435,7 @@ constexpr char kNegatingClasses[] =
     "RULE { :n4 :q1 ?n } WHERE { { SELECT (COUNT(?d) AS ?n) WHERE { ?d rdfs:subClassOf :n0 } } }\n"
     "RULE { ?x :q0 ?p } WHERE { ?p a rdf:Property . ?x :p0 ?y NOT { ?p rdfs:subPropertyOf :p1 } }\n";
 
-// In halves: the whole takes 330 s under the sanitizers, of the 300 that a test has.
+// In halves: the whole takes 330 s under the sanitizers, and a test has 300 s.
 class ReasonerRulesBesideRdfs : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Halves, ReasonerRulesBesideRdfs, testing::Values(0, 1));
 
@@ -505,7 +505,7 @@ constexpr char kSub[] =
     "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
     "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n";
 
-// What is made too early by the order of the axioms before is taken back.
+// Facts made too early by the order of the former axioms are removed again.
 TEST(ReasonerRulesKnown, WhatWasRemadeIsTakenBackToo) {
   const std::string without = kSub;
   const std::string with = without + "RULE { ?x :u ?y } WHERE { ?x :z ?y }\n";
@@ -608,7 +608,7 @@ TEST(ReasonerRulesKnown, APremiseThatComesBack) {
   EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{}, {"a l b"}}, {}}}), "");
 }
 
-// It lies above its premise, which goes and comes again by something that is made in the same turn.
+// It is above its premise, which is lost and made again by a fact of the same turn.
 TEST(ReasonerRulesKnown, WhatRestsOnWhatIsMadeAnewIsMadeAnewToo) {
   const std::string rules = std::string(kSub) +
                             "RULE { ?x :b ?y } WHERE { ?x :c ?y }\n"

@@ -1,7 +1,8 @@
-// Random graphs and random queries: the planned query gives what the query gives as written, also when prepared once and
-// run on several versions. And, but for paths, EXISTS and sub-SELECTs, a naive evaluator of section 18 (every operand
-// on its own, rows joined pair by pair) gives the same, which holds the index joins to the bottom-up semantics.
-// DOCENT_PLANNER_QUERIES: how many queries (500); DOCENT_PLANNER_SEED: the first one's seed (1).
+// Random graphs and random queries: the planned query gives the same answer as the query in textual order,
+// also when prepared once and run on several versions. Except for paths, EXISTS and sub-SELECTs, a naive
+// evaluator of section 18 (every operand on its own, rows joined pair by pair) also gives the same, which
+// checks the index joins against the bottom-up semantics. DOCENT_PLANNER_QUERIES: number of queries (500);
+// DOCENT_PLANNER_SEED: the first one's seed (1).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 
 using Solution = std::map<std::string, TermId>;
 
-// Section 18.5 by the letter.
+// Literal implementation of section 18.5.
 class Naive {
  public:
   Naive(const Dictionary& dictionary, const GraphVersion& version)
@@ -193,7 +194,7 @@ uint32_t FromEnvironment(const char* name, uint32_t otherwise) {
   return text == nullptr ? otherwise : static_cast<uint32_t>(std::strtoul(text, nullptr, 10));
 }
 
-// What the naive evaluator says, as RowsOf does.
+// The naive evaluator's answer, in the form of RowsOf.
 std::vector<std::string> NaiveRows(const Query& query, const PreparedQuery& names,
                                    const Dictionary& dictionary, const GraphVersion& version) {
   std::vector<std::string> rows;
@@ -214,8 +215,8 @@ std::string Show(const std::vector<std::string>& rows) {
   return out;
 }
 
-// In what two ways of evaluating the case differ; empty if they agree, or if it is no query (two sub-SELECTs that make
-// the same variable).
+// The difference of two ways of evaluating the case; empty if they agree, or if it is no query (two
+// sub-SELECTs that make the same variable).
 std::string Disagreement(const RandomCase& c) {
   Dictionary dictionary;
   GraphWriter writer(nullptr);
@@ -247,8 +248,8 @@ std::string Disagreement(const RandomCase& c) {
     if (with_plan != kTooMany && count != std::vector{std::to_string(with_plan.size()) + " "}) {
       return "counted: " + Show(count) + "\nrows: " + Show(with_plan) + "\n" + counted->Explain(*version);
     }
-    if (c.wide || with_plan.size() > 3000) continue;  // the naive way would take long
-    // It knows terms by their ids alone, those in VALUES, too.
+    if (c.wide || with_plan.size() > 3000) continue;  // too slow for the naive evaluator
+    // It compares terms by their ids only, those in VALUES, too.
     for (size_t n = 0; n < RandomQueries::kNodes; ++n) dictionary.InternIri("urn:n" + std::to_string(n));
     const std::vector<std::string> naive = NaiveRows(parsed.query, *planned, dictionary, *version);
     if (with_plan != naive) {

@@ -1,5 +1,5 @@
-// Random queries over small random graphs, and a failing one made small: pieces of the query and quads are left out as long
-// as it still fails. The same seed gives the same case on every machine.
+// Random queries over small random graphs, and a shrinker of failing cases: it leaves out pieces of the query
+// and quads as long as the case still fails. The same seed gives the same case on every machine.
 #ifndef DOCENT_TESTS_PROPERTY_SPARQL_RANDOM_H_
 #define DOCENT_TESTS_PROPERTY_SPARQL_RANDOM_H_
 
@@ -36,7 +36,7 @@ class RandomQueries {
  public:
   RandomQueries(uint32_t seed, bool wide) : random_(seed), wide_(wide) {}
 
-  // uniform_int_distribution is not the same everywhere; what it skews by here is nothing
+  // uniform_int_distribution differs between libraries; the bias here is negligible
   size_t Below(size_t n) { return random_() % n; }
   static constexpr size_t kNodes = 6;
   std::string Node() { return "<urn:n" + std::to_string(Below(kNodes)) + ">"; }
@@ -188,7 +188,7 @@ struct RandomCase {
   }
 };
 
-// Leaves out what can be, largest first, while `fails` says that the case still does.
+// Removes pieces, largest first, while `fails` says that the case still fails.
 inline void Shrink(RandomCase* c, const std::function<bool(const RandomCase&)>& fails) {
   const auto trim = [&](auto& list, size_t i) {
     auto kept = list;
@@ -200,7 +200,7 @@ inline void Shrink(RandomCase* c, const std::function<bool(const RandomCase&)>& 
   const auto pieces = [&](Piece& piece, const auto& self) -> bool {
     bool smaller = false;
     for (size_t i = piece.inner.size(); i-- > 0;) {
-      // without it; else with what it holds in its place; else what is inside it
+      // without it; else with its content in its place; else parts of its content
       if (trim(piece.inner, i)) {
         smaller = true;
         continue;
@@ -211,7 +211,7 @@ inline void Shrink(RandomCase* c, const std::function<bool(const RandomCase&)>& 
         piece.inner.erase(piece.inner.begin() + static_cast<std::ptrdiff_t>(i));
         piece.inner.insert(piece.inner.begin() + static_cast<std::ptrdiff_t>(i), whole.inner.begin(),
                            whole.inner.end());
-        if (fails(*c)) return true;  // from the start: places have moved
+        if (fails(*c)) return true;  // start again: positions have moved
         piece.inner = std::move(kept);
       }
       smaller = self(piece.inner[i], self) || smaller;

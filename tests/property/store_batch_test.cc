@@ -1,5 +1,5 @@
-// The batch applier against a naive model of what a batch means: random asserts, loads, removals, lifetimes,
-// ticks, readings of a state, and turns that are rolled back.
+// The batch applier against a naive model of a batch: random asserts, loads, removals, lifetimes, ticks,
+// readings of a state, and rolled back turns.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -22,7 +22,7 @@ std::string E(const char* kind, uint64_t n) {
   return std::string("http://e/") + kind + std::to_string(n);
 }
 
-// What the documents say, word by word, without any index.
+// Literal implementation of the documented behaviour, without an index.
 struct Model {
   Facts facts;
 
@@ -126,7 +126,7 @@ TEST_P(StoreBatchProperty, EqualsTheModel) {
     std::set<Fact> expected;
     for (const auto& [fact, end] : model.facts) expected.insert(fact);
     ASSERT_EQ(graph(), expected) << "turn " << turn;
-    // The delta is the difference, and nothing twice.
+    // The delta is the difference, without repeats.
     size_t added = 0, removed = 0;
     for (const Fact& fact : expected) added += graph_before.contains(fact) ? 0 : 1;
     for (const Fact& fact : graph_before) removed += expected.contains(fact) ? 0 : 1;

@@ -47,7 +47,7 @@ struct KeySource {
   uint64_t words;
 };
 
-// Whether a key begins with the first `words` words of `key`.
+// Checks ContainsPrefix for the first `words` words of `key`.
 void ExpectSamePrefix(const QuadTree& tree, const std::set<Key>& model, const Key& key, int words) {
   Key prefix = {};
   std::copy(key.begin(), key.begin() + words, prefix.begin());
@@ -80,7 +80,7 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     if (i % 4 == 1 && found.size() == 3) expected.resize(3);
     ASSERT_EQ(found, expected);
     expected.assign(from, to);
-    // Seeking visits what a walk over the model visits.
+    // Seek visits the same keys as a walk over the model.
     auto it = tree.Range(first, last);
     Key at = first;
     for (int hop = 0; hop < 10; ++hop) {
@@ -138,7 +138,7 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
         ASSERT_EQ(tree.Erase(key, epoch), model.erase(key) == 1);
       }
       ASSERT_EQ(tree.Contains(key), model.contains(key));
-      // Beside the change, where the tree knows most without going down.
+      // Near the change, where the tree mostly answers without a descent.
       for (int words = 0; words < 5; ++words) ExpectSamePrefix(tree, model, key, words);
       const auto next = model.upper_bound(key);
       if (next != model.end()) ExpectSamePrefix(tree, model, *next, i % 5);

@@ -1,10 +1,10 @@
-// Lets the thread sanitizer see Abseil's mutexes. Debian's Abseil is compiled without the sanitizer, so that
-// everything that an absl::Mutex guards looks like a data race to it. In the tsan preset every program is
-// linked with this file and
-// `-Wl,--wrap` of the functions below: each calls the real one and says what it orders.
+// Makes Abseil's mutexes visible to the thread sanitizer. Debian's Abseil is compiled without the sanitizer,
+// so everything that an absl::Mutex guards looks like a data race. In the tsan preset every program is linked
+// with this file and `-Wl,--wrap` of the functions below: each calls the real one and reports the order that
+// it establishes.
 //
-// Unlock and Await may evaluate the conditions of *other* waiting threads: reads that happen under the mutex,
-// but after the point where it is said to be released. They are not looked at.
+// Unlock and Await may evaluate the conditions of *other* waiting threads: reads under the mutex, but after
+// the reported release. They are ignored.
 #include <sanitizer/tsan_interface.h>
 
 #include "absl/synchronization/mutex.h"
@@ -23,7 +23,7 @@ class IgnoreReads {
   ~IgnoreReads() { AnnotateIgnoreReadsEnd(__FILE__, __LINE__); }
 };
 
-// What Notification::HasBeenNotified, which is inline, reads: it stands after the mutex.
+// The flag that the inline Notification::HasBeenNotified reads: it follows the mutex.
 void* NotifiedFlag(const absl::Notification* n) {
   return const_cast<char*>(reinterpret_cast<const char*>(n)) + sizeof(absl::Mutex);
 }
@@ -37,14 +37,14 @@ void* NotifiedFlag(const absl::Notification* n) {
 #define REAL_OF(name) JOIN(__real_, name)
 #define WRAP_OF(name) JOIN(__wrap_, name)
 
-// Takes the mutex.
+// Acquires the mutex.
 #define WRAP_LOCK(name)                        \
   extern "C" void REAL_OF(name)(void*);        \
   extern "C" void WRAP_OF(name)(void* mutex) { \
     REAL_OF(name)(mutex);                      \
     __tsan_acquire(mutex);                     \
   }
-// Gives it back.
+// Releases it.
 #define WRAP_UNLOCK(name)                      \
   extern "C" void REAL_OF(name)(void*);        \
   extern "C" void WRAP_OF(name)(void* mutex) { \
@@ -52,7 +52,7 @@ void* NotifiedFlag(const absl::Notification* n) {
     IgnoreReads ignore;                        \
     REAL_OF(name)(mutex);                      \
   }
-// Gives it back and takes it again.
+// Releases it and acquires it again.
 #define WRAP_AWAIT(name, result, ...)                                                                 \
   extern "C" result REAL_OF(name)(void*, const absl::Condition& __VA_OPT__(, ) __VA_ARGS__);          \
   extern "C" result WRAP_OF(name)(void* mutex,                                                        \

@@ -1,13 +1,13 @@
-// Debian's gRPC (and what it uses) is built without the thread sanitizer: how its threads hand things over
-// cannot be seen, so everything between two of them looks like a race. Reports whose stacks pass through it
-// are left out; races among our own threads, and what gRPC's threads do with them behind our mutexes, are
-// still found.
+// Debian's gRPC (and its libraries) is built without the thread sanitizer: the synchronisation of its
+// threads is invisible, so all data passed between them looks like a race. Reports with it on the stack
+// are left out. Races among our own threads, and between gRPC's threads behind our mutexes, are still
+// found.
 extern "C" const char* __tsan_default_suppressions() {
   return "called_from_lib:libgrpc.so\n"
          "called_from_lib:libgrpc++.so\n"
          "called_from_lib:libgpr.so\n"
          "called_from_lib:libprotobuf.so\n"
-         // Strings and errors that gRPC made; the search for deadlocks in mutexes. A pattern may match one
+         // Strings and errors made by gRPC; the deadlock detection of mutexes. A pattern may match one
          // library.
          "called_from_lib:libabsl_cord.so\n"
          "called_from_lib:libabsl_cord_internal.so\n"
@@ -20,9 +20,10 @@ extern "C" const char* __tsan_default_suppressions() {
          "called_from_lib:libabsl_time.so\n"
          "called_from_lib:libabsl_time_zone.so\n"
          "called_from_lib:libupb.so\n"
-         // Its registry is made behind the guard of a static variable, in a library that is not seen either.
+         // Its registry is created behind the guard of a static variable, in a library that is also
+         // invisible.
          "race:spdlog::\n"
-         // Its references are counted in a library that is not seen.
+         // Its reference counts are changed in an invisible library.
          "race:absl::debian3::Status::Unref\n"
          "race:libgrpc.so\n"
          "race:libgrpc++.so\n"

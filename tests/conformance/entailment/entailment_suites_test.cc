@@ -1,6 +1,6 @@
-// The W3C suites of entailment: SPARQL 1.1 entailment regimes (RDF, RDFS, and what of OWL lies in the RL
-// profile), and RDF semantics (rdf-mt). Looked for like the others; skipped where they are not. A regime is a
-// rule set here: RDF and RDFS `rdfs`, OWL `owl2rl`. ../known_failures.txt has the reason of each miss.
+// The W3C suites of entailment: SPARQL 1.1 entailment regimes (RDF, RDFS, and the part of OWL in the RL
+// profile), and RDF semantics (rdf-mt). Found like the other suites; skipped if absent. A regime is a rule
+// set here: RDF and RDFS `rdfs`, OWL `owl2rl`. ../known_failures.txt gives the reason of each failure.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,14 +28,14 @@ constexpr char kMf[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-manifest
 constexpr char kQt[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-query#";
 constexpr char kSd[] = "http://www.w3.org/ns/sparql-service-description#";
 
-// The suites of RDF lie beside those of SPARQL, to which kW3cBase leads.
+// The suites of RDF are in the folder beside those of SPARQL, to which kW3cBase leads.
 std::string TextOf(const std::string& iri) {
   const std::string rdf = absl::StrCat(kW3cBase, "rdf/");
   return ReadText(
       W3cFile(iri.starts_with(rdf) ? absl::StrCat(kW3cBase, "../rdf/", iri.substr(rdf.size())) : iri));
 }
 
-// Documents with all that the rules make of them.
+// Documents with all facts that the rules derive from them.
 class ReasonedStore {
  public:
   void Load(const std::string& iri) {
@@ -131,7 +131,7 @@ std::string RunRegime(const RegimeTest& test) {
           std::map<std::string, Term> terms;
           for (size_t i = 0; i < row.size(); ++i) {
             if (row[i].IsNone()) continue;
-            // SPARQL 1.1 Entailment Regimes, condition C2: answers are made of the words of the queried
+            // SPARQL 1.1 Entailment Regimes, condition C2: answers consist of terms of the queried
             // graph.
             if (row[i].InDictionary() && !store.vocabulary.contains(row[i])) return true;
             terms[answer.variables[i]] = (*prepared)->Decode(row[i]);

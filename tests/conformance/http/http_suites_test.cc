@@ -1,5 +1,5 @@
-// The W3C suites that are about HTTP, over a socket against a whole server: SPARQL 1.1 Protocol, Graph Store
-// Protocol, Service Description.
+// The W3C suites about HTTP, over a socket against a whole server: SPARQL 1.1 Protocol, Graph Store Protocol,
+// Service Description.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -77,7 +77,7 @@ std::string Utf16(const std::string& ascii) {
   return out;
 }
 
-// One test of the manifests' ht: vocabulary: requests in order, each with what its answer must be.
+// One test of the manifests' ht: vocabulary: requests in order, each with its expected answer.
 class Exchange {
  public:
   Exchange(const ManifestGraph& graph, Endpoint* endpoint, std::string path_before, std::string path_after)
@@ -108,7 +108,7 @@ class Exchange {
   std::string Text(const Term& node, const std::string& property) const {
     return Fill(graph_.One(node, property).lexical);
   }
-  // The names of the manifest's host and path become ours.
+  // Replaces the names of the manifest's host and path by ours.
   std::string Fill(std::string text) const {
     if (!location_.empty()) absl::StrReplaceAll({{"$LOCATION$", location_}}, &text);
     const std::string host = endpoint_.authority();
@@ -234,7 +234,7 @@ TEST(HttpSuites, GraphStore) {
   }
 }
 
-// The tests are prose: what they say is checked here, once for each format.
+// The tests are prose: their statements are checked here, once for each format.
 std::string CheckDescription(const std::string& test, Endpoint* endpoint) {
   for (const char* accept : {"", "text/turtle", "application/rdf+xml", "application/n-triples"}) {
     const server::HttpReply reply =

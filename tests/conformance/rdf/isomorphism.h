@@ -1,4 +1,5 @@
-// Whether two RDF datasets are equal but for the labels of their blank nodes (RDF 1.1 Concepts, section 3.6).
+// Isomorphism test of RDF datasets: equal except for the labels of blank nodes (RDF 1.1 Concepts, section
+// 3.6).
 #ifndef DOCENT_TESTS_CONFORMANCE_RDF_ISOMORPHISM_H_
 #define DOCENT_TESTS_CONFORMANCE_RDF_ISOMORPHISM_H_
 

@@ -1,9 +1,9 @@
-// The W3C RDF 1.1 test suites (github.com/w3c/rdf-tests): syntax and evaluation of Turtle, TriG, N-Triples,
-// N-Quads and RDF/XML. They are looked for in $DOCENT_W3C_TESTS, else beside the source tree; skipped where
-// they are not.
+// The W3C RDF 1.1 test suites (github.com/w3c/rdf-tests): syntax and evaluation of Turtle, TriG,
+// N-Triples, N-Quads and RDF/XML. They are in $DOCENT_W3C_TESTS, else beside the source tree; skipped if
+// absent.
 //
-// Every document that parses is also written in each format that can hold it, read again, and must be the
-// same.
+// Every document that parses is also written in each format that can express it and parsed again; the
+// result must be the same.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -75,7 +75,7 @@ class Suite {
     return found;
   }
 
-  // Empty if the test passes, else what went wrong.
+  // Empty if the test passes, else the failure.
   std::string Run(const W3cTest& test) {
     if (!test.action.starts_with(base_)) return "its document lies elsewhere";
     ParsedRdf parsed = Parse(test.action);
@@ -103,7 +103,7 @@ class Suite {
     for (RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads,
                              RdfFormat::kRdfXml}) {
       absl::StatusOr<std::string> text = SerializeRdf(parsed.quads, format, parsed.prefixes);
-      if (!text.ok()) continue;  // the format cannot say it
+      if (!text.ok()) continue;  // the format cannot express it
       ParsedRdf again = ParseRdf(*text, format);
       if (!again.ok()) return "written text does not parse:\n" + *text + Render(again.diagnostics, *text);
       if (!Isomorphism::Holds(parsed.quads, again.quads)) return "written text reads differently:\n" + *text;
@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(W3c, RdfSuites,
                          testing::Values("rdf-turtle", "rdf-trig", "rdf-n-triples", "rdf-n-quads",
                                          "rdf-xml"));
 
-// Where we stand with what is not a recommendation yet: numbers, no verdict.
+// Report on a draft that is not a recommendation yet: numbers, no verdict.
 TEST(Rdf12, Report) {
   if (!std::filesystem::exists(SuitesFolder() / "rdf12"))
     GTEST_SKIP() << "the W3C suites are not at " << SuitesFolder();
@@ -148,7 +148,7 @@ TEST(Rdf12, Report) {
       size_t passed = 0, all = 0;
       for (const W3cTest& test : suite.ReadManifest()) {
         if (test.type.find("C14N") != std::string::npos)
-          continue;  // of canonical form, which we do not write
+          continue;  // for the canonical form, which Docent does not write
         ++all;
         passed += suite.Run(test).empty() ? 1 : 0;
       }

@@ -1,8 +1,8 @@
-// The W3C SHACL test suite (github.com/w3c/data-shapes, data-shapes-test-suite/tests: core and sparql). It is looked for in
-// $DOCENT_W3C_SHAPES, else beside the source tree; skipped where it is not.
+// The W3C SHACL test suite (github.com/w3c/data-shapes, data-shapes-test-suite/tests: core and sparql). It is
+// in $DOCENT_W3C_SHAPES, else beside the source tree; skipped if absent.
 //
-// A test passes if the report is the expected one, blank nodes aside. Of sh:resultMessage only those count that the
-// expected report mentions, as the suite asks (core/misc/message-001); sh:detail is left out.
+// A test passes if the report is the expected one, up to blank nodes. A sh:resultMessage counts only if the
+// expected report has one, as the suite asks (core/misc/message-001); sh:detail is left out.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

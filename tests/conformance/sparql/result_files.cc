@@ -51,7 +51,7 @@ Term MakeTerm(const std::string& kind, const std::string& text, const std::strin
   return language.empty() ? Term::Literal(text, datatype) : Term::LangString(text, language);
 }
 
-// As much JSON as results hold.
+// Parser of the JSON that results use.
 class Json {
  public:
   enum class Kind { kNull, kBoolean, kString, kArray, kObject };

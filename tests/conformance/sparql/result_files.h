@@ -25,8 +25,8 @@ Answer ReadJsonResult(const std::string& text);
 Answer ReadTsvResult(const std::string& text);
 // A result set in the DAWG vocabulary, or else a graph.
 Answer ReadRdfResult(const std::vector<TermQuad>& quads);
-// Equal but for blank node labels and the lexical forms of numbers. `lax`: how often a solution comes does
-// not count.
+// Equal up to blank node labels and the lexical forms of numbers. `lax`: the number of equal solutions is
+// ignored.
 bool SameAnswer(const Answer& a, const Answer& b, bool lax);
 std::string ToText(const Answer& answer);
 

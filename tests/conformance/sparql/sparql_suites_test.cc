@@ -1,6 +1,6 @@
-// The W3C SPARQL 1.0 and 1.1 query suites: syntax, evaluation, result formats. They are looked for in
-// $DOCENT_W3C_TESTS, else beside the source tree; skipped where they are not. ../known_failures.txt
-// lists what fails, each with its reason; a test listed there that passes is an error, too.
+// The W3C SPARQL 1.0 and 1.1 query suites: syntax, evaluation, result formats. They are in $DOCENT_W3C_TESTS,
+// else beside the source tree; skipped if absent. ../known_failures.txt lists the failing tests, each with
+// its reason; a listed test that passes is an error, too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -133,7 +133,7 @@ std::string Write(const Answer& answer, sparql::ResultFormat format) {
   return out;
 }
 
-// The lines, sorted (CSV and TSV say nothing of order where the query does not), with all blank nodes as
+// The lines, sorted (CSV and TSV define no order if the query does not), with all blank nodes as
 // "_:b".
 std::vector<std::string> Lines(const std::string& text) {
   std::vector<std::string> out;
@@ -146,7 +146,7 @@ std::vector<std::string> Lines(const std::string& text) {
   return out;
 }
 
-// What the suite says that the answer is.
+// The answer that the suite expects.
 Answer Expected(const W3cQueryTest& test, bool ordered) {
   const std::string text = ReadText(W3cFile(test.result));
   Answer expected;
@@ -168,7 +168,7 @@ Answer Expected(const W3cQueryTest& test, bool ordered) {
   return expected;
 }
 
-// Empty if the test passes, else why not.
+// Empty if the test passes, else the reason.
 std::string RunOne(const W3cQueryTest& test) {
   using Kind = W3cQueryTest::Kind;
   const std::string text = ReadText(W3cFile(test.query));
@@ -179,7 +179,7 @@ std::string RunOne(const W3cQueryTest& test) {
   }
   absl::StatusOr<Answer> answer = Evaluate(test);
   if (!answer.ok()) return std::string(answer.status().message());
-  if (test.result.ends_with(".csv")) {  // CSV does not tell terms apart
+  if (test.result.ends_with(".csv")) {  // CSV does not distinguish terms
     const std::string out = Write(*answer, sparql::ResultFormat::kCsv),
                       expected = ReadText(W3cFile(test.result));
     return Lines(out) == Lines(expected) ? "" : "got\n" + out + "expected\n" + expected;
@@ -195,7 +195,7 @@ std::string RunOne(const W3cQueryTest& test) {
   return "got\n" + ToText(*answer) + "expected\n" + ToText(expected);
 }
 
-// Whether a test of a draft passes; what its files hold may be beyond us altogether.
+// True if a test of a draft passes; its files may use syntax that Docent does not read.
 bool TryOne(const W3cQueryTest& test) {
   using Kind = W3cQueryTest::Kind;
   const std::string text = ReadText(W3cFile(test.query));
@@ -279,7 +279,7 @@ INSTANTIATE_TEST_SUITE_P(W3c, SparqlSuites, testing::ValuesIn(kFolders), [](cons
 });
 
 // With the union of all graphs as the default graph, as the server runs without --default-graph strict,
-// answers may differ where a test has named graphs and no FROM. union_differences.txt lists the tests, each
+// answers may differ in tests with named graphs and no FROM. union_differences.txt lists these tests, each
 // with the reason.
 TEST(SparqlUnionMode, DifferencesAreThoseListed) {
   if (!std::filesystem::exists(W3cRoot() / "sparql10"))
@@ -301,7 +301,7 @@ TEST(SparqlUnionMode, DifferencesAreThoseListed) {
   std::printf("conformance union-mode %zu %zu\n", same, total);
 }
 
-// Where we stand with what is not a recommendation yet: numbers, no verdict.
+// Report on a draft that is not a recommendation yet: numbers, no verdict.
 TEST(Sparql12, Report) {
   if (!std::filesystem::exists(W3cRoot() / "sparql12"))
     GTEST_SKIP() << "the W3C suites are not at " << W3cRoot();

@@ -1,4 +1,4 @@
-// What the W3C suites of this folder have in common: known failures, a small store, the report's lines.
+// Shared code of the W3C suites of this folder: known failures, a small store, the report's lines.
 #ifndef DOCENT_TESTS_CONFORMANCE_SPARQL_SUITE_SUPPORT_H_
 #define DOCENT_TESTS_CONFORMANCE_SPARQL_SUITE_SUPPORT_H_
 
@@ -19,8 +19,8 @@ std::map<std::string, std::string> ReadNotes(const std::string& file);
 // known_failures.txt: the test's name → why it fails.
 const std::map<std::string, std::string>& KnownFailures();
 
-// Runs `run(test)` for each test: empty if it passes, else why not. A test fails if it does neither pass nor
-// stand among the known failures, or both. Prints a line of the report: "conformance SUITE PASSED TOTAL".
+// Runs `run(test)` for each test: empty if it passes, else the reason. The test fails unless exactly one
+// holds: it passes, or it is a known failure. Prints a line of the report: "conformance SUITE PASSED TOTAL".
 template <typename Test, typename Run>
 void RunSuite(const std::string& suite, const std::vector<Test>& tests, Run run);
 void JudgeOne(const std::string& name, const std::string& why);

@@ -25,7 +25,7 @@ std::string ToText(const std::vector<TermQuad>& quads) {
   return out;
 }
 
-// Empty if the test passes, else why not.
+// Empty if the test passes, else the reason.
 std::string RunOne(const W3cUpdateTest& test) {
   using Kind = W3cUpdateTest::Kind;
   const std::string text = ReadText(W3cFile(test.request));

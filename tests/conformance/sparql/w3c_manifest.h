@@ -1,4 +1,4 @@
-// Reads the manifests of the W3C SPARQL test suites (github.com/w3c/rdf-tests).
+// Reader of the manifests of the W3C SPARQL test suites (github.com/w3c/rdf-tests).
 #ifndef DOCENT_TESTS_CONFORMANCE_SPARQL_W3C_MANIFEST_H_
 #define DOCENT_TESTS_CONFORMANCE_SPARQL_W3C_MANIFEST_H_
 
@@ -22,7 +22,7 @@ struct W3cQueryTest {
   std::vector<std::pair<std::string, std::string>> named;  // graph IRI, file
   std::string result;
   std::vector<std::pair<std::string, std::string>> services;  // endpoint IRI, the file that it serves
-  bool lax = false;  // REDUCED: how often a solution comes does not count
+  bool lax = false;  // REDUCED: the number of equal solutions is ignored
 };
 
 // An update test: a request, and the graph store before and after it.
@@ -98,7 +98,7 @@ struct Manifest {
   std::vector<Term> entries;
 };
 
-// The query and the update tests of a folder such as "sparql11/aggregates", in manifest order. Others are
+// The query and update tests of a folder such as "sparql11/aggregates", in manifest order. Other tests are
 // left out.
 std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder);
 std::vector<W3cUpdateTest> ReadUpdateManifest(const std::string& folder);

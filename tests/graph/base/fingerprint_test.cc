@@ -5,8 +5,8 @@
 namespace docent {
 namespace {
 
-// Values of the published test vectors of FNV-1a. They stand in documents (names of inconsistencies, labels of blank
-// nodes) and must not change.
+// Values of the published test vectors of FNV-1a. Documents contain fingerprints (names of inconsistencies,
+// labels of blank nodes), so they must not change.
 TEST(Fingerprint, HasThePublishedValues) {
   EXPECT_EQ(Fingerprint(""), 0xCBF29CE484222325u);
   EXPECT_EQ(Fingerprint("a"), 0xAF63DC4C8601EC8Cu);

@@ -19,7 +19,7 @@ nanoseconds CpuOfThread() {
   return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
 }
 
-// How often the thread has gone to sleep of itself.
+// Number of voluntary sleeps of the thread.
 long Sleeps() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
@@ -37,7 +37,7 @@ TEST(PaceTest, WorkTakesAThirdOfACoreAtMost) {
   const steady_clock::time_point start = steady_clock::now();
   const nanoseconds cpu = CpuOfThread();
   Work(&pace);
-  // The last stretch has no rest after it, and a stretch that was interrupted for long rests for less.
+  // No rest follows the last stretch, and after a long interruption a stretch rests for less.
   EXPECT_GT(steady_clock::now() - start, 2 * (CpuOfThread() - cpu));
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A program with commands of two levels, and what it says on standard error.
+// A program with commands of two levels, and its output on standard error.
 struct Program {
   CLI::App app{"A program that is there to be tested and has a description which goes on and on.", "docent"};
   std::string query;

@@ -61,7 +61,7 @@ FolderReport Check(const std::string& folder) {
   return report.ok() ? *report : FolderReport();
 }
 
-// What a server would read: every record and snapshot. OK only if all of it is what Fill wrote.
+// Reads every record and snapshot as a server would. OK only if all of it equals the data of Fill.
 absl::Status ReadBack(const std::string& folder) {
   auto log = SqliteLog::Open(folder);
   if (!log.ok()) return log.status();
@@ -219,7 +219,7 @@ TEST(FolderCheckTest, ARandomFlippedByteIsFoundOrHarmless) {
   std::vector<std::string> files;
   uint64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(good.path())) {
-    if (entry.path().filename() == "lock") continue;  // says who uses the folder, nothing else
+    if (entry.path().filename() == "lock") continue;  // names the process that uses the folder, nothing else
     files.push_back(entry.path().filename().string());
     bytes += entry.file_size();
   }
@@ -261,7 +261,7 @@ TEST(FolderCopyTest, ACopyIsTheSameAndGoesOn) {
   Fill(folder.path());
   const std::string target = folder.File("backup");
   {
-    auto log = SqliteLog::Open(folder.path());  // in use meanwhile
+    auto log = SqliteLog::Open(folder.path());  // uses the folder meanwhile
     const auto report = CopyFolder(folder.path(), target + "/");
     ASSERT_TRUE(report.ok()) << report.status();
     EXPECT_EQ(report->last, kRecords);

@@ -1,5 +1,5 @@
-// Damage of every kind must be found: whatever byte of the log's files changes, either opening or reading
-// says so, or what is read is still exactly what was written.
+// Damage of every kind must be found: if any byte of the log's files changes, opening or reading reports it,
+// or the data read are still exactly the data written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -33,7 +33,7 @@ void Fill(const std::string& folder) {
   }
 }
 
-// Opens and reads everything. OK only if the content is what Fill wrote.
+// Opens and reads everything. OK only if the content equals the data of Fill.
 absl::Status ReadBack(const std::string& folder) {
   auto log = SqliteLog::Open(folder);
   if (!log.ok()) return log.status();
@@ -137,7 +137,7 @@ TEST(LogDamageTest, AnOlderCopyIsNoticed) {
   EXPECT_TRUE(ReadBack(folder.path()).ok());
 }
 
-// Refused with `words`, and nothing is made.
+// Must be refused with `words`, without creating anything.
 void ExpectRefused(const TestFolder& folder, const std::string& words) {
   const auto files = [&folder] {
     std::set<std::string> names;
@@ -168,7 +168,7 @@ TEST(LogDamageTest, ALostLogIsNotBegunAnew) {
                 "log.sqlite is gone but there are snapshots at 10; restore a backup, or: `docent restore "
                 "--from-snapshot " +
                     folder.path());
-  // An old copy of the log, on which the snapshot does not stand.
+  // An old copy of the log, which does not reach the snapshot.
   Replace(folder.File("log.sqlite"), older);
   EXPECT_TRUE(ReadBack(folder.path()).ok());
   std::filesystem::rename(folder.File("snapshot-00000000000000000010"),
@@ -185,7 +185,7 @@ TEST(LogDamageTest, ADamagedMarkIsNotPassedOver) {
   ExpectRefused(folder, "/head: the mark of the log's end is damaged, so nobody can tell");
   std::filesystem::remove(folder.File("head"));
   EXPECT_TRUE(ReadBack(folder.path()).ok());
-  Replace(folder.File("head"), std::string(16, '\0'));  // as some file systems leave it when the power goes
+  Replace(folder.File("head"), std::string(16, '\0'));  // as some file systems leave it after a power cut
   EXPECT_TRUE(ReadBack(folder.path()).ok());
 }
 
@@ -205,13 +205,13 @@ TEST(LogDamageTest, FlippedByteOfTheDatabaseFileIsFoundOrHarmless) {
     std::filesystem::remove(folder.File("log.sqlite-wal"));
     std::filesystem::remove(folder.File("log.sqlite-shm"));
   }
-  // What is not found lies in unused space; each record of ~40 bytes with its hash is in use.
+  // Flips that are not found are in unused space; each record of ~40 bytes with its hash is used.
   EXPECT_GT(found, kRecords * 60);
 }
 
 TEST(LogDamageTest, FlippedByteOfTheWriteAheadLogIsFoundOrHarmless) {
-  // The files of a server that was killed: the records lie in the write-ahead log alone, and SQLite takes
-  // what follows a wrong byte there for the torn end of a crash.
+  // The files of a killed server: the records are in the write-ahead log only, and SQLite takes the bytes
+  // after a wrong one for the torn end of a crash.
   TestFolder folder(TestFolder::Where::kMemory);
   TestFolder killed(TestFolder::Where::kMemory);
   {

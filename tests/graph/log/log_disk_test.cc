@@ -1,6 +1,6 @@
-// What happens when the disk is full or the folder cannot be used. Each case runs in a child process, because
-// it changes a limit or the user of the whole process; the child's exit code is the line where an expectation
-// failed.
+// Behaviour on a full disk or with an unusable folder. Each case runs in a child process, because it
+// changes a limit or the user of the whole process; the child's exit code is the line of the failed
+// expectation.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -53,7 +53,7 @@ void FillUpAndGoOn(const std::string& folder, MakeRoom make_room) {
     }
     REQUIRE_IN_CHILD(absl::IsResourceExhausted(status) || absl::IsUnavailable(status));
     REQUIRE_IN_CHILD(head > 3);
-    // Reading goes on, appending is refused again, and nothing is half there.
+    // Reading goes on, appending is refused again, and no batch is half written.
     for (int i = 0; i < 3; ++i) REQUIRE_IN_CHILD(!(*log)->Append(batch, 1, head).ok());
     REQUIRE_IN_CHILD((*log)->Head()->offset == head);
     const auto last = (*log)->Read(head - 2, 10);
@@ -90,14 +90,14 @@ TEST(LogDiskTest, FileSizeLimitRefusesAndRecovers) {
   });
 }
 
-// The write-ahead log is carried over in the background, where nobody is told of an error: it is counted.
+// Checkpoints run in the background, where no caller sees an error: errors are counted.
 TEST(LogDiskTest, FailedCheckpointsAreCounted) {
   TestFolder folder;
   ExpectGoodChild([&] {
     signal(SIGXFSZ, SIG_IGN);
     SqliteLogOptions options;
     options.checkpoint_pages = 50;
-    options.restart_pages = 200;  // so that the limit below is the database's alone
+    options.restart_pages = 200;  // so that the limit below applies to the database only
     const auto log = SqliteLog::Open(folder.path(), options);
     REQUIRE_IN_CHILD(log.ok());
     const std::vector<std::string> batch(3, std::string(5000, 'x'));
@@ -140,8 +140,8 @@ void AppendTo(SqliteLog* log) {
   REQUIRE_IN_CHILD(log->Append(absl::MakeSpan(&data, 1), 1, log->Head()->offset).ok());
 }
 
-// A log of one record whose server ended in order, or was killed: then the record is in the write-ahead log
-// alone.
+// A log of one record whose server shut down in order, or was killed: then the record is in the write-ahead
+// log only.
 void MakeLog(const std::string& folder, bool closed) {
   ExpectGoodChild([&] {
     auto log = SqliteLog::Open(folder);
@@ -156,7 +156,7 @@ TEST(LogDiskTest, AFullDiskAtStartIsSaidAndTheLogCanBeCheckedAndCopied) {
     TestFolder folder, target;
     if (mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=1m") != 0) return;  // needs root
     MakeLog(folder.path(), closed);
-    // What a server makes anew at its start, and finds no room for.
+    // A file that a server creates at its start, and has no space for.
     std::filesystem::remove(folder.File("log.sqlite-shm"));
     std::ofstream(folder.File("filler"), std::ios::binary) << std::string(2 << 20, 'x');
     const auto is_full = [](const absl::Status& status) {

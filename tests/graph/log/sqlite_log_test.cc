@@ -296,12 +296,12 @@ TEST(SqliteLogTest, WriteAheadLogDoesNotGrow) {
   auto log = OpenLog(folder.path(), options);
   const std::string record(20000, 'x');
   for (uint64_t i = 0; i < 1000; ++i) ASSERT_TRUE(log->Append(absl::MakeSpan(&record, 1), 1, i).ok());
-  // 20 MB were written; the file starts again whenever it was carried over, and appends wait when it is four
-  // times as long as it should be.
+  // 20 MB were written; the file restarts after each complete checkpoint, and appends wait when it is four
+  // times as long as intended.
   EXPECT_LT(std::filesystem::file_size(folder.File("log.sqlite-wal")), 1u << 20);
 }
 
-// What is appended into files that nobody will find again is not acknowledged.
+// Records appended to moved files are not acknowledged.
 class MovedLogTest : public ::testing::Test {
  protected:
   void ExpectRefused(const std::string& what) {

@@ -12,8 +12,8 @@
 
 namespace docent::log {
 
-// A folder of its own for one test, removed at the end. Where a test opens a log thousands of times it asks
-// for one in memory, where a sync costs nothing.
+// A folder for one test, removed at the end. A test that opens a log thousands of times uses one in memory,
+// where a sync costs nothing.
 class TestFolder {
  public:
   enum class Where { kDisk, kMemory };
@@ -36,7 +36,7 @@ class TestFolder {
   std::string path_;
 };
 
-// A record in which every field has a value of its own.
+// A record with a distinct value in every field.
 inline TurnRecord FullRecord() {
   const Term robot = Term::Iri("https://w3id.org/docent/expo#R01");
   const Term x = Term::Iri("https://w3id.org/docent#x");

@@ -138,7 +138,7 @@ TEST(DictionaryTest, SameOrderGivesTheSameIds) {
   }
 }
 
-// The hash table is grown a few slots at a time: whatever has been moved, all are found, and nothing else.
+// The hash table grows a few slots at a time: at every stage of the move all terms are found, and no others.
 TEST(DictionaryTest, EveryTermIsFoundWhileTheTableGrows) {
   Dictionary dictionary;
   const auto text = [](uint64_t i) { return "http://example.org/" + std::to_string(i * 7919); };
@@ -154,8 +154,8 @@ TEST(DictionaryTest, EveryTermIsFoundWhileTheTableGrows) {
   EXPECT_EQ(dictionary.size(), 30000u);
 }
 
-// One writer; readers find and decode what it has published through an atomic, and look for terms not yet
-// there.
+// One writer; readers find and decode the terms that it has published through an atomic, and look for terms
+// that do not exist yet.
 TEST(DictionaryTest, ReadersBesideTheWriter) {
   Dictionary dictionary;
   constexpr uint64_t kTerms = 40000;

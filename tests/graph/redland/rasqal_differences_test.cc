@@ -1,4 +1,4 @@
-// Holds rasqal_differences.txt against both engines.
+// Checks rasqal_differences.txt against both engines.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,5 +1,6 @@
-// Both engines on random queries over small data, within what Rasqal answers rightly: an independent
-// implementation says the same as ours. What it does not answer rightly stands in rasqal_differences.txt.
+// Both engines on random queries over small data, limited to queries that Rasqal answers correctly: an
+// independent implementation gives the same answers. rasqal_differences.txt lists the queries that it answers
+// wrongly.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -8,8 +9,8 @@
 
 #include "tests/graph/redland/two_engines.h"
 
-// Rasqal loses rows of joins that it ends early (memcheck: 5 kB in 1500 queries), and sequences of aggregates, of which
-// a quick look at the stack shows Raptor's function alone; ours are looked for.
+// Rasqal leaks rows of joins that it ends early (memcheck: 5 kB in 1500 queries), and sequences of
+// aggregates, whose stacks name only Raptor's function. Leaks of our own code are still reported.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:librasqal\nleak:librdf\nleak:raptor_new_sequence\n";
 }
@@ -96,7 +97,7 @@ class RandomQuery {
         return "(" + v + " < 3 || isIRI(" + v + "))";
     }
   }
-  // Triples, or something with them. OPTIONAL stands after one triple: after two Rasqal errs.
+  // Triples, or something with them. OPTIONAL follows one triple only: after two Rasqal answers wrongly.
   std::string Elements(int depth, bool no_optional = false) {
     std::string text = Triple();
     for (int n = Number(2); n > 0; --n) text += Triple();
@@ -119,7 +120,7 @@ class RandomQuery {
   std::string Group(int depth) { return "{ " + Elements(depth) + "}"; }
   std::string Aggregates() {
     const std::string what = Of({"COUNT(?b)", "COUNT(*)", "SUM(?n)", "MIN(?n)", "MAX(?n)"});
-    // Integers, and a solution at the least.
+    // Integers, and at least one solution.
     const std::string where =
         " WHERE { ?a ex:p ?b . ?a " + Predicate() + " ?n FILTER(datatype(?n) = xsd:integer) } ";
     return "SELECT ?a (" + what + " AS ?x)" + where + "GROUP BY ?a";

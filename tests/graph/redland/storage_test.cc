@@ -128,7 +128,7 @@ TEST(StorageTest, AStreamIsAddedWholeOrNotAtAll) {
   EXPECT_EQ(librdf_model_context_add_statements(model.model(), model.Node("h").get(), stream.get()), 0);
   EXPECT_THAT(model.All(), ElementsAre("a p b h", "a p c h"));
 
-  // A store takes no relative IRI.
+  // A store refuses relative IRIs.
   const StatementPtr bad = ToStatement(source.world(), {Ex("a"), Ex("p"), Term::Iri("relative"), Ex("g")});
   Dictionary dictionary;
   VersionStore empty(&dictionary, std::make_shared<const GraphVersion>());
@@ -195,7 +195,7 @@ TEST(StorageTest, AStreamIsOfTheGraphAsItWasAsked) {
   EXPECT_EQ(model.Size(), 20);
 }
 
-// Any sequence of changes, in and out of transactions, finds what a set of quads finds.
+// Any sequence of changes, in and out of transactions, gives the same results as a set of quads.
 TEST(StorageTest, RandomChangesFindWhatASetFinds) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);

@@ -1,4 +1,4 @@
-// A librdf model over a graph in memory, and short words for what the tests of this folder do with it.
+// A librdf model over a graph in memory, and short helpers for the tests of this folder.
 #ifndef DOCENT_TESTS_GRAPH_REDLAND_TEST_MODEL_H_
 #define DOCENT_TESTS_GRAPH_REDLAND_TEST_MODEL_H_
 

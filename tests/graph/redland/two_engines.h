@@ -1,5 +1,5 @@
-// One query by both engines on one graph version, with answers that can be compared: rows as text, numbers by
-// value, sorted.
+// Runs one query with both engines on one graph version and makes the answers comparable: rows as text,
+// numbers by value, sorted.
 #ifndef DOCENT_TESTS_GRAPH_REDLAND_TWO_ENGINES_H_
 #define DOCENT_TESTS_GRAPH_REDLAND_TWO_ENGINES_H_
 

@@ -23,7 +23,7 @@ class BatchApplierTest : public testing::Test {
     EXPECT_TRUE(Turn(ontology).ok());
   }
 
-  // A batch that adds what `turtle` (TriG) says.
+  // A batch that adds the facts of `turtle` (TriG).
   static WriteBatch Batch(const std::string& turtle, TimeMicros time_us = 0) {
     std::string text = "@prefix e: <http://e/> . @prefix docent: <https://w3id.org/docent#> . " + turtle;
     ParsedRdf parsed = ParseRdf(text, RdfFormat::kTriG);
@@ -40,7 +40,7 @@ class BatchApplierTest : public testing::Test {
     return batch;
   }
 
-  // One whole turn. The texts of what was added and removed.
+  // One whole turn. Returns the added and removed facts as text.
   absl::StatusOr<std::pair<std::vector<std::string>, std::vector<std::string>>> Turn(
       const WriteBatch& batch) {
     absl::StatusOr<Delta> delta = applier_.Apply(batch, writer_);
@@ -122,7 +122,7 @@ TEST_F(BatchApplierTest, LoadingKeepsSetSemantics) {
 }
 
 TEST_F(BatchApplierTest, ALargeLoadIsWhatItsPartsAre) {
-  // The same statements once in a batch that goes into the indexes sorted, once in small ones.
+  // The same statements once in a batch that is sorted into the indexes, once in small ones.
   std::string text;
   for (int i = 0; i < 700; ++i) {
     const int n = i * 37 % 300;
@@ -361,7 +361,7 @@ class ReadingTest : public BatchApplierTest {
 TEST_F(ReadingTest, TellsAndWithdraws) {
   ASSERT_TRUE(Turn(Reading("door", Term::Literal("in"))).ok());
   EXPECT_THAT(New(), ElementsAre("<http://e/John> docent:at <http://e/Hall> <http://e/tracking>"));
-  ASSERT_TRUE(Turn(Reading("door", Term::Literal("broken beam"))).ok());  // no whenValue fits: says nothing
+  ASSERT_TRUE(Turn(Reading("door", Term::Literal("broken beam"))).ok());  // no whenValue matches: no fact
   EXPECT_EQ(New().size(), 1u);
   ASSERT_TRUE(Turn(Reading("door", Term::Literal("out"))).ok());
   EXPECT_TRUE(New().empty());

@@ -44,7 +44,7 @@ TEST(GraphVersionTest, EmptyGraph) {
   EXPECT_FALSE(version.Contains(Q(1, 2, 3)));
 }
 
-// Every combination of bound positions against a plain list, with exact counts where they are promised.
+// Every combination of bound positions against a plain list, with exact counts where promised.
 TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
   std::mt19937_64 random(5);
   std::set<Quad> model;
@@ -75,7 +75,7 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
         ASSERT_GE(version.Count(pattern), expected.size()) << "mask " << mask;
       std::set<std::array<TermId, 3>> triples;
       for (const Quad& quad : expected) triples.insert({quad.subject, quad.predicate, quad.object});
-      // Only a graph besides other words, without all of them, lies in no order as one run.
+      // Only a graph with some but not all other words is in no order as one run.
       ASSERT_EQ(version.Scan(pattern).filters(), !exact) << "mask " << mask;
       if (exact) {
         ASSERT_EQ(version.Scan(pattern).CountRest(false), expected.size()) << "mask " << mask;
@@ -178,7 +178,7 @@ class Newest {
     absl::MutexLock lock(&mutex_);
     return version_;
   }
-  // The one before goes without the lock.
+  // The old version is destroyed outside the lock.
   void Set(GraphVersionPtr version) {
     absl::MutexLock lock(&mutex_);
     version_.swap(version);
@@ -189,7 +189,7 @@ class Newest {
   GraphVersionPtr version_;
 };
 
-// Readers walk versions while the writer makes and drops others: nothing that a reader holds ever changes.
+// Readers walk versions while the writer makes and drops others: a version held by a reader never changes.
 TEST(GraphVersionTest, ReadersBesideTheWriter) {
   std::atomic<bool> stop{false}, wrong{false};
   GraphWriter writer(nullptr);
@@ -198,7 +198,7 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
   auto read = [&] {
     while (!stop) {
       const GraphVersionPtr version = newest.Get();
-      // In every version each subject has exactly one value, and the values say the revision that set them.
+      // In every version each subject has exactly one value, which is the revision that set it.
       uint64_t count = 0;
       version->ForEach({{}, Id(1), {}, {}}, [&](const Quad& quad) {
         ++count;
@@ -226,8 +226,9 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
   EXPECT_FALSE(wrong);
 }
 
-// Writers that start from the newest version on threads of their own, change it one by one and in bulk, and drop it all again
-// beside the one that makes the versions: what they share is counted right, so that no node is freed too early or left behind.
+// Writers that start from the newest version on threads of their own change it one by one and in bulk, and
+// drop it again beside the writer that makes the versions. Shared nodes are counted correctly: none is freed
+// too early or leaked.
 TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
   constexpr uint64_t kSubjects = 5000;
   std::atomic<bool> stop{false}, wrong{false};
@@ -271,7 +272,7 @@ TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
   newest.Get()->CheckInvariants();
 }
 
-// What an earlier version holds alone is known without looking at its nodes.
+// The extra memory of an earlier version is known without a walk over its nodes.
 TEST(GraphVersionTest, TheCostOfKeepingAVersionIsKnown) {
   GraphWriter writer(nullptr);
   std::vector<Quad> quads;

@@ -71,7 +71,7 @@ TEST(GraphWriterTest, RollbackGoesToTheLastFrozenVersion) {
   EXPECT_EQ(one->size(), 1u);
 }
 
-// Random turns, one by one or many quads at a time, each committed, frozen or taken back.
+// Random turns, one by one or many quads at a time, each committed, frozen or rolled back.
 TEST(GraphWriterTest, RollbackGoesToTheLastCommit) {
   std::mt19937 random(11);
   GraphWriter writer(nullptr);
@@ -172,7 +172,7 @@ TEST(GraphWriterTest, AddingManyAtOnceCountsWhatOnlyTheEarlierVersionHolds) {
   EXPECT_EQ(after->replaced_bytes() - before->replaced_bytes(), before->bytes());
 }
 
-// Few and many beside what is there: one by one, and in the order of each index.
+// Few and many quads compared with the existing ones: one by one, and in the order of each index.
 TEST(GraphWriterTest, AddAllAndRemoveAllEqualOneByOne) {
   std::mt19937_64 random(3);
   for (const size_t already : {0u, 100u, 20000u}) {

@@ -1,4 +1,5 @@
-// Inconsistencies that `docent check` finds: every kind that rule set owl2rl knows, each at a told fact and with its proof.
+// Inconsistencies that `docent check` finds: every kind of rule set owl2rl, each at an asserted fact and with
+// its proof.
 #include "kb_server/cli/check_files.h"
 
 #include <gmock/gmock.h>
@@ -226,7 +227,7 @@ TEST(CheckFilesTest, FactsOfFilesThatAreNotCheckedAreBackground) {
   EXPECT_THAT(text, HasSubstr("told in words.ttl:3:"));
 }
 
-// One past each limit it is said what was not checked; at it nothing is.
+// One past each limit the unchecked part is reported; at the limit nothing is.
 class ConsistencyLimitsTest : public testing::Test {
  protected:
   std::string Run(const CheckLimits& limits, const std::string& turtle) {

@@ -24,7 +24,7 @@ WriteBatch BatchOf(size_t operations, size_t text = 1) {
   return batch;
 }
 
-// The answer that Push gives at once; OK if it gives none.
+// The immediate answer of Push; OK if there is none.
 std::string Answer(Inbox* inbox, WriteBatch batch) {
   std::string answer = "OK";
   inbox->Push(std::move(batch),

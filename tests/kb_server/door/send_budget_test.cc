@@ -10,7 +10,7 @@
 namespace docent::server {
 namespace {
 
-// A stream that gives back what it holds when it is cut.
+// A stream that gives back its memory when it is cut.
 struct Stream {
   explicit Stream(SendBudget* budget)
       : share(budget, [this](const absl::Status& status) {

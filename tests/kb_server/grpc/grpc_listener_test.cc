@@ -22,7 +22,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A connection that says nothing.
+// A connection that sends nothing.
 class SilentClient {
  public:
   explicit SilentClient(uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -36,7 +36,7 @@ class SilentClient {
   SilentClient& operator=(const SilentClient&) = delete;
   ~SilentClient() { close(fd_); }
   bool connected() const { return connected_; }
-  // Whether the server has closed it, within a while.
+  // True if the server closes it within `wait_ms`.
   bool Ended(int wait_ms) const {
     const absl::Time end = absl::Now() + absl::Milliseconds(wait_ms);
     char bytes[1024];
@@ -145,7 +145,8 @@ TEST_F(GrpcListenerTest, ConnectionsWithACallAreKept) {
   }
 }
 
-// As when all descriptors are taken by others: nothing is accepted, it says so, and it goes on when there are some.
+// As if other code used all descriptors: nothing is accepted, an error is logged, and accepting goes on when
+// some are free.
 TEST_F(GrpcListenerTest, AcceptingGoesOnAfterDescriptorsHaveRunOut) {
   Start(1000);
   ASSERT_TRUE(Answers(Connect()));

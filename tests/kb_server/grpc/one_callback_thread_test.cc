@@ -14,7 +14,7 @@
 namespace docent::server {
 namespace {
 
-// The threads on which the ends of `count` calls under way at once come.
+// The threads on which `count` concurrent calls end.
 std::set<std::thread::id> CallbackThreads(int count) {
   struct Call {
     grpc::ClientContext context;

@@ -15,7 +15,7 @@ namespace {
 
 using Message = v1::RunEvent;
 
-// What gRPC's reactors are to the pump, with what they were told.
+// Stands in for gRPC's reactors, and records their calls.
 class FakeReactor {
  public:
   virtual ~FakeReactor() = default;

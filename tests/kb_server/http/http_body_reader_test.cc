@@ -148,7 +148,7 @@ TEST(HttpBodyReader, LimitsHoldAtTheLimitAndBeyond) {
       << "all fields together";
 }
 
-// What is sent between the chunks is kept nowhere, and still ends.
+// Bytes between the chunks are not stored, and are still limited.
 TEST(HttpBodyReader, AnEndlessExtensionIsRefused) {
   const Result extension = ReadChunks("5;a=" + std::string(1000, 'x'), {5, 100});
   EXPECT_EQ(extension.status, 400);

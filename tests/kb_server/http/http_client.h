@@ -1,4 +1,4 @@
-// A plain blocking HTTP client on a real socket: what it sends is exactly what the test says.
+// Plain blocking HTTP client on a real socket: it sends exactly the bytes of the test.
 #ifndef DOCENT_TESTS_KB_SERVER_HTTP_HTTP_CLIENT_H_
 #define DOCENT_TESTS_KB_SERVER_HTTP_HTTP_CLIENT_H_
 
@@ -52,7 +52,7 @@ class HttpClient {
     return true;
   }
 
-  // Waits until an answer begins, and takes nothing of it.
+  // Waits until an answer begins, and reads nothing of it.
   bool AwaitAnswer() {
     char byte;
     return recv(fd_, &byte, 1, MSG_PEEK) == 1;

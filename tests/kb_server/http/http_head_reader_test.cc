@@ -92,7 +92,7 @@ TEST(HttpHeadReader, ChunkedAloneIsTheCodingThatIsRead) {
   }
 }
 
-// RFC 9112 sections 6.1 and 6.3: the end of such a body is not known, or not the same to everybody.
+// RFC 9112 sections 6.1 and 6.3: the end of such a body is not known, or differs between servers.
 TEST(HttpHeadReader, FramingThatTwoServersCouldReadDifferentlyIsRefused) {
   for (const char* fields : {"Transfer-Encoding: xchunked\r\n",
                              "Transfer-Encoding: identity\r\n",

@@ -53,7 +53,7 @@ TEST(HttpServerTest, AnswersAndKeepsTheConnection) {
   EXPECT_EQ(server->counts().requests, 4u);
 }
 
-// RFC 9110 section 6.6.1: whoever has a clock says the time with every answer of 2xx, 3xx and 4xx.
+// RFC 9110 section 6.6.1: a server with a clock sends Date with every 2xx, 3xx and 4xx answer.
 TEST(HttpServerTest, AnswersAreDated) {
   ManualClock clock(784111777000000);
   HttpServerOptions options;
@@ -200,7 +200,7 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
   EXPECT_EQ(good.Ask("GET", "hello").status, 400);
 }
 
-// RFC 9112 section 6.3: where the end of a request is not known, what follows is not a request.
+// RFC 9112 section 6.3: if the end of a request is not known, the following bytes are not a request.
 TEST(HttpServerTest, BytesAfterARefusedRequestAreNotReadAsARequest) {
   std::atomic<int> asked = 0;
   HttpRoutes routes = EchoRoutes();
@@ -234,7 +234,7 @@ TEST(HttpServerTest, BytesAfterARefusedRequestAreNotReadAsARequest) {
   EXPECT_EQ(asked, 0);
 }
 
-// As much as a client likes to send between the chunks of a body, and nothing of it is kept.
+// A client may send any amount between the chunks of a body: it is limited and not stored.
 TEST(HttpServerTest, EndlessChunkExtensionsAndTrailerFieldsAreRefused) {
   auto server = StartServer(EchoRoutes());
   const std::string head = absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
@@ -251,7 +251,7 @@ TEST(HttpServerTest, EndlessChunkExtensionsAndTrailerFieldsAreRefused) {
   }
 }
 
-// As health checks of load balancers ask.
+// As the health checks of load balancers do.
 TEST(HttpServerTest, OldClientsNeedNotNameTheHost) {
   auto server = StartServer(EchoRoutes());
   HttpClient client(server->port());
@@ -263,7 +263,7 @@ TEST(HttpServerTest, OldClientsNeedNotNameTheHost) {
   EXPECT_EQ(other.Receive().status, 403);
 }
 
-// RFC 9112 section 3.2.2: what a client says that takes the server for a proxy.
+// RFC 9112 section 3.2.2: the form that a client uses towards a proxy.
 TEST(HttpServerTest, TargetsWithAHostAreServed) {
   auto server = StartServer(EchoRoutes());
   HttpClient client(server->port());
@@ -292,7 +292,7 @@ TEST(HttpServerTest, BodyLimitHoldsAtTheLimitAndBeyond) {
   EXPECT_EQ(refused.status, 413);
   EXPECT_EQ(refused.body, "the request body is larger than the limit http_body_bytes = 100000\n");
   EXPECT_TRUE(beyond.Ended());
-  // A body that does not say how long it is.
+  // A body without a declared length.
   HttpClient chunked(server->port());
   chunked.Send(absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
                             "\r\nTransfer-Encoding: chunked\r\n\r\n20000\r\n", std::string(0x20000, 'x'),
@@ -389,7 +389,7 @@ TEST(HttpServerTest, ConnectionLimitTurnsAwayWhereAllWork) {
   EXPECT_EQ(second.Receive().body, "done\n");
 }
 
-// As many clients as there are places, that send next to nothing and take their time.
+// As many slow clients as there are connections; they send next to nothing.
 TEST(HttpServerTest, SlowClientsMakeRoomForOthers) {
   HttpServerOptions options;
   options.connections = 8;
@@ -440,7 +440,7 @@ TEST(HttpServerTest, StreamedAnswersComeChunked) {
     EXPECT_EQ(reply.headers.at("docent-revision"), "5");
     EXPECT_EQ(reply.body.size(), 6u + 5000000u);
   }
-  // HTTP/1.0 knows no chunks: the end of the connection ends the answer.
+  // HTTP/1.0 has no chunks: the end of the connection ends the answer.
   HttpClient old(server->port());
   old.Send(absl::StrCat("GET /stream HTTP/1.0\r\nHost: localhost:", server->port(), "\r\n\r\n"));
   const HttpReply reply = old.Receive();

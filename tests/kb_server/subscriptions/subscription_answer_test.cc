@@ -7,7 +7,7 @@
 namespace docent::server {
 namespace {
 
-// One row that stays and one with another value each time, long after the first values are of no use.
+// One row that stays and one with another value each time, long after the first values are useless.
 TEST(SubscriptionAnswer, ComputedValuesComeAndGo) {
   Dictionary dictionary;
   SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{});
@@ -30,7 +30,8 @@ TEST(SubscriptionAnswer, ComputedValuesComeAndGo) {
   EXPECT_EQ(whole->appeared[1].values[0], Term::Literal("stays"));
 }
 
-// The same where a row is told after two rounds: the one that stays, and never those that go before.
+// The same for a row that must last two rounds: the one that stays is reported, never those that disappear
+// before.
 TEST(SubscriptionAnswer, ComputedValuesThatMustLast) {
   Dictionary dictionary;
   SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 2);
@@ -49,7 +50,7 @@ TEST(SubscriptionAnswer, ComputedValuesThatMustLast) {
   EXPECT_EQ(answer.size(), 2u);
 }
 
-// The clock's time may be ahead of that of the turns which come after.
+// The clock's time may be ahead of that of later turns.
 TEST(SubscriptionAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
   Dictionary dictionary;
   SubscriptionAnswer answer(1, true, {}, &dictionary, SubscriptionLimits{}, 5);
@@ -63,7 +64,7 @@ TEST(SubscriptionAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
   EXPECT_EQ(answer.ripens_at_us(), 9);
 }
 
-// A value that was computed, and that the dictionary learns before the rows are set, is the same row.
+// A computed value that the dictionary learns before the rows are set is the same row.
 TEST(SubscriptionAnswer, AValueLearntMeanwhileKeepsItsTime) {
   Dictionary dictionary;
   SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 5);

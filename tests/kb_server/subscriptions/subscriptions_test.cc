@@ -24,12 +24,12 @@ std::string TextOf(const std::vector<std::optional<Term>>& row) {
   return text;
 }
 
-// A client that keeps the answer by its changes.
+// A client that maintains the answer from its changes.
 struct Client final : Subscriber {
   void Wake() override { ++wakes; }
   void Fail(const absl::Status& status) override { failed = status; }
 
-  // Takes what is there and gives the answer at each revision that was told of.
+  // Takes the available changes and records the answer at each reported revision.
   void TakeAll() {
     while (true) {
       auto next = answer->Get(position + 1);
@@ -102,7 +102,7 @@ class SubscriptionsTest : public ::testing::Test {
     subscriptions_->Publish(version_, delta, clock_.Now());
   }
 
-  // The answer, by running the query again.
+  // The answer from a new run of the query.
   std::pair<bool, Bag> Rerun(const std::string& query) {
     const sparql::Query parsed = world_.Parse(kPrefix + query);
     auto prepared = sparql::PreparedQuery::Prepare(parsed, world_.dictionary);
@@ -321,7 +321,7 @@ TEST_F(SubscriptionsTest, TheSumOfChangesIsTheirNet) {
   EXPECT_EQ((*sum)->number, 3u);
 }
 
-// What one costs does not depend on how many differ from it only in constants.
+// The cost of one query does not depend on the number of queries that differ only in constants.
 TEST_F(SubscriptionsTest, AlikeQueriesShareWhatAChangeCosts) {
   for (int n = 0; n < 200; ++n) world_.Apply({absl::StrCat("item", n, " ownedBy owner", n)});
   world_.Apply({"ann carries nothing", "sensor reading 0"});
@@ -346,7 +346,7 @@ TEST_F(SubscriptionsTest, AlikeQueriesShareWhatAChangeCosts) {
   }
 }
 
-// A row of a SELECT without DISTINCT counts as often as there are solutions with it.
+// A row of a SELECT without DISTINCT counts once for each solution with it.
 TEST_F(SubscriptionsTest, RowsAreCountedWhereVariablesAreHidden) {
   world_.Apply({"ann carries cup", "cup ownedBy bob"});
   Make();
@@ -472,7 +472,7 @@ TEST_F(SubscriptionsTest, YesIsToldOnceItHasLasted) {
   EXPECT_EQ((*lasting->answer->Get(2))->revision, Revision(revision_));
 }
 
-// What running a query again gives, and since when it does.
+// Results of running a query again, and the time since which each row is there.
 class Reference {
  public:
   void Set(TimeMicros now_us, const std::pair<bool, Bag>& answer) {
@@ -499,8 +499,8 @@ class Reference {
   std::map<std::string, TimeMicros> rows_since_;
 };
 
-// Replaying the changes gives, at every revision, what running the query again gives; where it must last, just before the
-// next revision that of it which has.
+// Replaying the changes gives, at every revision, the same answer as a new run of the query. If rows must
+// last: the lasting part of it, just before the next revision.
 class SubscriptionsReplayTest : public SubscriptionsTest, public ::testing::WithParamInterface<TimeMicros> {};
 INSTANTIATE_TEST_SUITE_P(AtLeastUs, SubscriptionsReplayTest, ::testing::Values(0, 2'000'000));
 

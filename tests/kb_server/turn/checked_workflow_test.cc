@@ -1,5 +1,5 @@
-// What `docent check` passes, the server takes: random workflows that CheckDocument finds correct are deployed and run, under
-// limits that many of them pass by little.
+// The server accepts all workflows that `docent check` accepts: random workflows that pass CheckDocument are
+// deployed and run, under limits that many of them hardly meet.
 #include <random>
 #include <string>
 #include <vector>

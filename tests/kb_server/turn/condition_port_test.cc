@@ -1,4 +1,5 @@
-// Conditions over time, against a reference that asks every query again at every moment of a random timeline.
+// Conditions over time, against a reference that evaluates every query again at every moment of a random
+// timeline.
 #include "kb_server/turn/condition_port.h"
 
 #include <algorithm>
@@ -46,7 +47,8 @@ std::vector<engine::ConditionRequest> Shapes() {
   };
 }
 
-// What a condition is, by definition: every query anew, and since when each of its solutions has been there.
+// The definition of a condition: every query evaluated again, with the time since which each solution is
+// there.
 class Reference {
  public:
   explicit Reference(const engine::ConditionRequest& request)
@@ -116,7 +118,7 @@ class Reference {
   std::set<engine::TermBinding> solutions_, keys_;
 };
 
-// A port with all that it stands on.
+// A port with its dependencies.
 struct Side {
   explicit Side(Dictionary* dictionary_in)
       : dictionary(dictionary_in), standing(*dictionary), port(dictionary, &standing) {}
@@ -144,7 +146,7 @@ class Timeline {
   struct Followed {
     engine::ConditionRequest request;
     Reference reference;
-    std::set<engine::TermBinding> keys;  // as the edges said
+    std::set<engine::TermBinding> keys;  // from the edges
     bool holds = false;
   };
 
@@ -177,7 +179,7 @@ class Timeline {
     return writer_.Apply(add, remove);
   }
 
-  // A turn that is undone leaves nothing.
+  // A turn that is rolled back leaves no trace.
   void FailingTurn() {
     const std::optional<TimeMicros> before = side_->port.NextDeadline();
     const Delta delta = Change();
@@ -208,7 +210,7 @@ class Timeline {
     conditions_.emplace(request.handle, std::move(followed));
   }
 
-  // Another port goes on from what a snapshot keeps.
+  // Another port continues from a snapshot.
   void StartAgain() {
     auto other = std::make_unique<Side>(&dictionary_);
     const absl::Status status =
@@ -230,7 +232,7 @@ class Timeline {
   void Step() {
     if (Below(8) == 0) FailingTurn();
     const std::optional<TimeMicros> due = side_->port.NextDeadline();
-    // A tick at the very moment, or a change before or after it.
+    // A tick at exactly that time, or a change before or after it.
     const bool tick = due && Below(3) == 0;
     now_us_ = tick ? std::max(now_us_, *due) : now_us_ + Below(4);
     Take(tick ? Delta() : Change(), now_us_);

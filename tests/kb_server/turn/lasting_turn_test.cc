@@ -1,5 +1,5 @@
-// A workflow that waits for a time, turn by turn: fires once, at the tick; a snapshot and a replay in between decide the
-// same.
+// A workflow that waits for a time, turn by turn: it fires once, at the tick; a snapshot and a replay in
+// between give the same decisions.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "kb_server/turn/turn.h"
@@ -15,7 +15,7 @@ using test::Tell;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// One run for each person that nobody has seen for 30 s, while there is a robot.
+// One run for each person not seen for 30 s, while there is a robot.
 constexpr char kLost[] = R"(<?xml version="1.0"?>
 <CAWL name="Lost" namespace="urn:w:" version="1.0" xmlns:docent="https://w3id.org/docent#"
       xmlns:ext="https://w3id.org/docent/cawl-ext#">

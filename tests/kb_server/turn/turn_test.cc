@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// Stages with all that they stand on.
+// Stages with their dependencies.
 struct World {
   explicit World(const Limits& limits = {}) : stages(&dictionary, &functions, limits) {}
 
@@ -31,7 +31,7 @@ struct World {
     if (result.ok()) ++head;
     return result;
   }
-  // A turn that has to succeed.
+  // A turn that must succeed.
   TurnResult Must(WriteBatch batch) {
     absl::StatusOr<TurnResult> result = Turn(std::move(batch));
     EXPECT_TRUE(result.ok()) << result.status();
@@ -62,7 +62,7 @@ CommandId OpenCommandOf(const World& world, const std::string& run) {
   return CommandId("none");
 }
 
-// Everything that can be seen of a world, as text.
+// All visible state of a world, as text.
 std::string Dump(const World& world) {
   std::vector<std::string> lines;
   world.stages.writer.current().ForEach({}, [&](const Quad& quad) {
@@ -230,8 +230,8 @@ TEST(TurnTest, AFactWithALifetimeIsWithdrawnByTheClock) {
   EXPECT_FALSE(world.stages.NextDeadline().has_value());
 }
 
-// A turn that fails must be as if it had never been: what it leaves is compared with before, and what comes
-// after it with a twin that never saw it.
+// A failed turn must have no effect: the state after it is compared with the state before, and later turns
+// with a twin that never had it.
 class FailingTurnTest : public ::testing::Test {
  protected:
   static Limits SmallLimits() {
@@ -255,7 +255,7 @@ class FailingTurnTest : public ::testing::Test {
     }
   }
 
-  // Turns `batch` in the world only, where it has to fail.
+  // Applies `batch` in the world only, where it must fail.
   void Fail(WriteBatch batch, absl::StatusCode code, const std::string& message) {
     std::string before = Dump(world_);
     TimeMicros now_us = world_.now_us;
@@ -297,7 +297,7 @@ TEST_F(FailingTurnTest, ABadTerm) {
   GoOn();
 }
 
-// What the log has is not refused at replay, where nobody gives a cancellation.
+// A logged turn is never refused at replay, which has no cancellation.
 TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
   Cancellation cancellation;
   world_.stages.cancellation = &cancellation;
@@ -312,7 +312,8 @@ TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
   twin_.Must(batch);
 }
 
-// Older versions took what XPath's regular expressions do not have: a log with such a rule is still replayed.
+// Older versions accepted constructs that XPath's regular expressions do not have: a log with such a rule is
+// still replayed.
 TEST_F(FailingTurnTest, ARuleWithAPatternThatCannotBeEvaluated) {
   Cancellation cancellation;
   world_.stages.cancellation = &cancellation;
@@ -343,7 +344,7 @@ TEST_F(FailingTurnTest, TooManyEqualThings) {
   GoOn();
 }
 
-// Its place was shown with a line of the other set.
+// Its place was shown with a line of the other rule set.
 TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
   for (World* world : {&world_, &twin_}) {
     world->Must(
@@ -359,7 +360,7 @@ TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
   GoOn();
 }
 
-// As a rule: the batch that it is too much for is refused.
+// As for a rule: the batch that makes it too costly is refused.
 TEST_F(FailingTurnTest, AStandingConditionWithACostlyJoin) {
   Cancellation cancellation;
   world_.stages.cancellation = &cancellation;
@@ -440,7 +441,7 @@ TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherWithoutEnd) {
 }
 
 // Ids of terms differ between a server that refused batches (their terms were interned) and the replay of its
-// log. Nothing that is decided may depend on them.
+// log. No decision may depend on them.
 TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
   std::vector<WriteBatch> batches;
   batches.push_back(test::WorldFacts());

@@ -47,7 +47,7 @@ TEST(HttpMessageTest, ContentNegotiation) {
   EXPECT_EQ(ChooseMediaType("application/*;q=0.2, text/csv;q=0.1", offered), 0u);
   EXPECT_EQ(ChooseMediaType("text/csv;q=0.5, application/xml;q=0.9", offered), 2u);
   EXPECT_EQ(ChooseMediaType("*/*;q=0.1, application/xml", offered), 2u);
-  // The more specific range decides, whatever the wildcard says.
+  // The more specific range decides, not the wildcard.
   EXPECT_EQ(ChooseMediaType("*/*, application/sparql-results+json;q=0", offered), 1u);
   EXPECT_EQ(ChooseMediaType("image/png", offered), std::nullopt);
   EXPECT_EQ(ChooseMediaType("text/csv;q=0", offered), std::nullopt);

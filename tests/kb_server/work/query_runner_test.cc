@@ -18,7 +18,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-// What it was told, a line for each call.
+// Records the calls, a line each.
 class RecordingSink final : public QuerySink {
  public:
   bool OnBegin(sparql::Query::Form, Revision revision) override {

@@ -1,4 +1,4 @@
-// Turns that are decided while those before them are being made durable.
+// Turns that are decided while earlier turns are being made durable.
 #include "kb_server/writer/committer.h"
 
 #include <future>
@@ -42,7 +42,7 @@ class Gate {
       mutex_.Await(absl::Condition(&open_));
     };
   }
-  // Waits until so many appends have begun.
+  // Waits until this many appends have begun.
   void WaitForAppends(size_t count) {
     absl::MutexLock lock(&mutex_);
     const auto begun = [this, count]()
@@ -64,7 +64,7 @@ class Gate {
   std::vector<size_t> sizes_;
 };
 
-// A world and, behind a gate that is shut, turns in flight: the first is being appended, the others wait.
+// A world with turns in flight behind a shut gate: the first is being appended, the others wait.
 class InFlight {
  public:
   explicit InFlight(const std::vector<WriteBatch>& batches) : node(&log) {
@@ -80,7 +80,7 @@ class InFlight {
   }
   ~InFlight() { EXPECT_TRUE(node.End().ok()); }
 
-  // Waits until the writer has decided what was pushed so far.
+  // Waits until the writer has decided all turns pushed so far.
   void Look() {
     absl::Notification looked;
     node.inbox.Push(
@@ -178,8 +178,8 @@ TEST(CommitterTest, WhereAnAnswerIsLostTheLogSaysWhichOfTheGroupsInFlightHappene
   EXPECT_EQ(second->offset, 4u);
 }
 
-// A rule that explodes is noticed when the turn has already changed the graph: what the turns of the group before it
-// did stays.
+// A rule explosion is noticed after the turn has changed the graph: the changes of earlier turns of the group
+// stay.
 TEST(CommitterTest, ATurnThatFailsLateTakesBackItsOwnChangesAlone) {
   FakeLog log;
   Limits limits;
@@ -247,7 +247,7 @@ TEST(CommitterTest, ARefusalThatSupposesTurnsInFlightIsToldAfterThem) {
     EXPECT_EQ(answer.get().status().code(), absl::StatusCode::kUnavailable);
 }
 
-// Clients tell facts at the same time, while the log refuses some appends and loses the answers of others.
+// Clients assert facts at the same time, while the log refuses some appends and loses the answers of others.
 TEST(CommitterTest, WhatIsAcknowledgedIsInTheLogAndWhatIsRefusedIsNot) {
   constexpr int kClients = 4, kFacts = 300;
   FakeLog log;

@@ -19,7 +19,7 @@ using test::Lines;
 using test::RandomWorld;
 using ::testing::HasSubstr;
 
-// A log that random turns have written, with snapshots here and there, and what the graph held after each
+// A log written by random turns, with some snapshots, and the expected graph after each
 // turn.
 class WrittenLog {
  public:
@@ -205,7 +205,7 @@ TEST(ParseAsOfTest, RevisionsAndTimes) {
   }
 }
 
-// Recovery, too, is a replay: from any snapshot, or from none, to the same state.
+// Recovery is a replay, too: from any snapshot, or from none, to the same state.
 TEST(RecoveryTest, EverySnapshotLeadsToTheSameEnd) {
   WrittenLog written(6, 250, 100);
   auto snapshots = *written.log->SnapshotOffsets();

@@ -47,7 +47,7 @@ struct Side {
   uint64_t head = 0;
 };
 
-// Whether both decided the same.
+// Checks that both made the same decisions.
 void ExpectSame(const absl::StatusOr<TurnResult>& a, const absl::StatusOr<TurnResult>& b) {
   ASSERT_EQ(a.status(), b.status());
   if (!a.ok()) return;
@@ -60,8 +60,8 @@ void ExpectSame(const absl::StatusOr<TurnResult>& a, const absl::StatusOr<TurnRe
 
 class ServerStateTest : public ::testing::TestWithParam<uint32_t> {};
 
-// One pair of stages goes on all the time; the other is put into the state of the first again and again, as a
-// start from a snapshot is. Both must decide the same ever after.
+// One pair of stages runs on; the other is restored to the first one's state repeatedly, as at a start from a
+// snapshot. Both must make the same decisions.
 TEST_P(ServerStateTest, RestoredStagesDecideAsTheOriginal) {
   Limits limits;
   limits.runs_kept = 5;
@@ -100,7 +100,8 @@ TEST_P(ServerStateTest, RestoredStagesDecideAsTheOriginal) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, ServerStateTest, ::testing::Range(1u, 9u));
 
-// A literal that no fact has any more keeps its tag, so that a start from a snapshot says what the log says.
+// The language tag of an unused literal is kept, so that a start from a snapshot gives the same text as the
+// log.
 TEST(ServerStateTest, LanguageTagsStayAsFirstToldOverASnapshot) {
   const auto tell = [](const char* tag, QuadOperation::Kind kind) {
     WriteBatch batch;

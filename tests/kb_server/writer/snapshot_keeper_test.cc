@@ -57,7 +57,7 @@ class Keeper {
     inbox.Close();
     if (thread.joinable()) thread.join();
   }
-  // An orderly end.
+  // An orderly shutdown.
   absl::Status StopWithSnapshot() {
     Stop();
     return snapshots->TakeLast(writer->State());

@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-// The command of this node, as the graph names it.
+// The command of this node, by its name in the graph.
 CommandId CommandOf(const std::string& node, const std::vector<std::string>& quads) {
   for (const std::string& quad : quads) {
     const size_t at = quad.find(absl::StrCat("\"", node, "/"));

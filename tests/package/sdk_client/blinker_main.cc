@@ -1,4 +1,4 @@
-// A robot that blinks, as the SDK's header shows one: every public header, every library.
+// A robot that blinks, as in the SDK's header: uses every public header and library.
 #include <iostream>
 #include <string>
 

@@ -78,7 +78,7 @@ TEST_F(LastingConditionTest, EachBindingHasItsOwnTime) {
   EXPECT_TRUE(one_.Settle(18).fell);
 }
 
-// The visitor's time is full long before the robot comes: it opens when the robot comes.
+// The visitor's time has passed long before the robot comes: it opens when the robot comes.
 TEST_F(LastingConditionTest, TheRestOfTheWholeHasNoTime) {
   LastingCondition condition({"x", "y"}, {{{"x"}, 5}});
   condition.SetPart(0, Of("a"), true, 10);

@@ -109,7 +109,7 @@ TEST_F(StandingConditionsTest, NegationHasItsOwnEdges) {
   EXPECT_THAT(Turn({"r1 task t3"}), ElementsAre("1 fell"));
 }
 
-// The witness of a condition that a negation made fall is kept until something is known against it.
+// The witness of a condition that a negation made fall is kept until a change breaks it.
 TEST_F(StandingConditionsTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
   Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
   EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
@@ -212,7 +212,7 @@ TEST_F(StandingConditionsTest, KeyBindingsAppearAndDisappear) {
   EXPECT_THAT(Turn({"ann at b2"}), ElementsAre("1 rose +{v=ann}")) << "it appears again";
 }
 
-// Few keys are looked through, many are hashed.
+// Few keys are searched linearly, many are hashed.
 TEST_F(StandingConditionsTest, FewKeysBecomeManyAndFewAgain) {
   const ConditionId id = Register("ASK { ?r :task ?t . ?t :for :John }", {"r"});
   Turn({"t for John"});
@@ -313,7 +313,7 @@ TEST_F(StandingConditionsTest, RollbackForgetsTheTurn) {
   EXPECT_THAT(Turn({"d p b"}, {"a p b"}), ElementsAre("2 bindings +{x=d} -{x=a}"));
 }
 
-// A condition that watched only the pattern that had no match must not miss the one that has none after a
+// A condition that watched only the pattern without a match must not miss the pattern without a match after a
 // rollback.
 TEST_F(StandingConditionsTest, RollbackRestoresWhatIsWatched) {
   Register("ASK { ?x :p ?y . ?y :q ?z }");
@@ -376,7 +376,7 @@ TEST_F(StandingConditionsTest, AChangeThatConcernsAllOfAShapeIsJoinedOnce) {
   const uint64_t before = set_.evaluations();
   EXPECT_THAT(Turn({"zoe carries item7"}), ElementsAre("8 rose"));
   EXPECT_LE(set_.evaluations() - before,
-            8u);  // the few that came before there was a template_, and the template
+            8u);  // the few registered before there was a template_, and the template
   EXPECT_THAT(Turn({"zoe carries nothing"}), IsEmpty());
   EXPECT_THAT(Turn({"zoe carries item8"}, {"zoe carries item7"}), ElementsAre("8 fell", "9 rose"));
   Rollback();
@@ -393,7 +393,8 @@ TEST_F(StandingConditionsTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOne
   EXPECT_EQ(Turn({}, {"zoe at hub"}).size(), 20u);
 }
 
-// What holds keeps watching; being hit in vain it stops, and must watch again when it falls.
+// A condition that holds keeps watching; after a hit without effect it stops, and must watch again when it
+// falls.
 TEST_F(StandingConditionsTest, WhatHoldsAndIsHitInVainRisesAgainAfterItFell) {
   for (int i = 0; i < 20; ++i) Register("ASK { ?v :at :room . ?v :wants :topic" + std::to_string(i) + " }");
   Turn({"ann at room", "bob at room"});

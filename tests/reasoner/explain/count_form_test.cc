@@ -27,7 +27,7 @@ class CountForm : public ExplainWorld {
     EXPECT_TRUE(answer.ok()) << answer.status();
     return answer.ok() && *answer;
   }
-  // The query without its counts; nullopt: it has none that can be written out.
+  // The query without its counts; nullopt: it has none that can be rewritten.
   std::optional<sparql::Query> Written(const std::string& ask) {
     sparql::Query query = Parse(ask);
     query.algebra = explain::WithoutCounts(matching::WithoutModifiers(*query.algebra));

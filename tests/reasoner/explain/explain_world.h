@@ -1,4 +1,4 @@
-// A TestWorld with rule sets and explanations of what it holds.
+// A TestWorld with rule sets and explanations of its facts.
 #ifndef DOCENT_TESTS_REASONER_EXPLAIN_EXPLAIN_WORLD_H_
 #define DOCENT_TESTS_REASONER_EXPLAIN_EXPLAIN_WORLD_H_
 
@@ -36,7 +36,7 @@ class ExplainWorld : public testing::Test, public TestWorld {
     EXPECT_TRUE(delta.ok()) << delta.status();
   }
 
-  // Of what was told so far.
+  // For the facts asserted so far.
   std::unique_ptr<explain::Explainer> Explain() {
     settings_.version = writer.Freeze(Revision(1));
     settings_.dictionary = &dictionary;

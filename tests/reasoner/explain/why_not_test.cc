@@ -1,4 +1,4 @@
-// Why-not: what a person would name comes first, and what is named is enough.
+// Why-not: the most natural repair comes first, and every listed repair is enough.
 #include <algorithm>
 #include <set>
 #include <string>
@@ -86,11 +86,11 @@ TEST_F(WhyNotTest, WhatACheckForbidsByItselfIsNotTold) {
   const explain::WhyNotAnswer answer = WhyNot("ASK { :p a :Pizza }", 9);
   ASSERT_EQ(answer.repairs.size(), 1u) << WhyNotText("ASK { :p a :Pizza }", 9);
   EXPECT_EQ(Text(dictionary.Intern(answer.repairs[0].tell[0].example.object)), "Margherita");
-  // who asks for it is told
+  // a question about it gets an answer
   EXPECT_EQ(WhyNot("ASK { :p a :Impossible }").repairs.size(), 1u);
 }
 
-// Each set as "-Z p K" for what is withdrawn and "+F1 ack true" for what is told, sorted.
+// Each set as "-Z p K" for withdrawn facts and "+F1 ack true" for asserted ones, sorted.
 class WhyNotSets : public ExplainWorld {
  protected:
   std::vector<std::string> Sets(const std::string& ask, size_t sets = 9) {
@@ -264,7 +264,7 @@ TEST_F(WhyNotSets, OfARecursivePathTheStepBetweenTwoChainsIsMissing) {
   EXPECT_TRUE(answer_.whole);
 }
 
-// A set of six of which five are enough by another match, and of these four.
+// A set of six; five are enough by another match, and of these four.
 TEST_F(WhyNotSets, ALargeSetIsMadeAsSmallAsItCanBe) {
   Rules("rules",
         "RULE { ?x :q ?z } WHERE { ?x :q ?y . ?y :q ?z }\n"
@@ -335,7 +335,7 @@ class WhyNotOwl : public ExplainWorld {
  protected:
   WhyNotOwl() { BuiltIn("owl2rl"); }
 
-  // The first set of what is missing, a fact a line, sorted.
+  // The first set of missing facts, a fact a line, sorted.
   std::string Missing(const std::vector<std::string>& told, const std::string& ask) {
     Tell(told);
     const explain::WhyNotAnswer answer = WhyNot(ask);
@@ -352,7 +352,7 @@ class WhyNotOwl : public ExplainWorld {
 };
 
 TEST_F(WhyNotOwl, AFactAboutTheThingComesBeforeAnAxiom) {
-  // one axiom about servesAt would do it, too: its domain, a superclass of Machine, that R1 is R2
+  // one axiom about servesAt would be enough, too: its domain, a superclass of Machine, that R1 is R2
   EXPECT_EQ(Missing({"R1 servesAt B1", "R1 a Machine", "R2 a Robot"}, "ASK { :R1 a :Robot }"),
             "R1 a Robot\n");
   EXPECT_EQ(Missing({"R1 knows B1", "R2 isAt B1"}, "ASK { :R1 :isAt :B1 }"), "R1 isAt B1\n");

@@ -1,4 +1,4 @@
-// Why a fact holds that no head of a rule makes: what a check reports.
+// Proofs of facts that no rule head makes: the reports of checks.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -23,7 +23,7 @@ constexpr char kLost[] =
 
 class WhyInconsistency : public ExplainWorld {
  protected:
-  // The told facts under each report's proof, a report an element: "i name 1, i name 2".
+  // The asserted facts under each report's proof, a report an element: "i name 1, i name 2".
   std::vector<std::string> ToldUnderReports() {
     auto explainer = Explain();
     const TermId inconsistency = dictionary.InternIri(DocentIri("Inconsistency"));
@@ -213,7 +213,7 @@ TEST_F(WhyParts, WhatIsInTheWayByAPathIsEachFactOfTheChain) {
   EXPECT_TRUE(answer.whole);
 }
 
-// Every pair of a class stands on many others, so a search through all of them never ended for a large class.
+// Every pair of a class rests on many others, so a search through all of them did not end for a large class.
 class WhyEqual : public ExplainWorld {
  protected:
   WhyEqual() { BuiltIn("owl2rl"); }

@@ -36,7 +36,8 @@ class BodyTest : public ::testing::Test {
     std::sort(rows.begin(), rows.end());
     return rows;
   }
-  // The solutions that `quad` gives through the trigger with this number, which it matches: by EvaluateFrom, sorted.
+  // The solutions that `quad` gives through the trigger with this number, which it matches: by EvaluateFrom,
+  // sorted.
   std::vector<std::string> RowsFrom(Body& body, size_t trigger, const std::string& quad, bool all = true) {
     std::vector<TermId> seed;
     body.SeedFrom(body.triggers()[trigger], world_.QuadOf(quad), seed);
@@ -111,7 +112,7 @@ TEST_F(BodyTest, ConstantsThatNobodyHasSaidYetAreFoundLater) {
   EXPECT_THAT(Rows(*general), ElementsAre("b=b2"));
 }
 
-// What an EXISTS kept of one run must not answer for the next, on a graph that has changed.
+// Results cached by an EXISTS in one run must not be used in the next, on a changed graph.
 TEST_F(BodyTest, EveryEvaluationReadsTheGraphAsItIs) {
   const std::string inside = "{ SELECT ?x (COUNT(?y) AS ?n) { ?x :p ?y } GROUP BY ?x } ?z :p ?x";
   const auto flat = Compile("ASK { ?y :q :b FILTER NOT EXISTS { " + inside + " } }");
@@ -125,7 +126,7 @@ TEST_F(BodyTest, EveryEvaluationReadsTheGraphAsItIs) {
   EXPECT_THAT(Rows(*general), ElementsAre("y=a"));
 }
 
-// What is left is nothing, one lookup, one scan, or a join.
+// The rest of the query is nothing, one lookup, one scan, or a join.
 TEST_F(BodyTest, ASolutionFromAQuadHasWhatIsLeftOfTheQuery) {
   world_.Apply({"r at b1", "r at b1 @other", "s at b2", "b1 in hall", "b1 in yard", "b1 in yard @other",
                 "b2 in b2", "r likes r"});
@@ -161,7 +162,8 @@ TEST_F(BodyTest, AScanForWhatIsLeftCountsItsSteps) {
   EXPECT_EQ(rows, 50);
 }
 
-// An EXISTS that the seed decides is looked up before the join, of the first 64 filters; the others where a row is whole.
+// An EXISTS that the seed decides is looked up before the join (among the first 64 filters); the others when
+// a row is complete.
 TEST_F(BodyTest, EveryExistsDecidesHoweverManyThereAre) {
   std::string text = "ASK { ?x :at ?b ";
   for (int i = 0; i < 70; ++i) text += "FILTER NOT EXISTS { ?x :lacks" + std::to_string(i) + " ?z } ";

@@ -7,7 +7,7 @@
 namespace docent::matching {
 namespace {
 
-// "?x >= 3", or "" for what is no comparison with a number.
+// "?x >= 3", or "" if it is no comparison with a number.
 std::string Read(const std::string& filter) {
   const sparql::ParsedQuery parsed =
       sparql::ParseQuery("ASK { ?x ?p ?y FILTER(" + filter + ") }", sparql::ParseOptionsWith({}, nullptr));

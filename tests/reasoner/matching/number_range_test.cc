@@ -52,7 +52,7 @@ TEST(NumberRange, AComparisonOfANumberWithAnIriIsAnErrorAndThusFalse) {
             false);
 }
 
-// The long decimal that does not divide exactly still orders rightly against its neighbours.
+// A long decimal without an exact quotient is still ordered correctly among its neighbours.
 TEST(NumberRange, LongDecimalsKeepTheirOrder) {
   const TermId low = Number("0.12345678901234567", kXsdDecimal);
   const TermId high = Number("0.12345678901234967", kXsdDecimal);

@@ -81,7 +81,7 @@ TEST(PatternIndex, GuardsAreReachedOnlyByNumbersBeyondThem) {
 }
 
 // Against a list of patterns that are tried one by one, with removals in between.
-// Rules are tried in the order in which they stand.
+// Rules are tried in their order.
 TEST(PatternIndex, ThoseOfTheSameConstantsComeInTheOrderInWhichTheyWereAdded) {
   PatternIndex index;
   std::vector<PatternIndex::Handle> handles;
@@ -140,7 +140,7 @@ TEST(PatternIndex, AgreesWithTryingEveryPattern) {
   EXPECT_EQ(index.size(), known.size());
 }
 
-// The table grows and its slots move up where others are taken out.
+// The table grows, and slots move up after removals.
 TEST(PatternIndex, ManyKeysComeAndGo) {
   std::mt19937 random(11);
   PatternIndex index;

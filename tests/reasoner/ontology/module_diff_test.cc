@@ -40,7 +40,7 @@ TEST(ModuleDiffTest, TriplesAndOrder) {
   EXPECT_EQ(diff.added[0].object, Term::Integer(3));
 }
 
-// The shape in which Protégé 4 and the OWL API with entities write a file.
+// The form in which Protégé 4 and the OWL API with entities write a file.
 constexpr char kProtege[] = R"(<?xml version="1.0"?>
 
 

@@ -1,4 +1,5 @@
-// Findings in ontologies, data, rules and queries: each with its place and remedy, and none where nothing is wrong.
+// Findings in ontologies, data, rules and queries: each with its place and remedy, and none in correct
+// documents.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +44,7 @@ class OntologyCheckTest : public testing::Test {
     for (const Finding& f : findings.Take()) text += f.rule + " " + Render({f.diagnostic}, "");
     return text;
   }
-  // What is found in a document of which the vocabulary knows, too; unused prefixes aside.
+  // The findings in a document that the vocabulary includes, too; without unused prefixes.
   std::string Check(const std::string& turtle) {
     LocatedRdf document = Parse(turtle, "d_");
     document.prefixes.clear();
@@ -136,7 +137,7 @@ TEST_F(OntologyCheckTest, DomainsAndRanges) {
               HasSubstr("domain-mismatch f.ttl:4:1: warning: <http://e/T> is taken for <http://e/Robot>"));
 }
 
-// That a resource is in two disjoint classes is an inconsistency: kb_server/cli/consistency_check.h.
+// A resource in two disjoint classes is an inconsistency: kb_server/cli/consistency_check.h.
 TEST_F(OntologyCheckTest, ClassesBelowDisjointOnesAndBadLiterals) {
   const std::string text = Check(
       "\n:Odd a owl:Class ; rdfs:subClassOf :Guide , :Place ; rdfs:label \"o\" ; rdfs:comment \"c\" .\n"

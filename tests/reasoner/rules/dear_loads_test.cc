@@ -1,4 +1,4 @@
-// Small loads from which much follows: what they cost, and that they are refused where it is too much.
+// Small loads with many consequences: their cost, and that they are refused beyond the limit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ Facts Star(const std::string& property, int size) {
   for (int i = 1; i < size; ++i) facts.push_back(absl::StrCat("n0 ", property, " n", i));
   return facts;
 }
-// `whole` has a list of so many classes, properties or things at `property`.
+// `whole` has a list of `size` classes, properties or things at `property`.
 Facts List(const std::string& whole, const std::string& property, int size) {
   Facts facts = {absl::StrCat(whole, " ", property, " l0")};
   for (int i = 0; i < size; ++i) {
@@ -51,7 +51,7 @@ class DearLoad {
     EXPECT_TRUE(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")).empty());
     EXPECT_TRUE(Update({}, {}, Limits{}.steps_per_turn).ok());
   }
-  // Its steps: `steps`, if it succeeds.
+  // Allows `steps` steps; spent_ is then the number used.
   absl::Status Update(const Facts& add, const Facts& remove, uint64_t steps) {
     Cancellation cancellation;
     cancellation.AllowSteps(steps);
@@ -83,7 +83,7 @@ class DearLoad {
 
 constexpr uint64_t kAnySteps = uint64_t{1} << 60;
 
-// The rules would make the pairs of n equal things n times each.
+// The rules alone would make the pairs of n equal things n times each.
 TEST(EqualThings, PairsAreMadeOnceEach) {
   for (const Facts& told : {Star("owl:sameAs", 200), Chain("owl:sameAs", 200)}) {
     DearLoad load;
@@ -128,7 +128,7 @@ TEST(EqualThings, AFactAmongThemIsWrittenOutOnceUnderEachName) {
   EXPECT_TRUE(load.Holds("n99 knows n98"));
 }
 
-// Cutting a long chain leaves no proof for half of what followed, and each look for one was long.
+// Cutting a long chain leaves half of its consequences without a proof, and each search for one was long.
 TEST(Chains, CuttingOneDoesNotLookForProofsForEver) {
   DearLoad load;
   ASSERT_TRUE(load.Update(Together({"p a owl:TransitiveProperty"}, Chain("p", 200)), {}, kAnySteps).ok());
@@ -159,7 +159,8 @@ void PrintTo(const Case& each, std::ostream* out) {
 
 class DearLoads : public ::testing::TestWithParam<Case> {};
 
-// With the steps of a small part of a second, so that the test is short. Nothing stays, and the next one goes on.
+// With the steps of a small part of a second, so that the test is short. A refused load leaves no change, and
+// the next one succeeds.
 TEST_P(DearLoads, AreRefusedAndLeaveNothing) {
   DearLoad load;
   const size_t size = load.size();

@@ -39,14 +39,14 @@ class NegationOrderTest : public ::testing::Test {
   uint64_t revision_ = 0;
 };
 
-// Beside the rule set rdfs: what each word leads to there are axioms, but none that can matter.
+// With the rule set rdfs: its results for each word are axioms, but irrelevant ones.
 class NegationBesideRdfsTest : public NegationOrderTest {
  protected:
   void SetUp() override {
     ASSERT_THAT(engine_.PutRules("rdfs", BuiltInRuleSet("rdfs")), IsEmpty());
     Turn({});
   }
-  // Facts in which `word` stands as "… word …", of the example's own things.
+  // Facts in which `word` occurs as "… word …", about the example's own things.
   std::vector<std::string> With(const std::string& word) {
     std::vector<std::string> found;
     for (const std::string& fact : world_.Inferred()) {
@@ -156,7 +156,7 @@ TEST_F(NegationBesideRdfsTest, RealAxiomsAreRefused) {
   EXPECT_EQ(Refusal({"a k b"}), "");
 }
 
-// Axioms about the words of the schema make axioms of what was none.
+// Axioms about schema words turn other facts into axioms.
 TEST_F(NegationBesideRdfsTest, WhatUsersAxiomsMakeAxiomsIsRefused) {
   Put("RULE :r { ?x :k2 ?y . ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
   Turn({"a k b"});
@@ -177,7 +177,7 @@ TEST_F(NegationBesideRdfsTest, WhatUsersAxiomsMakeAxiomsIsRefused) {
   }
 }
 
-// rdfs:Resource stands above all that is a class: what it is a part of decides whether being a class matters.
+// rdfs:Resource is above all classes: its superclasses decide whether being a class matters.
 TEST_F(NegationBesideRdfsTest, AnAxiomAboutResourceIsSeenThatMakesNoOther) {
   Put("RULE :r { ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }\nRULE { rdfs:Resource rdfs:subClassOf ?c } "
       "WHERE { ?c :above :all }");
@@ -197,7 +197,7 @@ TEST_F(NegationBesideRdfsTest, ClassesMayBeNegatedThatNothingNegatingMakes) {
   EXPECT_THAT(With(" kind "), IsEmpty());
 }
 
-// What is a part of rdfs:Resource is by scm-dom1 in its domain, too.
+// By scm-dom1, the superclasses of rdfs:Resource are its domains, too.
 TEST_F(NegationBesideRdfsTest, BesideOwl2RlAsWellItIsRefused) {
   ASSERT_THAT(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")), IsEmpty());
   Turn({});
@@ -205,7 +205,7 @@ TEST_F(NegationBesideRdfsTest, BesideOwl2RlAsWellItIsRefused) {
   EXPECT_THAT(Refusal({"r1 a Robot"}), HasSubstr("may be an axiom for owl2rl"));
 }
 
-// Here what is a part of :Top matters where :Top is a part of :Odd, which itself matters to no rule.
+// Here superclasses of :Top matter if :Top is a part of :Odd, which itself matters to no rule.
 constexpr char kPartsOfTop[] =
     "RULE { ?c rdfs:subClassOf :Top } WHERE { ?x a ?c . ?x :k ?y }\n"
     "RULE { ?a rdfs:subClassOf ?c } WHERE { ?a rdfs:subClassOf ?b . ?b rdfs:subClassOf ?c }\n"

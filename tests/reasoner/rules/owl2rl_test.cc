@@ -1,5 +1,5 @@
-// Each rule of the OWL 2 RL/RDF tables by a golden case of its own: what is told, what follows, and that it
-// does not follow when any one of the told triples is retracted.
+// A golden case for each rule of the OWL 2 RL/RDF tables: asserted facts, consequences, and that these
+// disappear when any one of the asserted triples is retracted.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -393,7 +393,7 @@ TEST(Owl2Rl, TwoLiteralsWhereThereMayBeOneValue) {
       "\"0a\"^^xsd:hexBinary , \"0A\"^^xsd:hexBinary",
       "\"AQID BAUG\"^^xsd:base64Binary , \"AQIDBAUG\"^^xsd:base64Binary",
       "\"2026-11-22T02:00:00Z\"^^xsd:dateTime , \"2026-11-22T03:00:00+01:00\"^^xsd:dateTime",
-      // ill-typed, or of a datatype that nothing is known of
+      // ill-typed, or of an unknown datatype
       "\"five\"^^xsd:integer , \"six\"^^xsd:integer",
       "\"five\"^^xsd:integer , 5",
       "\"300\"^^xsd:byte , 5",

@@ -70,7 +70,7 @@ TEST_F(RuleEngineTest, WhatBranchesOfAUnionAssignComesAndGoesWithThem) {
   EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "z y n"));
 }
 
-// CLIPS keeps these for ever: the two facts support each other.
+// CLIPS never removes these: the two facts support each other.
 TEST_F(RuleEngineTest, InversePropertiesDoNotSupportEachOther) {
   Put("RULE { ?o :memberOf ?s } WHERE { ?s :member ?o }\nRULE { ?o :member ?s } WHERE { ?s :memberOf ?o }");
   Turn({"d member u", "d member v"});
@@ -81,7 +81,7 @@ TEST_F(RuleEngineTest, InversePropertiesDoNotSupportEachOther) {
   EXPECT_THAT(world_.Inferred(), ElementsAre("v memberOf d"));
 }
 
-// Jena's RETE loses these: the fact has other support.
+// Jena's RETE loses these, although the fact has other support.
 TEST_F(RuleEngineTest, SharedSupportStays) {
   Put("RULE { ?x a :Agent } WHERE { ?x a :Robot }\nRULE { ?x a :Agent } WHERE { ?x :speaks ?l }");
   Turn({"r a Robot", "r speaks english"});
@@ -133,7 +133,7 @@ TEST_F(RuleEngineTest, ACheckReportsItsSolutionsWithTheirTriples) {
   EXPECT_EQ(world_.Inferred(), reported) << "the same inconsistency bears the same name";
 }
 
-// Lines of `inferred` with `word` in them, without the reports' names.
+// Lines of `inferred` that contain `word`, without the reports' names.
 std::vector<std::string> Told(const std::vector<std::string>& inferred, const std::string& word) {
   std::vector<std::string> told;
   for (const std::string& line : inferred) {
@@ -489,7 +489,7 @@ TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
 }
 
-// It had no result, so nothing asked whether it should end.
+// It had no result, so the time limit was never checked.
 TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
   std::vector<std::string> facts;
   for (int i = 0; i < 200; ++i) facts.push_back(absl::StrCat("k", i, " p ", i));
@@ -523,7 +523,7 @@ TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
   EXPECT_THAT(world_.Inferred(), IsEmpty()) << "the rule set was not taken";
 }
 
-// Facts that follow are work like any other: nothing that a turn infers makes room for more.
+// Inferred facts cost steps like any other work: the inferences of a turn do not raise its limit.
 TEST_F(RuleEngineTest, WhatIsInferredCostsSteps) {
   Put("RULE { ?y a :Hot } WHERE { ?x a :Hot . ?x :next ?y }");
   std::vector<std::string> facts;
@@ -564,7 +564,7 @@ TEST_F(RuleEngineTest, RollbackRestoresRuleSets) {
   EXPECT_THAT(world_.Inferred(), ElementsAre("a q b", "e q f"));
 }
 
-// Two knots of rules, entangled by axioms alone; a third set makes one of them, and goes again.
+// Two entangled groups of rules, connected by axioms alone; a third set joins them, and is removed.
 TEST_F(RuleEngineTest, FewerRulesAreNeverRefused) {
   const std::string knots =
       "PREFIX : <http://example.org/>\n"
@@ -585,7 +585,7 @@ TEST_F(RuleEngineTest, FewerRulesAreNeverRefused) {
   EXPECT_EQ(world_.Inferred(), inferred);
 }
 
-// A rule about reports sees them beside rules with negation, too.
+// A rule about reports also sees them beside rules with negation.
 TEST_F(RuleEngineTest, ReportsAreSeenBesideNegation) {
   RuleEngine engine(world_.dictionary);
   ASSERT_FALSE(HasErrors(engine.PutRules("r",

@@ -74,7 +74,7 @@ TEST(ShaclRulesImport, WhatIsNotSupportedIsSaid) {
               HasSubstr("no target"));
 }
 
-// The document that a tester wrote: five lines, of which the mistakes are in the third and the last one.
+// A tester's document: five lines, with mistakes in the third and the last one.
 TEST(ShaclRulesImport, WhatIsWrongIsToldWhereTheDocumentHasIt) {
   const std::string errors = Errors(
       ":S sh:targetClass :T ; sh:targetNode :n ; sh:rule [ sh:construct \"\"\"PREFIX ex: <http://ex/>\n"

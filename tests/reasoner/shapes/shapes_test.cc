@@ -1,4 +1,4 @@
-// Shapes beyond what the W3C suite asks: refusals, limits, reports for people.
+// Shapes beyond the W3C suite: refusals, limits, reports for people.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A file of shapes and a file of data to hold against them.
+// A file of shapes and a file of data to validate.
 #ifndef DOCENT_TESTS_REASONER_SHAPES_SHAPES_WORLD_H_
 #define DOCENT_TESTS_REASONER_SHAPES_SHAPES_WORLD_H_
 

@@ -1,4 +1,5 @@
-// Constraints, components and targets in SPARQL beyond what the W3C suite asks, and what is said of all that is not evaluated.
+// Constraints, components and targets in SPARQL beyond the W3C suite, and the warnings about parts that are
+// not evaluated.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

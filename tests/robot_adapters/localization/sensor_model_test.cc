@@ -39,7 +39,7 @@ TEST_F(SensorModelTest, TheTruePoseScoresBestAndWorseTheFartherAway) {
   EXPECT_LT(At(2, 4, 0.4), 0.5 * ends_.size() * model_.worst_beam());
 }
 
-// The mistake of MRPT's COctoMap: unknown space counted as log 1, so a pose beyond the map was the best of all.
+// The error of MRPT's COctoMap: unknown space counted as log 1, so a pose beyond the map was the best of all.
 TEST_F(SensorModelTest, APoseOutsideTheMapIsTheWorstThereIs) {
   const double worst = static_cast<double>(ends_.size()) * model_.worst_beam();
   for (const maps::Pose2 outside : {maps::Pose2{200, 200, 0}, {-100, 4, 1}, {1e7, -1e7, 0}}) {

@@ -13,7 +13,7 @@ namespace {
 using maps::Point2;
 using maps::Pose2;
 
-// A robot whose wheels do at once what they are told and that knows where it is.
+// A robot with perfect wheels and a perfect pose.
 class Follow {
  public:
   explicit Follow(Pose2 start) : pose_(start), scanner_(SmallHall(), {}) {}

@@ -14,7 +14,7 @@ PathPlanner Planner(const PlannerSettings& settings = {}) {
   return PathPlanner(SmallHallModel(), settings);
 }
 
-// The least clearance that a robot's centre has anywhere on the path.
+// The minimum clearance of a robot's centre on the path.
 double LeastClearance(const std::vector<Point2>& path) {
   double least_m = 100;
   for (size_t i = 1; i < path.size(); ++i) {

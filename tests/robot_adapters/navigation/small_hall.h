@@ -1,5 +1,5 @@
-// A synthetic hall of 12 m × 8 m: a wall with a door in the middle, a pillar, and a closed cell that nobody
-// gets into.
+// A synthetic hall of 12 m × 8 m: a wall with a door in the middle, a pillar, and a closed cell without
+// entrance.
 #ifndef DOCENT_TESTS_ROBOT_ADAPTERS_NAVIGATION_SMALL_HALL_H_
 #define DOCENT_TESTS_ROBOT_ADAPTERS_NAVIGATION_SMALL_HALL_H_
 

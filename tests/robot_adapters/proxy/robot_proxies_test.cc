@@ -1,4 +1,5 @@
-// The proxies against real adapters over loopback: made with the sdk, and scripted ones that misbehave.
+// The proxies against real adapters over loopback: adapters made with the sdk, and scripted ones that
+// misbehave.
 #include "robot_adapters/proxy/robot_proxies.h"
 
 #include <grpcpp/grpcpp.h>
@@ -30,7 +31,7 @@ bool IsFinalOutcome(Outcome outcome) {
          outcome == Outcome::kUnknown;
 }
 
-// What the proxies reported, for the test to wait for.
+// The reports of the proxies, with waiting.
 class Reports {
  public:
   void Take(WriteBatch batch) {
@@ -105,7 +106,7 @@ class RobotProxiesTest : public testing::Test {
   void StartAdapter(bool with_journal = true) {
     robot::AdapterOptions options;
     options.robot = kRobot;
-    options.server = "127.0.0.1:1";  // nobody there: facts do not matter here
+    options.server = "127.0.0.1:1";  // no server: facts do not matter here
     options.listen = address_;
     options.linger = absl::ZeroDuration();
     if (with_journal) options.journal_path = folder_ + "/r1.journal";
@@ -137,7 +138,7 @@ class RobotProxiesTest : public testing::Test {
     return {quick, wait};
   }
 
-  // As the engine gives it: decided for the adapter that is there now.
+  // A command as the engine gives it: decided for the adapter that is connected now.
   RobotCommand Decided(const std::string& id, const std::string& operation, int deadline_ms = 20000) {
     RobotCommand command = Command(id, operation, deadline_ms);
     command.expected_incarnation = adapter_->incarnation();
@@ -211,7 +212,7 @@ TEST_F(RobotProxiesTest, AdapterThatComesLateIsInvokedThen) {
   StartAdapter();
   adapter_.reset();
   RobotCommand command = Command("c/1", "quick");
-  command.idempotent = true;  // nobody can say that the Invoke was not received by an adapter that died since
+  command.idempotent = true;  // the adapter died: it is unknown whether it received the Invoke
   proxies_.Send(command);
   reports_.Await("c/1", Outcome::kUnreachable);
   StartAdapter();
@@ -342,7 +343,7 @@ TEST_F(RobotProxiesTest, ManyCommandsAtOnceEachEndOnce) {
   EXPECT_EQ(runs_, 200);
 }
 
-// An adapter that does what a test says: hangs, drops the stream, dies.
+// An adapter that a test controls: it hangs, drops the stream, or dies.
 class ScriptedAdapter final : public v1::RobotAdapter::Service {
  public:
   enum class Behaviour { kHang, kAcceptAndHang, kAcceptAndDrop, kEndWithoutFinal, kSucceed, kScript };

@@ -1,4 +1,5 @@
-// The data of scenario s02 for tests: Debian's mrpt-common brings log and map; a test without them is skipped.
+// The data of scenario s02 for tests: log and map are in Debian's mrpt-common; a test without them is
+// skipped.
 #ifndef DOCENT_TESTS_ROBOT_ADAPTERS_RAWLOG_REAL_LOG_H_
 #define DOCENT_TESTS_ROBOT_ADAPTERS_RAWLOG_REAL_LOG_H_
 

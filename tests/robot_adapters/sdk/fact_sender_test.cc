@@ -13,7 +13,7 @@ namespace {
 constexpr char kRobot[] = "http://example.org/r1";
 constexpr char kUser[] = "http://example.org/john";
 
-// A server in the test's hands: it can be away, lose answers, or refuse.
+// A server that the test controls: it can be away, lose answers, or refuse.
 class ScriptedServer {
  public:
   absl::Status Assert(const v1::AssertRequest& request, v1::AssertReply* reply) {

@@ -1,4 +1,4 @@
-// A docent server for tests of adapters: takes facts and joins, answers queries with what the test laid down.
+// A docent server for tests of adapters: accepts facts and joins, and answers queries as the test defines.
 #ifndef DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
 #define DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
 
@@ -22,7 +22,7 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
   FakeServer() { Start(0); }
   ~FakeServer() override { Stop(); }
 
-  // At the port it had before, unless `port` is another.
+  // On the same port as before, unless `port` is another.
   void Start(int port) {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(absl::StrCat("127.0.0.1:", port), grpc::InsecureServerCredentials(), &port_);

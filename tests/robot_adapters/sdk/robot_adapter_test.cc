@@ -270,7 +270,7 @@ TEST_F(RobotAdapterTest, RestartKnowsFinishedCommands) {
 
 TEST_F(RobotAdapterTest, CommandThatDiedWithTheAdapterIsOfUnknownOutcomeAndNeverRepeated) {
   {
-    // What a killed adapter leaves behind: begun, not finished.
+    // The journal of a killed adapter: a command begun, not finished.
     SystemClock clock;
     auto journal = CommandJournal::Open(folder_ + "/r1.journal", &clock);
     ASSERT_TRUE(journal.ok()) << journal.status();

@@ -48,7 +48,8 @@ void Localise(GuideBody& body) {
   ASSERT_TRUE(body.localised());
 }
 
-// Drives there; false, with the reason printed, if it does not arrive within `limit_s` simulated seconds.
+// Drives to a place; false, with the reason printed, if it does not arrive within `limit_s` simulated
+// seconds.
 bool Drive(
     GuideBody& body, const Pose2& goal, double limit_s = 180,
     const std::function<std::vector<maps::Disc>()>& people = [] { return std::vector<maps::Disc>(); }) {
@@ -130,7 +131,7 @@ TEST(GuideBodyTest, StopsBeforeAPersonAndGoesOnWhenTheWayIsFree) {
   auto body = MakeBody(5);
   Localise(*body);
   ASSERT_TRUE(body->DriveTo(Hall::Get().ServicePoint("Entrance")).ok());
-  // Somebody steps right in front of the robot after two metres, as wide as the aisle lets nobody past.
+  // After two metres a person steps right in front of the robot, as wide as the aisle.
   while (maps::Distance(body->truth().position(), Hall::Get().ServicePoint("RobotDock").position()) < 1.5)
     body->Tick();
   const maps::Pose2 ahead = maps::Compose(body->truth(), {1.2, 0, 0});

@@ -1,4 +1,4 @@
-// The whole guide robot, commanded over gRPC, with a fake server at its other end. Lives at 50 times real
+// The whole guide robot, commanded over gRPC, with a fake server as its server. Runs at 50 times real
 // time.
 #include "robot_adapters/sim/guide_robot.h"
 
@@ -165,7 +165,7 @@ TEST_F(GuideRobotTest, TwoDrivesAtOnceAreRefused) {
     EXPECT_EQ(Command("c/1", "moveToBooth", "booth", kExpo + "B07").state(), v1::Feedback::CANCELLED);
   });
   ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("status"), DocentIri("Busy")));
-  // It is on its way when its progress grows.
+  // Growing progress shows that it is on its way.
   for (std::string progress; progress.empty() || progress == "0.0"; absl::SleepFor(absl::Milliseconds(5))) {
     progress = server_.Value(kRobot, DocentIri("progress"));
   }

@@ -1,4 +1,4 @@
-// What visitors see and hear: page, screen server, voice; and the files about the drive.
+// Presentation to visitors: page, screen server, voice; and the files about the drive.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>

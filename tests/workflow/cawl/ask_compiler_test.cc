@@ -196,7 +196,7 @@ TEST(AskCompiler, KeyVariablesAreTheActivatorsOwn) {
   }
 }
 
-// Everything that the golden documents compile to is SPARQL.
+// All ASKs compiled from the golden documents are valid SPARQL.
 TEST(AskCompiler, WhatItWritesParses) {
   int parsed = 0;
   for (const char* name : {"expressions_good", "events", "extensions", "messages_good"}) {

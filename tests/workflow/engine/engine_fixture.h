@@ -1,4 +1,4 @@
-// Drives an engine the way a turn does, with conditions and robots that a test says.
+// Drives an engine as a turn does, with conditions and robots defined by the test.
 #ifndef DOCENT_TESTS_WORKFLOW_ENGINE_ENGINE_FIXTURE_H_
 #define DOCENT_TESTS_WORKFLOW_ENGINE_ENGINE_FIXTURE_H_
 
@@ -47,7 +47,7 @@ class EngineTest : public ::testing::Test {
     return "<flow name=\"F\"><source name=\"s\"/>" + body + "</flow>";
   }
 
-  // One turn. What it decided is in transitions_ ("subject from>to"), commands_ and cancels_.
+  // One turn. Its decisions are in transitions_ ("subject from>to"), commands_ and cancels_.
   void Turn(std::vector<CommandReport> reports = {}, std::vector<RunRequest> requests = {}) {
     robots_.asked = 0;
     transitions_.clear();

@@ -277,7 +277,7 @@ TEST_F(EngineTest, ALoopThatWaitsForNothingFailsItsRunAndNothingElse) {
   Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}, {RunRequest::Kind::kStart, "W/H", {}}});
   EXPECT_TRUE(Says("F-1 running>failed"));
   EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("engine_rounds_per_turn"));
-  EXPECT_EQ(commands_.size(), 1u);  // the other run does what it should
+  EXPECT_EQ(commands_.size(), 1u);  // the other run goes on
   EXPECT_EQ(engine_.live_runs(), 1u);
 }
 
@@ -564,7 +564,7 @@ TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
   EXPECT_THAT(cancels_, ElementsAre(id));
   EXPECT_TRUE(Says("F-1 running>cancelled"));
   EXPECT_EQ(engine_.OpenCommands().size(), 0u);
-  Turn({Done(id)});  // late: nothing happens
+  Turn({Done(id)});  // late: no effect
   EXPECT_THAT(transitions_, IsEmpty());
 }
 
@@ -605,7 +605,7 @@ TEST_F(EngineTest, RollbackPutsBackWhichBindingsAnActivatorHas) {
   EXPECT_EQ(engine_.live_runs(), 1u);
   conditions_.Set("urn:arrived", {});
   engine_.Step(input);
-  engine_.Rollback();  // he is still there
+  engine_.Rollback();  // the binding is still there
   conditions_.Take({});
   conditions_.Set("urn:arrived", {john});
   engine_.Step(input);

@@ -49,7 +49,7 @@ TEST_F(EngineWaitingTest, AFreedRobotWakesOneRunNotAll) {
   for (int i = 0; i < 50; ++i) Start();
   Turn({Done(first)});
   EXPECT_EQ(commands_.size(), 1u);
-  // 1: the run that ended; 2: the one that got the robot. The other 49 were not looked at.
+  // 1: the run that ended; 2: the one that got the robot. The other 49 were not examined.
   EXPECT_LE(robots_.asked, 10);
 }
 

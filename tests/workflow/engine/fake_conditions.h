@@ -1,4 +1,4 @@
-// Stands in for the constraint set in tests of the engine: a test says which condition holds, and how.
+// Replaces the conditions in tests of the engine: a test defines which of them hold, with which solutions.
 #ifndef DOCENT_TESTS_WORKFLOW_ENGINE_FAKE_CONDITIONS_H_
 #define DOCENT_TESTS_WORKFLOW_ENGINE_FAKE_CONDITIONS_H_
 
@@ -12,7 +12,7 @@
 
 namespace docent::engine {
 
-// Conditions are told by a text that their ASK contains.
+// A condition is identified by a text that its ASK contains.
 class FakeConditions final : public ConditionView {
  public:
   // From now on conditions whose ASK contains `word` hold with these solutions (empty: they do not hold).
@@ -99,7 +99,7 @@ class FakeRobots final : public RobotDirectory {
  public:
   std::vector<RobotOffer> offers;
   std::string only;       // empty: everything
-  bool news = true;       // what changed() says
+  bool news = true;       // result of changed()
   mutable int asked = 0;  // how often Offers was called
   const std::vector<RobotOffer>& Offers(const std::string& operation) const override {
     static const std::vector<RobotOffer> kNone;

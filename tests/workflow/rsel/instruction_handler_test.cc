@@ -143,7 +143,7 @@ TEST(InstructionHandler, ParallelStepsRunTogetherAndAreCancelledTogether) {
   EXPECT_THAT(h.TakeReady(), IsEmpty()) << "d waits for b";
   h.Succeeded(2, 1, {});
   EXPECT_THAT(h.TakeReady(), SizeIs(1));
-  // The copy went its own way.
+  // The copy is independent.
   copy.Failed(2, 1, "broken");
   EXPECT_EQ(copy.state(), State::kFailed);
   EXPECT_THAT(copy.RunningSteps(), ElementsAre(Pair(3, 1)));
@@ -174,7 +174,8 @@ TEST(InstructionHandler, ReportsOfWhatNeverRanAreIgnored) {
   EXPECT_FALSE(h.Succeeded(1, 1, {})) << "repeated";
 }
 
-// Any order of reports ends, every step is given at most 1 + retry times, and the same calls give the same states.
+// Any order of reports ends, every step runs at most 1 + retry times, and the same calls give the same
+// states.
 TEST(InstructionHandler, RandomReportsEndTheSameWayTwice) {
   PlanPtr plan = PlanOf(File("tests/golden/rsel/parallel/input.xml"), "Tour");
   for (uint32_t seed = 1; seed <= 200; ++seed) {

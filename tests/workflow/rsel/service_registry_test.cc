@@ -57,7 +57,7 @@ TEST(ServiceRegistry, AFailedPutChangesNothing) {
   ServiceRegistry registry;
   registry.Put(Parse(kLead));
   registry.Put(Parse(kTour));
-  // Tour gives Lead a booth; a Lead that wants a place as well breaks it.
+  // Tour gives Lead a booth; a Lead that also requires a place breaks it.
   Diagnostics broken = registry.Put(
       Parse("<rsel name=\"lead\"><message name=\"M\"><part name=\"booth\"/><part name=\"place\"/>"
             "</message><process name=\"Lead\" input=\"M\"><invoke operation=\"m\"/></process>"

@@ -1,4 +1,4 @@
-// Our scanner against libxml2's own tree: the same elements, attributes and text for every text that is accepted.
+// Our scanner against libxml2's own tree: the same elements, attributes and text for every accepted text.
 #include <gtest/gtest.h>
 #include <libxml/parser.h>
 #include <libxml/tree.h>
@@ -59,7 +59,7 @@ std::string Dump(const xmlNode* node) {
   return out + ">[" + Trim(text) + "]" + children + "</>";
 }
 
-// Elements, attributes and texts lie where their spans say.
+// Checks that elements, attributes and texts are where their spans point.
 void CheckSpans(const Element& element, const std::string& source) {
   auto bytes = [&](const SourceSpan& span) { return source.substr(span.offset, span.length); };
   ASSERT_EQ(bytes(element.name_span), NameOf(element.prefix, element.name));

@@ -258,7 +258,7 @@ TEST(ParserTest, APrefixThatIsDeclaredAgainCountsAtItsLastPlace) {
   EXPECT_EQ(parsed.quads[1].subject, Term::Iri("urn:3:s"));
 }
 
-// With time that grows with their square these would take many minutes.
+// In quadratic time these would take many minutes.
 TEST(ParserTest, ManyPrefixesAreRead) {
   std::string text;
   for (int i = 0; i < 150000; ++i) {

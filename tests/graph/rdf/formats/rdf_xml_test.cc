@@ -1,4 +1,5 @@
-// RDF/XML, a part of the grammar at a time. The W3C suite (tests/conformance/rdf) and Raptor (tests/property) hold it, too.
+// RDF/XML, one part of the grammar at a time. The W3C suite (tests/conformance/rdf) and Raptor
+// (tests/property) test it, too.
 #include "graph/rdf/formats/rdf_xml.h"
 
 #include <gmock/gmock.h>

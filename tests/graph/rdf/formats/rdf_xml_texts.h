@@ -1,4 +1,4 @@
-// RDF/XML documents for tests, and what is read of them.
+// RDF/XML documents for tests, and helpers that parse them.
 #ifndef DOCENT_TESTS_GRAPH_RDF_FORMATS_RDF_XML_TEXTS_H_
 #define DOCENT_TESTS_GRAPH_RDF_FORMATS_RDF_XML_TEXTS_H_
 

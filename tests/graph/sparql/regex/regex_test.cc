@@ -1,5 +1,5 @@
-// Regular expressions as XPath and XQuery Functions 3.1 (5.6) and XSD 1.1 part 2 (appendix G) have them. Each expression is
-// searched by RE2 and by our own matcher where both can.
+// Regular expressions of XPath and XQuery Functions 3.1 (5.6) and XSD 1.1 part 2 (appendix G). RE2 and our
+// own matcher both search each expression if both can.
 #include "graph/sparql/regex/regex.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::string Mistake(std::string_view pattern, std::string_view flags = "") {
   return mistake ? mistake->message : "";
 }
 
-// "no" or what the groups matched from the whole on, each in brackets.
+// "no" or the texts of the groups, from the whole match on, each in brackets.
 std::string FoundBy(RegexMatcher* matcher, const RegexTree& tree, std::string_view text) {
   NoGuard guard;
   matcher->Begin(text, &guard);

@@ -40,13 +40,13 @@ TEST_F(SparqlEvaluator, OptionalKeepsWhatDoesNotMatch) {
 }
 
 TEST_F(SparqlEvaluator, FilterSeesOnlyItsOwnGroup) {
-  // ?v has no value inside the inner group, so the comparison is an error and nothing is left.
+  // ?v has no value inside the inner group, so the comparison is an error and no row remains.
   EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person { ?x ex:at ex:B03 FILTER(?x = ?v) } }"), IsEmpty());
   EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person . ?x ex:at ex:B03 FILTER(?x = ?v) }"), ElementsAre("John"));
 }
 
 TEST_F(SparqlEvaluator, OptionalThatIsNotWellDesigned) {
-  // Section 18: the right side is evaluated on its own, its ?c then meets the one bound before.
+  // Section 18: the right side is evaluated on its own; its ?c is then joined with the one bound before.
   EXPECT_THAT(g_.Rows("SELECT * { VALUES ?c { ex:Other } { ?v a ex:Person OPTIONAL { ?v ex:chose ?c } } }"),
               ElementsAre("Other John"));
 }
@@ -255,7 +255,7 @@ TEST(SparqlDataset, GraphOverMoreThanPatterns) {
               ElementsAre("g1", "g2"));
   EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ?s ex:p 1 FILTER NOT EXISTS { ex:b ex:p 1 } } }", strict),
               ElementsAre("g2"));
-  // what is kept of a side that reads nothing but the graph is of that graph
+  // the cached rows of a side that reads only the graph belong to that graph
   const PrepareOptions as_written{.default_graph = DefaultGraph::kStrict, .reorder_joins = false};
   EXPECT_THAT(
       g.Rows("SELECT ?g { GRAPH ?g { ex:a ex:p ?x . { FILTER EXISTS { ex:b ex:p ?x } } } }", as_written),
@@ -265,7 +265,7 @@ TEST(SparqlDataset, GraphOverMoreThanPatterns) {
               ElementsAre("g1 true", "g2 false"));
 }
 
-// What has solutions of its own, whatever the graph holds.
+// Patterns with solutions of their own, whatever the graph holds.
 constexpr const char* kInsides[] = {"",
                                     "BIND(1 AS ?y)",
                                     "VALUES ?y { 1 2 }",
@@ -408,7 +408,7 @@ TEST(SparqlLimits, MemoryLimitIsNamed) {
   }
 }
 
-// What a part of a query keeps for one row is not there any more at the next.
+// Rows cached for one row are released before the next one.
 TEST(SparqlLimits, MemoryOfARowEndsWithIt) {
   std::string text;
   for (int i = 0; i < 1000; ++i) {
@@ -447,7 +447,7 @@ TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
   EXPECT_EQ(function.status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-// Whether the graph has such a term or not.
+// The same whether the graph has such a term or not.
 TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
   EXPECT_THAT(
       g_.Rows(

@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 
-// Answers each endpoint's questions from a table, and remembers them.
+// Answers each endpoint's queries from a table, and records them.
 class FakeClient final : public ServiceClient {
  public:
   absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool,

@@ -1,5 +1,5 @@
-// What the operators promise beyond right answers: hash tables where lookups are many, first rows without a
-// sort of all, paths that do not blow up, and plans that say what happened.
+// Properties of the operators beyond correct answers: hash tables for many lookups, first rows without a full
+// sort, paths that do not explode, and plans that report the execution.
 #include <gtest/gtest.h>
 
 #include "tests/graph/sparql/test_graph.h"
@@ -90,14 +90,14 @@ TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
   EXPECT_EQ(some, std::vector<std::string>(all.begin() + 5, all.begin() + 12));
   EXPECT_TRUE(g.Rows(order + " LIMIT 0").empty());
   EXPECT_EQ(g.Rows(order + " LIMIT 5000", {}, true), all);
-  // equal keys: in the order in which the rows come, with and without the limit
+  // equal keys: in input order, with and without the limit
   const std::vector<std::string> by_place = g.Rows("SELECT ?a { ?a ex:at ?b } ORDER BY ?b", {}, true);
   EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:at ?b } ORDER BY ?b LIMIT 120", {}, true),
             std::vector<std::string>(by_place.begin(), by_place.begin() + 120));
 }
 
-// A computed number is the same term as one that was told, if it is written as the computed one is; one that fits into no id
-// is a term, too.
+// A computed number is the same term as an asserted one with the same text; a computed number that fits into
+// no id is a term, too.
 TEST(SparqlOperators, ComputedNumbersAreTerms) {
   TestGraph g(
       "ex:a ex:n 3 . ex:b ex:n 3.0 . ex:c ex:n 1.50 . ex:d ex:n 1.5 . ex:e ex:n 0 . ex:f ex:n "
@@ -126,7 +126,7 @@ TEST(SparqlOperators, ComputedNumbersAreTerms) {
             (Rows{"2 12 6 6"}));
 }
 
-// Texts of the dictionary, of the query and computed ones, with and without language.
+// Texts from the dictionary, from the query and computed ones, with and without language.
 TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
   TestGraph g(
       "ex:a ex:n \"abc\" . ex:b ex:n \"abc\"@en . ex:c ex:n \"\" . ex:d ex:n 12 . ex:e ex:n ex:abc . ex:f "
@@ -154,7 +154,7 @@ TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
       (Rows{"a", "b", "g"}));
 }
 
-// Keys of all kinds, in both directions: what ids tell, and what needs values.
+// Keys of all kinds, in both directions: decided by ids, and by values.
 TEST(SparqlOperators, FirstRowsOfMixedKeysAreThoseOfAWholeSort) {
   std::string data;
   const char* const values[] = {
@@ -191,7 +191,8 @@ TEST(SparqlOperators, FirstRowsNeedTheMemoryOfTheFirstRowsOnly) {
   EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:age ?x } ORDER BY ?x LIMIT 3", little).size(), 3u);
 }
 
-// A hash table that the counts of an older version promised to be small is given up, not the query.
+// If a hash table is much larger than an older version's counts promised, the table is given up, not the
+// query.
 TEST(SparqlOperators, APatternThatGrewSinceThePlanIsLookedUp) {
   std::string small, more;
   for (int i = 0; i < 3000; ++i) {
@@ -256,7 +257,8 @@ TEST(SparqlOperators, CountsSumsAndDistinctOfIds) {
   EXPECT_EQ(g.Rows("SELECT ?b (COUNT(*) AS ?n) { ?p ex:at ?b } GROUP BY ?b").size(), 10u);
 }
 
-// Where only the number of rows matters, they are not made: of a pattern, of a join, of a union; in one graph and in several.
+// If only the number of rows matters, they are not produced: for a pattern, a join, a union; in one graph and
+// in several.
 TEST(SparqlOperators, RowsAreCountedWithoutMakingThem) {
   TestGraph g(People(2000) + Likes(2000) +
               "ex:p1 ex:twin ex:p1 . ex:p2 ex:twin ex:p1 . ex:g { ex:p1 ex:at ex:B1 . ex:p7 ex:at ex:B1 }");
@@ -304,7 +306,7 @@ TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
   EXPECT_NE(plan->find("| 2 rows"), std::string::npos) << *plan;
   EXPECT_LT(plan->find("B1"), plan->find("age"));
   EXPECT_EQ(query->Explain(*g.version).find("| "), std::string::npos);
-  // what was measured does not change what the query gives later
+  // measuring does not change the results of later runs
   size_t rows = 0;
   EXPECT_TRUE(query->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
   EXPECT_EQ(rows, 2u);

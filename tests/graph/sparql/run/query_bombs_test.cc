@@ -1,5 +1,5 @@
-// Queries that would take for ever or all memory: each ends at its limit, says the limit's name, and the next
-// run of the same prepared query starts with all its memory again.
+// Queries that would take endless time or all memory: each ends at its limit and names it, and the next run
+// of the same prepared query has all its memory again.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -42,7 +42,7 @@ class QueryBombs : public testing::Test {
     EXPECT_NE(status.message().find("query_timeout_ms = 100"), std::string::npos) << status;
     EXPECT_LT(took_, std::chrono::seconds(20)) << text;
   }
-  // Has no solution, which is known only after all of the product.
+  // Has no solution, which is known only after the whole product.
   const std::string kNever =
       "?d ?e ?f . ?g ?h ?i . ?j ?k ?l FILTER(STRLEN(STR(?d)) + STRLEN(STR(?g)) + STRLEN(STR(?j)) < 0)";
 
@@ -80,7 +80,7 @@ TEST_F(QueryBombs, EndAtTheMemoryLimit) {
   ExpectMemory("SELECT * { ?a (ex:p|^ex:p)* ?b }", 2000);
 }
 
-// What is never encoded, or is one text, is counted, too.
+// Values that are never encoded, or are one text, are counted, too.
 TEST_F(QueryBombs, LongTextsEndAtTheMemoryLimit) {
   const auto times = [](const std::string& argument, int count) {
     std::string call = "CONCAT(" + argument;
@@ -100,7 +100,7 @@ TEST_F(QueryBombs, LongTextsEndAtTheMemoryLimit) {
                limit);
   ExpectMemory("SELECT (STRLANG(\"a\", CONCAT(\"x-\", " + times("?x", 100) + ")) AS ?y) { ?a ex:name ?x }",
                limit);
-  // What fits is answered.
+  // Queries within the limit are answered.
   for (const char* call :
        {"REPLACE(?c, \"b\", ?c)", "REPLACE(?c, \"0\", \"and so on\")", "UCASE(?c)", "CONCAT(?c, ?c)"}) {
     EXPECT_TRUE(
@@ -203,7 +203,7 @@ TEST_F(QueryBombs, AHugeValuesBlockStreams) {
   EXPECT_TRUE(Run(values + " } ?a ex:p ?b }", 1).code() == absl::StatusCode::kDeadlineExceeded);
 }
 
-// Each of so many words might have been the beginning of a prefix with dots.
+// Each of these words could be the beginning of a prefix with dots.
 TEST_F(QueryBombs, ManyWordsWithDotsAreReadOnce) {
   for (const std::string word : {"a.", "a\\u0061.", "é.", "?a\\u0061 ", "_:a..", ":a.."}) {
     std::string text = "SELECT * { ";
@@ -214,7 +214,7 @@ TEST_F(QueryBombs, ManyWordsWithDotsAreReadOnce) {
   }
 }
 
-// One row, and one call that would take for ever or as long as many.
+// One row, and one call that would take endless time or the time of many.
 class TextBombs : public QueryBombs {
  protected:
   // ?a0 … ?a<n>: `first` doubled n times.
@@ -226,7 +226,7 @@ class TextBombs : public QueryBombs {
     }
     return text;
   }
-  // Ends soon after a limit of 200 ms that `text` runs into, or is quicker.
+  // Ends soon after a limit of 200 ms that `text` reaches, or earlier.
   void ExpectSoon(const std::string& text, bool timeout) {
     const absl::Status status = Run(text, 200);
     EXPECT_LT(took_, std::chrono::seconds(5)) << text.substr(0, 80);
@@ -295,7 +295,7 @@ TEST_F(TextBombs, ReplaceEndsAtTheTimeLimit) {
     text += " BIND(REPLACE(?a" + std::to_string(i - 1) + ",\"a\",\"aa\") AS ?a" + std::to_string(i) + ")";
   }
   ExpectSoon(text + "}", true);
-  // Each match looks at all that comes after it.
+  // Each match reads all the text after it.
   ExpectSoon("SELECT (REPLACE(?a18,\"a(.*z)?\",\"b\") AS ?x) {" + Doubled("aaaaaaaa", 18) + "}", true);
 }
 

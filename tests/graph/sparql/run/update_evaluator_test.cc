@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-// A graph store to which updates are applied as the writer does it.
+// A graph store to which updates are applied as by the writer.
 class Store {
  public:
   explicit Store(const std::string& trig = "") : graph_(trig), writer_(graph_.version) {}
@@ -253,7 +253,7 @@ TEST(Update, MoreThanTheMemoryLimitIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("query_memory_bytes"));
 }
 
-// Not when all solutions are known.
+// Not only after all solutions are known.
 TEST(Update, IsRefusedAsSoonAsItIsTooMuch) {
   std::string text;
   for (int i = 0; i < 200; ++i) text += "ex:s" + std::to_string(i) + " ex:p 1 .\n";

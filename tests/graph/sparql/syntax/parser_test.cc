@@ -144,7 +144,7 @@ std::string NestedGroups(int depth) {
   return text;
 }
 
-// Section 19.2: in names and IRIs, too, and only for what may stand there.
+// Section 19.2: also in names and IRIs, and only for allowed characters.
 TEST(SparqlParser, EscapedCodePoints) {
   const std::string plain =
       AlgebraOf("PREFIX α: <http://g/> SELECT ?xy { ?xy ex:p α:é, ex:q, <http://h/é> }");

@@ -22,7 +22,7 @@ TEST(ExactSumTest, IsRoundedOnce) {
   EXPECT_EQ(Sum({1e16, 1, -1e16}), 1);
   EXPECT_EQ(Sum({1e308, 1, -1e308}), 1);
   EXPECT_EQ(Sum(std::vector<double>(10, 0.1)), 1);
-  // 2^53 + 1 lies half way; what is below decides
+  // 2^53 + 1 lies half way; the lower part decides
   EXPECT_EQ(Sum({9007199254740992.0, 1.0}), 9007199254740992.0);
   EXPECT_EQ(Sum({9007199254740992.0, 1.0, 1e-20}), 9007199254740994.0);
   EXPECT_EQ(Sum({9007199254740992.0, 1.0, -1e-20}), 9007199254740992.0);

@@ -66,7 +66,7 @@ TEST(Decimal, ComparesNumbersOfAnyScale) {
             0);
 }
 
-// Whatever way it is compared, by its id or by its value, a number stands in one place.
+// A number has one place in the order, compared by its id or by its value.
 TEST(Number, ComparesAsItsValueDoes) {
   Dictionary dictionary;
   std::vector<Term> terms = {Term::Iri("http://a"),

@@ -1,4 +1,4 @@
-// Arithmetic, comparison and casts of times and durations, as queries see them.
+// Arithmetic, comparison and casts of times and durations in queries.
 #include <gmock/gmock.h>
 
 #include "graph/sparql/values/duration.h"
@@ -25,7 +25,7 @@ std::string Expand(const std::string& expression) {
   return out;
 }
 
-// The value's text and the local name of its type; "-" where it has none.
+// The value's text and the local name of its type; "-" if it has none.
 std::string Of(const std::string& expression) {
   static const TestGraph* const graph = new TestGraph;
   const std::string text = Expand(expression);
