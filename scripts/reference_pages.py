@@ -212,11 +212,11 @@ def limits_page():
                 raise ValueError(f"{path}: the limit {name} has no comment that says what it limits")
             sections.setdefault(section or of_file, []).append([f"`{name}`", quantity(name, value), sentence(cell(meaning))])
         for section, rows in sections.items():
-            parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "what it limits"], rows))
+            parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "meaning"], rows))
     return "# Limits\n" + NOTE + """
-Every queue, loop, query, message and document of Docent has a limit with a name. An error at a limit says the name and the
-value. Those that the [command line](cli.md#docent-serve) of `docent serve` sets have an option of the same name; the others are
-fixed when the program is built.
+Every queue, loop, query, message and document of Docent has a named limit. An error at a limit gives its name and value. Limits
+that the [command line](cli.md#docent-serve) of `docent serve` sets have an option of the same name; the others are fixed when the
+program is built.
 
 """ + "\n".join(parts)
 
