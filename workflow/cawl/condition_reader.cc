@@ -33,7 +33,8 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
       }
       *word = ReadWord(child, role, reader);
       for (const auto& grandchild : child.children) {
-        if (grandchild->name != "documentation") reader->UnknownChild(child, *grandchild, {});
+        if (grandchild->name == "documentation" || reader->IsForeign(*grandchild)) continue;
+        reader->UnknownChild(child, *grandchild, {});
       }
     };
   };

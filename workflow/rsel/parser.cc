@@ -222,7 +222,7 @@ ParsedRsel ParseRsel(std::string_view text, const std::string& file, const Limit
   auto document = std::make_shared<Document>();
   document->file = file;
   document->source = text;
-  xml::ElementReader reader(document->source, file, kExtensionNs);
+  xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root->namespace_iri);
   if (absl::EqualsIgnoreCase(parsed.root->name, "rsel")) {
     DocumentReader(&reader).Read(*parsed.root, document.get());
     Checker(*document, &reader).Check();

@@ -14,6 +14,13 @@ namespace {
 constexpr std::string_view kOurNamespaces = "https://w3id.org/docent";
 constexpr int kMaxRetry = 100;
 
+// One of Docent's namespaces: "https://w3id.org/docent#", "https://w3id.org/docent/cawl-ext#" …
+bool IsOurs(std::string_view name_space) {
+  if (!name_space.starts_with(kOurNamespaces)) return false;
+  name_space.remove_prefix(kOurNamespaces.size());
+  return name_space.empty() || name_space[0] == '#' || name_space[0] == '/';
+}
+
 // What to say where no known word is near.
 std::string Otherwise(const std::vector<std::string>& known, std::string_view what) {
   return known.empty() ? Concat("it has no ", what) : Concat("known here: ", ListOf(known));
@@ -91,7 +98,7 @@ void ElementReader::CheckAttributes(const Element& element, const std::vector<st
     } else if (a.prefix != "xml" && a.namespace_iri.empty()) {
       Error(a.name_span, Concat("prefix ", a.prefix, ": of attribute ", a.name, " is not declared"),
             Concat("extensions need xmlns:", a.prefix, "=\"", extension_ns_, "\" on the root element"));
-    } else if (a.namespace_iri.starts_with(kOurNamespaces)) {
+    } else if (IsOurs(a.namespace_iri)) {
       Error(a.name_span,
             Concat("attribute ", a.prefix, ":", a.name, " is of the namespace ", a.namespace_iri,
                    ", which has no attributes here"),
@@ -100,15 +107,26 @@ void ElementReader::CheckAttributes(const Element& element, const std::vector<st
   }
 }
 
+bool ElementReader::IsForeign(const Element& element, std::string_view own_ns) {
+  const std::string& name_space = element.namespace_iri;
+  return !name_space.empty() && name_space != own_ns && !IsOurs(name_space);
+}
+
 void ElementReader::UnknownChild(const Element& parent, const Element& child,
                                  const std::vector<std::string>& known) {
+  if (!child.prefix.empty() && child.namespace_iri.empty()) {
+    Error(child.name_span, Concat("prefix ", child.prefix, ": of element <", child.name, "> is not declared"),
+          Concat("an editor's own elements need xmlns:", child.prefix,
+                 "=\"…\" on them or on the root element"));
+    return;
+  }
   Error(child.name_span, Concat("unknown element <", child.name, "> in <", parent.name, ">"),
         DidYouMean(child.name, known, Otherwise(known, "child elements")));
 }
 
 void ElementReader::ReadChildren(const Element& element, const ChildTable& table) {
   for (const auto& child : element.children) {
-    if (child->name == "documentation") continue;
+    if (child->name == "documentation" || IsForeign(*child)) continue;
     auto it = std::find_if(table.begin(), table.end(),
                            [&](const auto& entry) { return entry.first == child->name; });
     if (it != table.end()) {

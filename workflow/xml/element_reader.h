@@ -22,9 +22,15 @@ class ElementReader {
  public:
   static constexpr size_t kMaxDiagnostics = 200;  // of one document; what follows is counted only
 
-  // `extension_ns` is the namespace of the language's extension attributes. The views must outlive the reader.
-  ElementReader(std::string_view source, const std::string& file, std::string_view extension_ns)
-      : source_(source), lines_(source), file_(file), extension_ns_(extension_ns) {}
+  // `extension_ns` is the namespace of the language's extension attributes, `own_ns` that of the root element. The views
+  // must outlive the reader.
+  ElementReader(std::string_view source, const std::string& file, std::string_view extension_ns,
+                std::string own_ns = "")
+      : source_(source),
+        lines_(source),
+        file_(file),
+        extension_ns_(extension_ns),
+        own_ns_(std::move(own_ns)) {}
 
   void Error(const SourceSpan& span, std::string message, std::string hint = "");
   void Warning(const SourceSpan& span, std::string message, std::string hint = "");
@@ -40,11 +46,15 @@ class ElementReader {
   // (an editor's own; kept in the text, not looked at). Also attributes that stand twice.
   void CheckAttributes(const Element& element, const std::vector<std::string>& known,
                        const std::vector<std::string>& extensions = {});
+  // An element of a namespace that is neither the root element's, nor one of Docent's: an editor's own. It is kept in the
+  // text, and nothing in it is looked at.
+  bool IsForeign(const Element& element) const { return IsForeign(element, own_ns_); }
+  static bool IsForeign(const Element& element, std::string_view own_ns);
   // Reports `child` as unknown in its parent. `known` are the names that may stand there.
   void UnknownChild(const Element& parent, const Element& child, const std::vector<std::string>& known);
 
-  // Calls the function of each child's name. An unknown child is reported; <documentation> may stand anywhere; text
-  // beside the children is reported.
+  // Calls the function of each child's name. An unknown child is reported; <documentation> and foreign elements may stand
+  // anywhere; text beside the children is reported.
   using ChildTable = std::vector<std::pair<std::string_view, std::function<void(const Element&)>>>;
   void ReadChildren(const Element& element, const ChildTable& table);
 
@@ -82,6 +92,7 @@ class ElementReader {
   LineIndex lines_;
   std::string file_;
   std::string_view extension_ns_;
+  std::string own_ns_;
   Diagnostics diagnostics_;
   size_t left_out_ = 0;
 };
