@@ -27,6 +27,7 @@ void AddWhyNotCommand(CLI::App* app, int* exit_code);
 void AddWhatIfCommand(CLI::App* app, int* exit_code);
 void AddUpdateCommand(CLI::App* app, int* exit_code);
 void AddCheckCommand(CLI::App* app, int* exit_code);
+void AddFmtCommand(CLI::App* app, int* exit_code);
 void AddValidateCommand(CLI::App* app, int* exit_code);
 void AddOntologyCommand(CLI::App* app, int* exit_code);
 void AddRunCommand(CLI::App* app, int* exit_code);
