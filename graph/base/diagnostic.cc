@@ -130,6 +130,52 @@ std::string Render(const Diagnostics& diagnostics, std::string_view source) {
   return Printable(out);
 }
 
+namespace {
+
+// Two insertions at one place do not go together either: their order would be a guess.
+bool Overlap(const TextEdit& a, const TextEdit& b) {
+  if (a.offset == b.offset) return true;
+  return a.offset < b.offset ? a.offset + a.length > b.offset : b.offset + b.length > a.offset;
+}
+
+bool IsMade(const TextEdit& edit, const std::vector<TextEdit>& made) {
+  return std::find(made.begin(), made.end(), edit) != made.end();
+}
+
+bool FitsBeside(const std::vector<TextEdit>& fix, const std::vector<TextEdit>& made, size_t size) {
+  return std::all_of(fix.begin(), fix.end(), [&](const TextEdit& edit) {
+    if (edit.offset > size || edit.length > size - edit.offset) return false;
+    return IsMade(edit, made) || std::none_of(made.begin(), made.end(),
+                                              [&](const TextEdit& other) { return Overlap(edit, other); });
+  });
+}
+
+}  // namespace
+
+std::string ApplyFixes(std::string_view source, const Diagnostics& diagnostics, size_t* applied) {
+  std::vector<TextEdit> made;
+  size_t fixes = 0;
+  for (const Diagnostic& d : diagnostics) {
+    if (d.fix.empty() || !FitsBeside(d.fix, made, source.size())) continue;
+    for (const TextEdit& edit : d.fix) {
+      if (!IsMade(edit, made)) made.push_back(edit);
+    }
+    ++fixes;
+  }
+  std::sort(made.begin(), made.end(),
+            [](const TextEdit& a, const TextEdit& b) { return a.offset < b.offset; });
+  std::string out;
+  size_t at = 0;
+  for (const TextEdit& edit : made) {
+    out += source.substr(at, edit.offset - at);
+    out += edit.replacement;
+    at = edit.offset + edit.length;
+  }
+  out += source.substr(at);
+  if (applied != nullptr) *applied = fixes;
+  return out;
+}
+
 absl::Status ToStatus(const Diagnostics& diagnostics, std::string_view source) {
   if (!HasErrors(diagnostics)) return absl::OkStatus();
   return absl::InvalidArgumentError(Render(diagnostics, source));

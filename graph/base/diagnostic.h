@@ -22,6 +22,15 @@ struct SourceSpan {
   size_t length = 0;
 };
 
+// Replacement of the bytes [offset, offset+length) of a text.
+struct TextEdit {
+  size_t offset = 0;
+  size_t length = 0;
+  std::string replacement;
+
+  friend bool operator==(const TextEdit&, const TextEdit&) = default;
+};
+
 struct Diagnostic {
   enum class Severity { kError, kWarning };
   std::string file;  // as the user named it; may be empty (a query sent over the network)
@@ -29,6 +38,10 @@ struct Diagnostic {
   std::string message;  // what is wrong, with the value
   std::string hint;     // what to do next; may be empty
   Severity severity = Severity::kError;
+  std::string rule =
+      {};  // name of the kind of finding, which does not change ("unreachable-node"); may be empty
+  std::vector<TextEdit> fix =
+      {};  // edits of the text that remedy it, to be made together; empty: no remedy is evident
 };
 
 using Diagnostics = std::vector<Diagnostic>;
@@ -38,6 +51,10 @@ bool HasErrors(const Diagnostics& diagnostics);
 // "file:line:column: error: message", the line, a caret, and the hint, for each diagnostic.
 // `source` is the text that the spans point into; empty leaves line and caret out.
 std::string Render(const Diagnostics& diagnostics, std::string_view source);
+
+// `source` with the fixes of the diagnostics, in their order. One that overlaps a fix before it, or that reaches outside of
+// `source`, is left out; an edit that is made already is not made twice. `applied` (may be null): how many were made.
+std::string ApplyFixes(std::string_view source, const Diagnostics& diagnostics, size_t* applied);
 
 // INVALID_ARGUMENT carrying the rendered text; OK when there is no error among them.
 absl::Status ToStatus(const Diagnostics& diagnostics, std::string_view source);

@@ -50,7 +50,8 @@ bool IsProvedBy(const ontology::Finding& finding, const ConsistencyCheck::Result
 
 std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics) {
   std::vector<ontology::Finding> findings;
-  for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic, ""});
+  for (const Diagnostic& diagnostic : diagnostics)
+    findings.push_back({diagnostic.rule.empty() ? rule : diagnostic.rule, diagnostic, ""});
   return findings;
 }
 

@@ -68,7 +68,7 @@ class FileChecker {
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file
 };
 
-// Diagnostics that need no rule of their own, under one name.
+// Diagnostics by their own rules, those that have none under `rule`.
 std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics);
 
 }  // namespace docent::server

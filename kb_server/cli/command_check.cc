@@ -13,6 +13,8 @@
 #include "kb_server/cli/check_files.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/text_file.h"
+#include "kb_server/door/operation_signature.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check.h"
@@ -31,7 +33,11 @@ struct CheckArguments {
   bool json = false;
   bool strict = false;
   bool full = false;
+  bool fix = false;
 };
+
+// A fix may show what another one can mend.
+constexpr int kMaxFixRounds = 10;
 
 enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
 
@@ -62,7 +68,7 @@ class Checker {
     for (const std::string& file : arguments_.ontologies) {
       auto rdf = ReadRdf(file, arguments_.base);
       if (!rdf.ok()) return rdf.status();
-      ParsedRdf parsed = ParseRdf(rdf->text, rdf->format, rdf->Options(file));
+      ParsedRdf parsed = ParseScoped(file, *rdf);
       if (!parsed.ok()) return ToStatus(parsed, rdf->text);
       environment_.AddOntology(parsed.quads);
       has_environment_ = true;
@@ -73,6 +79,7 @@ class Checker {
       auto rdf = ReadRdf(file, arguments_.base);
       if (!rdf.ok()) return rdf.status();
       files_.AddRdf(file, *rdf, false);
+      environment_.AddOntology(ParseScoped(file, *rdf).quads);
       rdf_texts_[file] = std::move(rdf->text);
     }
     for (const std::string& file : arguments_.files) {
@@ -91,7 +98,7 @@ class Checker {
       services_[file] = registry.Put(parsed.document);
     }
     for (const rsel::PlanPtr& plan : registry.Plans()) {
-      environment_.AddOperation({plan->process, plan->inputs, true});
+      environment_.AddOperation(SignatureOf(*plan, registry));
       has_operations_ = true;
     }
     return absl::OkStatus();
@@ -130,13 +137,42 @@ class Checker {
                          ": unknown file name extension; use .ttl .trig .nt .nq "
                          ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
     }
-    Print(file, findings);
+    if (arguments_.fix) {
+      for (const ontology::Finding& finding : findings) fixable_[file].push_back(finding.diagnostic);
+    } else {
+      Print(file, findings);
+    }
     return absl::OkStatus();
   }
 
   bool failed() const { return failed_; }
 
+  // With --fix: makes the fixes of what was found, and says how many.
+  absl::StatusOr<size_t> WriteFixes() const {
+    size_t all = 0;
+    for (const auto& [file, diagnostics] : fixable_) {
+      const absl::StatusOr<std::string> text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      size_t applied = 0;
+      const std::string fixed = ApplyFixes(*text, diagnostics, &applied);
+      if (applied == 0) continue;
+      if (NameWithoutGz(file) != file)
+        return absl::InvalidArgumentError(absl::StrCat(file, " is packed; unpack it to have it fixed"));
+      if (absl::Status status = ReplaceTextFile(file, fixed); !status.ok()) return status;
+      std::cerr << file << ": " << applied << (applied == 1 ? " fix made\n" : " fixes made\n");
+      all += applied;
+    }
+    return all;
+  }
+
  private:
+  // Blank nodes of different files are different.
+  ParsedRdf ParseScoped(const std::string& file, const RdfText& rdf) {
+    ParseRdfOptions options = rdf.Options(file);
+    options.blank_node_scope = absl::StrCat("e", ++scopes_, "_");
+    return ParseRdf(rdf.text, rdf.format, options);
+  }
+
   Diagnostics CheckCawl(const std::string& file, const std::string& text) {
     bool check_words = has_environment_ || has_operations_;
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
@@ -144,7 +180,7 @@ class Checker {
       Diagnostics unsupported = engine::Engine::CheckSupported(*report.document);
       report.diagnostics.insert(report.diagnostics.end(), unsupported.begin(), unsupported.end());
     }
-    if (!arguments_.ask) return report.diagnostics;
+    if (!arguments_.ask || arguments_.fix) return report.diagnostics;
     for (const cawl::ConditionText& condition : report.conditions) {
       if (arguments_.json) {
         nlohmann::json object = {{"file", file}, {"place", condition.place}, {"ask", condition.ask}};
@@ -181,6 +217,9 @@ class Checker {
             {"message", d.message},
             {"hint", d.hint}};
         if (!finding.proof.empty()) object["proof"] = finding.proof;
+        for (const TextEdit& edit : d.fix)
+          object["fix"].push_back(
+              {{"offset", edit.offset}, {"length", edit.length}, {"replacement", edit.replacement}});
         std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
       }
       return;
@@ -203,9 +242,40 @@ class Checker {
   cawl::QuadEnvironment environment_;
   bool has_environment_ = false;
   bool has_operations_ = false;
+  std::map<std::string, Diagnostics> fixable_;  // with --fix: what was found, by file
+  size_t scopes_ = 0;
   std::map<std::string, Diagnostics> services_;  // what the registry says of each RSEL file
   bool failed_ = false;
 };
+
+}  // namespace
+
+namespace {
+
+int CheckFiles(const CheckArguments& arguments) {
+  Checker checker(arguments);
+  if (absl::Status status = checker.Prepare(); !status.ok()) return Fail(status);
+  int exit_code = kExitOk;
+  for (const std::string& file : arguments.files) {
+    if (absl::Status status = checker.Check(file); !status.ok()) exit_code = Fail(status);
+  }
+  return exit_code == kExitOk && checker.failed() ? kExitNegative : exit_code;
+}
+
+// Makes fixes until there are none, or a file cannot be read or written.
+absl::Status FixFiles(CheckArguments arguments) {
+  arguments.fix = true;
+  for (int round = 0; round < kMaxFixRounds; ++round) {
+    Checker checker(arguments);
+    if (absl::Status status = checker.Prepare(); !status.ok()) return status;
+    for (const std::string& file : arguments.files) {
+      if (absl::Status status = checker.Check(file); !status.ok()) return status;
+    }
+    const absl::StatusOr<size_t> made = checker.WriteFixes();
+    if (!made.ok() || *made == 0) return made.status();
+  }
+  return absl::OkStatus();
+}
 
 }  // namespace
 
@@ -226,22 +296,26 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   AddBaseOption(command, &arguments->base);
   command->add_flag("--ask", arguments->ask, "Print the SPARQL ASK that each CAWL condition is compiled to");
   command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
-  command->add_flag("--json", arguments->json, "Print JSON, an object a finding");
+  command->add_flag(
+      "--json", arguments->json,
+      "Print JSON, an object a finding; where a remedy is evident, its field fix has it as edits "
+      "of the file's bytes");
+  command->add_flag("--fix", arguments->fix,
+                    "Make the remedies that are evident in the files, and report the rest");
   command->add_flag("--full", arguments->full, "Print whole IRIs, not named by the files' prefixes");
   command->footer(
       "Exit code 1: errors were found.\n"
       "Example:\n"
       "  docent check hall.ttl guide.rules booth_guide.cawl.xml --ontology place.ttl");
   command->callback([arguments, exit_code] {
-    Checker checker(*arguments);
-    if (absl::Status status = checker.Prepare(); !status.ok()) {
-      *exit_code = Fail(status);
-      return;
+    if (arguments->fix) {
+      if (absl::Status status = FixFiles(*arguments); !status.ok()) {
+        *exit_code = Fail(status);
+        return;
+      }
     }
-    for (const std::string& file : arguments->files) {
-      if (absl::Status status = checker.Check(file); !status.ok()) *exit_code = Fail(status);
-    }
-    if (*exit_code == kExitOk && checker.failed()) *exit_code = kExitNegative;
+    arguments->fix = false;
+    *exit_code = CheckFiles(*arguments);
   });
 }
 

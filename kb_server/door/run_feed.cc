@@ -7,9 +7,9 @@
 
 namespace docent::server {
 
-uint64_t RunFeed::Subscribe(std::function<void()> news) {
+uint64_t RunFeed::Subscribe(Callback callback) {
   absl::MutexLock lock(&subscribers_mutex_);
-  subscribers_.emplace(next_subscriber_, std::move(news));
+  subscribers_.emplace(next_subscriber_, std::move(callback));
   return next_subscriber_++;
 }
 
@@ -22,7 +22,11 @@ void RunFeed::Publish(const std::vector<RunEvent>& events) {
   if (events.empty()) return;
   Keep(events);
   absl::MutexLock lock(&subscribers_mutex_);
-  for (const auto& [id, news] : subscribers_) news();
+  for (auto it = subscribers_.begin(); it != subscribers_.end();) {
+    bool keeps_up = true;
+    for (const RunEvent& event : events) keeps_up = keeps_up && it->second(event);
+    it = keeps_up ? std::next(it) : subscribers_.erase(it);
+  }
 }
 
 void RunFeed::Keep(const std::vector<RunEvent>& events) {

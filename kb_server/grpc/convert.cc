@@ -7,7 +7,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term_check.h"
-#include "kb_server/robots/measures.h"
+#include "kb_server/work/measures.h"
 
 namespace docent::server {
 namespace {
@@ -40,6 +40,13 @@ void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out) {
   out->set_message(diagnostic.message);
   out->set_hint(diagnostic.hint);
   out->set_warning(diagnostic.severity == Diagnostic::Severity::kWarning);
+  out->set_rule(diagnostic.rule);
+  for (const TextEdit& edit : diagnostic.fix) {
+    v1::TextEdit* fix = out->add_fix();
+    fix->set_offset(edit.offset);
+    fix->set_length(edit.length);
+    fix->set_replacement(edit.replacement);
+  }
 }
 
 void ToProto(const BatchOutcome& outcome, v1::AssertReply* out) {

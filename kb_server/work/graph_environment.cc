@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/robots/robot_records.h"
+#include "kb_server/door/operation_signature.h"
 
 namespace docent::server {
 namespace {
@@ -24,8 +25,7 @@ class LiveEnvironment final : public cawl::Environment {
                          Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
 
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
-    if (rsel::PlanPtr plan = catalog_->services.Find(name))
-      return cawl::OperationSignature{plan->process, plan->inputs, true};
+    if (rsel::PlanPtr plan = catalog_->services.Find(name)) return SignatureOf(*plan, catalog_->services);
     return Described(name);
   }
   std::vector<std::string> OperationNames() const override {
@@ -63,8 +63,26 @@ class LiveEnvironment final : public cawl::Environment {
                         [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
     return words;
   }
+  std::vector<Term> Objects(const Term& subject, std::string_view predicate) const override {
+    std::vector<Term> out;
+    const auto s = dictionary_.Find(subject), p = dictionary_.FindIri(predicate);
+    if (!s || !p) return out;
+    version_->ForEach({*s, *p, {}, {}}, [&](const Quad& quad) { return Keep(quad.object, &out); });
+    return out;
+  }
+  std::vector<Term> Subjects(std::string_view predicate, const Term& object) const override {
+    std::vector<Term> out;
+    const auto p = dictionary_.FindIri(predicate), o = dictionary_.Find(object);
+    if (!p || !o) return out;
+    version_->ForEach({{}, *p, *o, {}}, [&](const Quad& quad) { return Keep(quad.subject, &out); });
+    return out;
+  }
 
  private:
+  bool Keep(TermId id, std::vector<Term>* out) const {
+    out->push_back(dictionary_.Decode(id));
+    return out->size() < kMaxFacts;
+  }
   // The inputs that every robot takes that describes the operation; nullopt: no robot offers it.
   std::optional<cawl::OperationSignature> Described(std::string_view name) const {
     std::optional<cawl::OperationSignature> out;
@@ -134,6 +152,32 @@ class LiveEnvironment final : public cawl::Environment {
 };
 
 }  // namespace
+
+std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
+                                                      const GraphVersion& version) {
+  std::vector<rsel::OfferedOperation> offered;
+  const auto offers = dictionary.FindIri(DocentIri("offers")),
+             known = dictionary.FindIri(DocentIri("inputsKnown")),
+             input = dictionary.FindIri(DocentIri("input")), yes = dictionary.Find(Term::Boolean(true));
+  if (!offers) return offered;
+  version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
+    std::optional<std::string> name = OperationOfIri(dictionary.Decode(quad.object).lexical);
+    if (!name) return true;
+    rsel::OfferedOperation operation;
+    operation.robot = RobotId(dictionary.Decode(quad.subject).lexical);
+    operation.name = *std::move(name);
+    operation.inputs_known = known && yes && version.ContainsMatch({quad.object, *known, *yes, quad.subject});
+    if (operation.inputs_known && input) {
+      version.ForEach({quad.object, *input, {}, quad.subject}, [&](const Quad& part) {
+        operation.inputs.push_back(dictionary.Decode(part.object).lexical);
+        return true;
+      });
+    }
+    offered.push_back(std::move(operation));
+    return true;
+  });
+  return offered;
+}
 
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
                                                     std::shared_ptr<const Catalog> catalog) {

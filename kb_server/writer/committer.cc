@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "graph/rdf/vocabulary.h"
 #include "graph/store/delta_sum.h"
 #include "kb_server/writer/run_events.h"
 
@@ -23,13 +24,7 @@ std::vector<History::Step> StepsOf(const DecidedGroup& group) {
 
 }  // namespace
 
-Committer::Committer(const CommitPorts& ports, size_t turns_per_commit, WriterCounters* counters,
-                     std::function<void()> halted)
-    : ports_(ports),
-      turns_per_commit_(turns_per_commit),
-      counters_(*counters),
-      on_halted_(std::move(halted)),
-      thread_([this] { Loop(); }) {}
+Committer::Committer(const Ports& ports) : ports_(ports), thread_([this] { Loop(); }) {}
 
 Committer::~Committer() {
   {
@@ -83,7 +78,7 @@ Committer::Groups Committer::Next() {
   size_t turns = 0;
   for (DecidedGroup& group : groups_) {
     turns += group.turns.size();
-    if (!groups.empty() && turns > turns_per_commit_) break;
+    if (!groups.empty() && turns > ports_.turns_per_commit) break;
     groups.push_back(&group);
   }
   return groups;
@@ -128,7 +123,7 @@ void Committer::Halt(const absl::Status& status) {
     refusal_ = status;
     halted_ = true;
   }
-  on_halted_();
+  ports_.halted();
 }
 
 absl::Status Committer::Append(const Groups& groups) {
@@ -144,8 +139,8 @@ absl::Status Committer::Append(const Groups& groups) {
     return absl::FailedPreconditionError("another server has taken over the log; this one stops");
   }
   head_ += records.size();
-  ++counters_.commits;
-  counters_.turns += records.size();
+  ++ports_.counters->commits;
+  ports_.counters->turns += records.size();
   return absl::OkStatus();
 }
 
@@ -184,21 +179,35 @@ void Committer::TellFollowers(const DecidedGroup& group) {
 
 void Committer::Send(const TurnResult& result) {
   if (ports_.proxies == nullptr) return;
-  TellAddresses(result.addresses);
+  // Where the proxies find the adapters is a fact like any other.
+  if (!address_) address_ = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
+  for (const Quad& quad : result.delta.added) {
+    if (quad.predicate == address_) TellAddress(quad);
+  }
   for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
   for (const RobotCommand& command : result.record.commands) ports_.proxies->Send(command);
 }
 
 void Committer::Tell(DecidedTurn* turn) {
-  counters_.commands += turn->result.record.commands.size();
-  counters_.inferred += turn->result.inferred;
+  ports_.counters->commands += turn->result.record.commands.size();
+  ports_.counters->inferred += turn->result.inferred;
   ports_.feed->Publish(EventsOf(turn->result.record));
   turn->done(turn->outcome);
 }
 
-void Committer::TellAddresses(const std::vector<AdapterAddress>& addresses) {
+void Committer::TellAddresses(const GraphVersion& version) {
   if (ports_.proxies == nullptr) return;
-  for (const AdapterAddress& adapter : addresses) ports_.proxies->SetAddress(adapter.robot, adapter.address);
+  const std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
+  if (!address) return;
+  version.ForEach({{}, *address, {}, {}}, [this](const Quad& quad) {
+    TellAddress(quad);
+    return true;
+  });
+}
+
+void Committer::TellAddress(const Quad& fact) {
+  ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(fact.subject).lexical),
+                             ports_.dictionary->Decode(fact.object).lexical);
 }
 
 }  // namespace docent::server

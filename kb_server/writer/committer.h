@@ -28,11 +28,11 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "graph/log/context_log.h"
+#include "graph/rdf/dictionary.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
-#include "kb_server/robots/robot_records.h"
 #include "kb_server/subscriptions/subscriptions.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/history.h"
@@ -62,8 +62,8 @@ struct DecidedTurn {  // `result.version`: only where somebody follows queries, 
   std::string record;  // as the log keeps it
 };
 
-// An answer that supposes turns which may not be durable yet: to a batch that was refused after them, to the repeat of one
-// of theirs, or to a visit that saw what they made.
+// An answer that supposes turns which may not be durable yet: to a batch that was refused after them, or to the
+// repeat of one of theirs.
 struct HeldAnswer {
   absl::StatusOr<BatchOutcome> outcome;
   BatchCallback done;
@@ -77,22 +77,24 @@ struct DecidedGroup {
   std::shared_ptr<const Catalog> catalog;  // after the turns; null: they have not changed it
 };
 
-// Where turns go once they are decided. These may be null: `proxies` (nothing is sent), `history`, `subscriptions`.
-struct CommitPorts {
-  log::ContextLog* log = nullptr;
-  QueryPort* queries = nullptr;
-  CatalogPort* catalog = nullptr;
-  RunFeed* feed = nullptr;
-  proxy::RobotProxies* proxies = nullptr;
-  History* history = nullptr;
-  Subscriptions* subscriptions = nullptr;
-};
-
 class Committer {
  public:
-  // `halted` is called when it stands still. Everything must outlive the committer.
-  Committer(const CommitPorts& ports, size_t turns_per_commit, WriterCounters* counters,
-            std::function<void()> halted);
+  // Everything must outlive the committer. These may be null: `proxies` (nothing is sent), `history`,
+  // `subscriptions`.
+  struct Ports {
+    log::ContextLog* log = nullptr;
+    QueryPort* queries = nullptr;
+    CatalogPort* catalog = nullptr;
+    RunFeed* feed = nullptr;
+    proxy::RobotProxies* proxies = nullptr;
+    History* history = nullptr;
+    Subscriptions* subscriptions = nullptr;
+    const Dictionary* dictionary = nullptr;
+    WriterCounters* counters = nullptr;
+    size_t turns_per_commit = 1;
+    std::function<void()> halted;
+  };
+  explicit Committer(const Ports& ports);
   ~Committer();  // when all is told, or it stands still
   Committer(const Committer&) = delete;
   Committer& operator=(const Committer&) = delete;
@@ -115,8 +117,8 @@ class Committer {
   // All that is in flight; halted() must be true, and is not any more.
   Refused TakeRefused();
 
-  // Where the proxies find the adapters.
-  void TellAddresses(const std::vector<AdapterAddress>& addresses);
+  // Where the proxies find the adapters of this version.
+  void TellAddresses(const GraphVersion& version);
 
  private:
   // Turns that are not told yet keep what they replaced in memory.
@@ -132,12 +134,10 @@ class Committer {
   void Send(const TurnResult& result);
   void Tell(DecidedTurn* turn);
   void Forget(size_t groups, std::vector<GraphVersionPtr> gone);
+  void TellAddress(const Quad& fact);
   void Halt(const absl::Status& status);
 
-  const CommitPorts ports_;
-  const size_t turns_per_commit_;
-  WriterCounters& counters_;
-  const std::function<void()> on_halted_;
+  const Ports ports_;
 
   absl::Mutex mutex_;
   std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);    // in flight
@@ -151,6 +151,7 @@ class Committer {
   uint64_t head_ = 0;  // offset of the newest durable record
   uint64_t epoch_ = 0;
   bool replaced_ = false;
+  std::optional<TermId> address_;  // of the predicate docent:adapterAddress, once it is known
   std::thread thread_;
 };
 

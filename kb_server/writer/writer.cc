@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/log/record_codec.h"
-#include "kb_server/robots/robot_records.h"
 #include "kb_server/writer/run_events.h"
 #include "spdlog/spdlog.h"
 
@@ -42,13 +41,28 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
   return outcome;
 }
 
+Committer::Ports ToCommitterPorts(const Writer::Ports& ports, WriterCounters* counters) {
+  Committer::Ports out;
+  out.log = ports.log;
+  out.queries = ports.queries;
+  out.catalog = ports.catalog;
+  out.feed = ports.feed;
+  out.proxies = ports.proxies;
+  out.history = ports.history;
+  out.subscriptions = ports.subscriptions;
+  out.dictionary = ports.dictionary;
+  out.counters = counters;
+  out.turns_per_commit = ports.limits.turns_per_commit;
+  out.halted = [inbox = ports.inbox] { inbox->Wake(); };
+  return out;
+}
+
 }  // namespace
 
 Writer::Writer(const Ports& ports)
     : ports_(ports),
       requests_(ports.limits.request_ids_remembered),
-      committer_(ports, ports.limits.turns_per_commit, &counters_, [inbox = ports.inbox] { inbox->Wake(); }) {
-}
+      committer_(ToCommitterPorts(ports, &counters_)) {}
 
 absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
   absl::Status status = Replay(progress);
@@ -57,7 +71,7 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports_.queries->Publish(version);
   if (ports_.subscriptions != nullptr) ports_.subscriptions->PublishWhole(std::move(version));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
-  committer_.TellAddresses(AdapterAddresses(*ports_.dictionary, stages_->writer.current()));
+  committer_.TellAddresses(stages_->writer.current());
   committer_.Start(newest_, epoch_);
   PublishCounters();
   return absl::OkStatus();
@@ -206,11 +220,6 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
 }
 
 void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
-  if (pending.visit) {
-    pending.visit(stages_.get(), Revision(newest_));
-    group->answers.push_back({BatchOutcome{newest_}, std::move(pending.done)});
-    return;
-  }
   if (const BatchOutcome* first = requests_.Find(pending.batch.request_id)) {
     BatchOutcome outcome = *first;
     outcome.repeated = true;

@@ -33,10 +33,18 @@ namespace docent::server {
 
 class Writer {
  public:
-  // Everything must outlive the writer.
-  struct Ports : CommitPorts {
+  // Everything must outlive the writer. These may be null: `proxies` (nothing is sent: tools, tests), `snapshots`
+  // and `history` (none are kept).
+  struct Ports {
     Inbox* inbox = nullptr;
-    SnapshotKeeper* snapshots = nullptr;  // null: none are kept
+    log::ContextLog* log = nullptr;
+    QueryPort* queries = nullptr;
+    CatalogPort* catalog = nullptr;
+    RunFeed* feed = nullptr;
+    proxy::RobotProxies* proxies = nullptr;
+    SnapshotKeeper* snapshots = nullptr;
+    History* history = nullptr;
+    Subscriptions* subscriptions = nullptr;  // may be null
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
@@ -64,6 +72,9 @@ class Writer {
   absl::Status LogStatus() const;
   // To be called now and then while that is not OK: asks the log again, though nothing is to be written. Any thread.
   void AskLogAgain() { ports_.inbox->Wake(); }
+
+  // Between two turns, on the writer's thread (from a batch's preparation): to be copied, not changed.
+  Stages* stages() { return stages_.get(); }
 
  private:
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);

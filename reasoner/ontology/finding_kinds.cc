@@ -6,6 +6,15 @@ namespace docent::ontology {
 
 const std::vector<FindingKind>& FindingKinds() {
   static const auto* kinds = new std::vector<FindingKind>{
+      {"activator-never-rises", "warning", "CAWL",
+       "No alternative of an activator's condition can hold, so it starts no run. What is wrong with the "
+       "alternatives is told beside it.",
+       "Correct the condition."},
+      {"always-true-condition", "warning", "CAWL",
+       "A condition, a context or a rule always holds: it has no constraint, or its expression is true "
+       "whatever its parts are. An activator with such a condition starts one run, when the document is "
+       "deployed.",
+       "Say what must hold, or leave it out."},
       {"bad-literal", "error", "RDF",
        "The text of a literal is not one that its datatype allows: \"soon\"^^xsd:dateTime.",
        "Correct the text or the datatype."},
@@ -42,6 +51,10 @@ const std::vector<FindingKind>& FindingKinds() {
       {"long-list", "warning", "RDF",
        "A property chain or key is longer than the rule set owl2rl follows; nothing is inferred from it.",
        "Give a part of the chain a property of its own, or name fewer properties, or write a rule."},
+      {"loop-without-wait", "warning", "CAWL",
+       "The nodes of a loop have neither a condition nor an invoke. While the condition of the link that "
+       "leads back holds, the loop goes round until the limit node_iterations.",
+       "Give a node of the loop a condition that waits for what is to come."},
       {"missing-comment", "warning", "RDF", "A class or property has a label but no rdfs:comment.",
        "Add an rdfs:comment that says what it means and when it holds."},
       {"missing-label", "warning", "RDF", "A class or property has no rdfs:label.",
@@ -50,6 +63,9 @@ const std::vector<FindingKind>& FindingKinds() {
        "A namespace is unknown but differs little from a known one, by its case, its last sign or http for "
        "https.",
        "Correct the namespace, usually in a prefix declaration."},
+      {"no-way-to-sink", "error", "CAWL",
+       "No links lead from a node, or from the source, to the sink: a run would never end.",
+       "Link the node on."},
       {"range-clash", "error", "RDF",
        "The value of a fact cannot be in the range of the property: it is of a disjoint class or another "
        "datatype, or it is a "
@@ -59,6 +75,10 @@ const std::vector<FindingKind>& FindingKinds() {
        "The value of a fact is not known to be in the range of the property. Rules of OWL would infer that "
        "it is.",
        "Add the type, or use another property."},
+      {"robot-race", "warning", "CAWL, RSEL",
+       "Two nodes that may be active at the same time, or two invocations that start together, command the "
+       "same robot.",
+       "Put them one after the other, or let each bind a ?robot of its own."},
       {"rule", "warning", "RDF, rules",
        "A rule is valid, but may do less than its author means, such as one imported from SHACL that sees no "
        "instances of subclasses.",
@@ -72,15 +92,38 @@ const std::vector<FindingKind>& FindingKinds() {
       {"syntax", "error or warning", "all",
        "The file does not follow its grammar. Nothing else of it is checked.",
        "Correct the text at the place that the finding names."},
-      {"undefined-term", "error", "RDF, SPARQL, rules",
+      {"timeout-without-effect", "warning", "CAWL",
+       "A timeout ends nothing: it stands where nothing takes time, at an activator, or behind one that ends "
+       "first.",
+       "Take it away, or put it where something is waited for."},
+      {"type-clash", "warning", "CAWL",
+       "A value does not suit: a literal where the property has resources or the reverse, a literal of "
+       "another datatype, a variable whose declared type is disjoint with what a constraint or an operation "
+       "needs.",
+       "Correct the word, or the type of the variable."},
+      {"undefined-term", "error or warning", "CAWL, RDF, SPARQL, rules",
        "A word of a namespace that the files named define is not defined there. Usually it is misspelt; the "
-       "hint names the nearest word.",
+       "hint names the nearest word. In CAWL it is a warning.",
        "Correct the word, or declare it in its ontology."},
+      {"unknown-operation", "warning", "CAWL, RSEL",
+       "No robot offers an operation now, and no robot service has this name. An invocation of it waits "
+       "until a robot joins that offers it.",
+       "Correct the name where it is misspelt; the hint names the nearest one."},
+      {"unreachable-node", "error", "CAWL", "No links lead from the source to a node.",
+       "Link it, or remove it."},
+      {"unsatisfiable-condition", "warning", "CAWL",
+       "An alternative of a condition can never hold: its constraints need one thing to be in two disjoint "
+       "classes, need something to hold and not to hold, compare with a variable that has no value, or must "
+       "have held for longer than the wait lasts.",
+       "Correct one of the constraints."},
+      {"unset-variable", "error or warning", "CAWL",
+       "A variable is used where it can have no value: nothing initializes it, and no condition or operation "
+       "before gives it one.",
+       "Initialize it, or bind it in a condition before."},
       {"unused-prefix", "warning", "RDF, SPARQL, rules", "A prefix is declared and not used.",
        "Remove the declaration."},
       {"workflow", "error or warning", "CAWL",
-       "A workflow is not valid: an unknown word, a condition that does not compile, a node that can never "
-       "be reached.",
+       "A workflow is not valid: an unknown word, a condition that does not compile.",
        "See the hint of the finding, and the reference of CAWL."},
       {"wrong-kind", "error", "RDF, SPARQL, rules",
        "A property stands where a class is needed, or the reverse.",

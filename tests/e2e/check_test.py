@@ -39,6 +39,17 @@ PROTEGE = """<?xml version="1.0"?>
 </rdf:RDF>
 """
 
+WORKFLOW = """<CAWL name="T" xmlns:docent="https://w3id.org/docent#">
+<flow name="F"><variable name="user"/>
+    <source name="s"/>
+  <node name="Greet" timeout="1min"><condition><context><rule>
+        <constraint><subject>$usr</subject><verb>docent:isAt</verb><object>?place</object></constraint>
+  </rule></context></condition><invoke operation="say"/></node> <!-- says hello -->
+  <sink name="e"/>
+    <link from="s" to="Gret"/><link from="Greet" to="e"/>
+</flow></CAWL>
+"""
+
 
 class Check(StageTest):
     def test_the_project_s_own_files_have_no_errors(self):
@@ -46,6 +57,60 @@ class Check(StageTest):
         done = self.docent("check", *files)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.count(": ok"), len(files))
+
+    def test_fixes_are_edits_that_a_program_can_make(self):
+        file = self.file("t.cawl.xml", WORKFLOW)
+        found = [json.loads(line) for line in self.docent("check", "--json", file).stdout.splitlines()]
+        text = WORKFLOW.encode()
+        usr, = [f for f in found if "$usr" in f["message"]]
+        edit, = usr["fix"]
+        self.assertEqual(text[edit["offset"]:edit["offset"] + edit["length"]], b"usr")
+        self.assertEqual(edit["replacement"], "user")
+        done = self.docent("check", "--fix", file)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("fixes made", done.stderr)
+        fixed = file.read_text()
+        self.assertIn("$user<", fixed)
+        self.assertIn(' xmlns:ext="https://w3id.org/docent/cawl-ext#"', fixed)
+        self.assertIn('ext:timeout="1min"', fixed)
+        self.assertIn('to="Greet"', fixed)
+        again = self.docent("check", "--fix", file)
+        self.assertEqual((again.returncode, again.stderr), (0, ""))
+
+    def test_workflow_findings_have_rules(self):
+        ontologies = [a for f in sorted(stage.ROOT.glob("ontology/*.ttl")) for a in ("--ontology", f)]
+        text = (stage.S01 / "booth_guide.cawl.xml").read_text(encoding="utf-8")
+        file = self.file("booth.cawl.xml", text.replace('type="docent:Visitor">?user', 'type="docent:Robot">?user'))
+        done = self.docent("check", "--json", *ontologies, stage.S01 / "booth_guide.rsel.xml", file)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rules = {json.loads(line)["rule"] for line in done.stdout.splitlines()}
+        self.assertEqual(rules, {"unsatisfiable-condition", "activator-never-rises"})
+        clean = self.docent("check", *ontologies, stage.S01 / "booth_guide.rsel.xml", stage.S01 / "booth_guide.cawl.xml")
+        self.assertEqual((clean.returncode, clean.stderr), (0, ""))
+
+    def test_fmt_changes_layout_alone(self):
+        file = self.file("f.cawl.xml", WORKFLOW)
+        self.assertEqual(self.docent("fmt", "--check", file).returncode, 1)
+        self.assertEqual(file.read_text(), WORKFLOW)
+        done = self.docent("fmt", file)
+        self.assertEqual((done.returncode, done.stdout.strip()), (0, str(file)))
+        formatted = file.read_text()
+        self.assertEqual("".join(formatted.split()), "".join(WORKFLOW.split()))
+        self.assertIn("</node> <!-- says hello -->\n", formatted)
+        self.assertEqual(self.docent("fmt", "--check", file).returncode, 0)
+        self.assertEqual(self.docent("fmt", "-", text=WORKFLOW).stdout, formatted)
+        for kind in ("cawl", "rsel"):
+            shipped = sorted(stage.ROOT.glob(f"scenarios/*/*.{kind}.xml"))
+            self.assertEqual(self.docent("fmt", "--check", *shipped).returncode, 0)
+
+    def test_fmt_refuses_what_is_no_document(self):
+        broken = self.file("b.cawl.xml", "<CAWL name='T'>\n<flow></CAWL>\n")
+        done = self.docent("fmt", broken)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("b.cawl.xml:2:", done.stderr)
+        other = self.file("o.xml", "<html/>")
+        self.assertIn("neither a CAWL nor an RSEL document", self.docent("fmt", other).stderr)
+        self.assertEqual(self.docent("fmt", "/nowhere.cawl.xml").returncode, 2)
 
     def test_findings_have_place_rule_and_remedy(self):
         words = self.file("words.ttl", WORDS)

@@ -29,6 +29,17 @@ inline void RequireSound(const Diagnostics& diagnostics, std::string_view text) 
   Require(diagnostics.empty() || !Render(diagnostics, text).empty(), "nothing rendered");
 }
 
+// Each fix by itself can be made.
+inline void RequireSoundFixes(const Diagnostics& diagnostics, std::string_view text) {
+  for (const Diagnostic& d : diagnostics) {
+    if (d.fix.empty()) continue;
+    size_t applied = 0;
+    const std::string fixed = ApplyFixes(text, {d}, &applied);
+    Require(applied == 1, "a fix that cannot be made: " + d.message);
+    Require(fixed != text, "a fix that changes nothing: " + d.message);
+  }
+}
+
 }  // namespace docent::fuzz
 
 #endif  // DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_

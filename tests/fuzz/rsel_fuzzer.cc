@@ -38,6 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string_view text(reinterpret_cast<const char*>(data), size);
   rsel::ParsedRsel parsed = rsel::ParseRsel(text, "f");
   fuzz::RequireSound(parsed.diagnostics, text);
+  fuzz::RequireSoundFixes(parsed.diagnostics, text);
   fuzz::Require(parsed.document != nullptr || HasErrors(parsed.diagnostics), "refused without a word");
   if (!parsed.ok()) return 0;
   rsel::ServiceRegistry registry;

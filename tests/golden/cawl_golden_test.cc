@@ -1,31 +1,44 @@
-// tests/golden/cawl/CASE: input.xml (or source.txt), optional environment.txt, expected.txt.
+// tests/golden/cawl/CASE: input.xml (or source.txt), optional environment.txt and ontology.txt, expected.txt.
 #include <sstream>
 
 #include "graph/base/text.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
+#include "tests/golden/findings.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/cawl/check.h"
 
 namespace docent::cawl {
 namespace {
 
+namespace fs = std::filesystem;
+
 class CawlGolden : public testing::TestWithParam<std::string> {};
 
-// Lines: "operation NAME INPUT…", "service NAME", "class IRI", "property IRI", "word IRI".
+// Lines: "operation NAME INPUT…", and of such an operation "input NAME PART TYPE", "output NAME RESULT…",
+// "step NAME OPERATION TIMEOUT_MS"; "service NAME", "class IRI", "property IRI", "word IRI".
 QuadEnvironment ReadEnvironment(const std::string& text) {
   QuadEnvironment out;
   std::vector<TermQuad> quads;
+  std::map<std::string, OperationSignature> operations;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
-    std::string kind, name;
+    std::string kind, name, first, second;
     words >> kind >> name;
-    std::string type = kind == "class" ? Concat(kOwlNs, "Class") : Concat(kOwlNs, "ObjectProperty");
+    OperationSignature& operation = operations[name];
+    std::string type = kind == "class" ? Concat(kOwlNs, "Class") : Concat(kRdfNs, "Property");
     if (kind == "operation") {
-      OperationSignature operation;
       operation.name = name;
       for (std::string input; words >> input;) operation.inputs.push_back(input);
-      out.AddOperation(operation);
+    } else if (kind == "input") {
+      words >> first >> second;
+      operation.input_types[first] = second;
+    } else if (kind == "output") {
+      for (std::string result; words >> result;) operation.outputs.push_back(result);
+    } else if (kind == "step") {
+      words >> first >> second;
+      operation.longest_step = {first, std::stoll(second)};
     } else if (kind == "service") {
       out.AddApplicationService(name);
     } else if (kind == "class" || kind == "property") {
@@ -34,22 +47,43 @@ QuadEnvironment ReadEnvironment(const std::string& text) {
       quads.push_back({Term::Iri(name), Term::Iri(Concat(kRdfsNs, "label")), Term::Literal("x"), Term()});
     }
   }
+  for (const auto& [name, operation] : operations) {
+    if (!operation.name.empty()) out.AddOperation(operation);
+  }
   out.AddOntology(quads);
   return out;
 }
 
+// ontology.txt: files of the tree, one a line.
+void AddOntologies(const fs::path& folder, QuadEnvironment* environment) {
+  if (!fs::exists(folder / "ontology.txt")) return;
+  std::istringstream lines(golden::ReadFile(folder / "ontology.txt"));
+  for (std::string line; std::getline(lines, line);) {
+    const ParsedRdf parsed =
+        ParseRdf(golden::ReadFile(fs::path(DOCENT_SOURCE_DIR) / line), RdfFormat::kTurtle, {});
+    ASSERT_TRUE(parsed.ok()) << line;
+    environment->AddOntology(parsed.quads);
+  }
+}
+
 TEST_P(CawlGolden, SaysWhatIsExpected) {
-  std::filesystem::path folder = std::filesystem::path(DOCENT_SOURCE_DIR) / "tests/golden/cawl" / GetParam();
+  fs::path folder = fs::path(DOCENT_SOURCE_DIR) / "tests/golden/cawl" / GetParam();
   std::string source = golden::Input(folder);
   ASSERT_FALSE(source.empty());
-  bool has_environment = std::filesystem::exists(folder / "environment.txt");
+  bool has_environment = fs::exists(folder / "environment.txt");
   QuadEnvironment environment =
       ReadEnvironment(has_environment ? golden::ReadFile(folder / "environment.txt") : "");
-  CheckReport report = CheckDocument(source, "input.xml", has_environment ? &environment : nullptr);
-  std::string actual = Render(report.diagnostics, source);
+  AddOntologies(folder, &environment);
+  const auto check = [&](const std::string& text) {
+    return CheckDocument(text, "input.xml", has_environment ? &environment : nullptr);
+  };
+  CheckReport report = check(source);
+  std::string actual = Render(report.diagnostics, source) + golden::RulesAndFixes(report.diagnostics, source);
   for (const ConditionText& condition : report.conditions)
     actual += "== " + condition.place + "\n" + condition.ask + "\n";
   golden::Compare(folder, actual);
+  golden::ExpectFixesHelp(report.diagnostics, source,
+                          [&](const std::string& text) { return check(text).diagnostics; });
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, CawlGolden, testing::ValuesIn(golden::Cases("cawl")),

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "tests/golden/findings.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/rsel/feasibility.h"
 #include "workflow/rsel/parser.h"
@@ -62,18 +63,23 @@ TEST_P(RselGolden, SaysWhatIsExpected) {
   std::string source = golden::Input(folder);
   ASSERT_FALSE(source.empty());
   ParsedRsel parsed = ParseRsel(source, "input.xml");
+  Diagnostics all = parsed.diagnostics;
   std::string actual = Render(parsed.diagnostics, source);
   ServiceRegistry registry;
   if (parsed.ok()) {
     actual += Render(registry.Put(parsed.document), source);
     if (std::filesystem::exists(folder / "operations.txt")) {
-      actual += Render(CheckFeasibility(*parsed.document, registry,
-                                        ReadOperations(golden::ReadFile(folder / "operations.txt"))),
-                       source);
+      const Diagnostics of_robots = CheckFeasibility(
+          *parsed.document, registry, ReadOperations(golden::ReadFile(folder / "operations.txt")));
+      actual += Render(of_robots, source);
+      all.insert(all.end(), of_robots.begin(), of_robots.end());
     }
   }
+  actual += golden::RulesAndFixes(all, source);
   for (const PlanPtr& plan : registry.Plans()) actual += Describe(*plan);
   golden::Compare(folder, actual);
+  golden::ExpectFixesHelp(parsed.diagnostics, source,
+                          [](const std::string& text) { return ParseRsel(text, "input.xml").diagnostics; });
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, RselGolden, testing::ValuesIn(golden::Cases("rsel")),

@@ -40,6 +40,7 @@ struct Part {
   Text type;  // a class or datatype as prefix:local; kept as written
   Text element;
   SourceSpan span;
+  std::optional<Term> type_term = {};  // its IRI, where it is one
 };
 
 // <message name="GuideRequest"> part* </message>
@@ -69,6 +70,7 @@ struct Initialize {
 struct Variable {
   Text name;
   Text type;
+  std::optional<Term> type_term;  // its IRI, where it is prefix:local or <iri>
   std::vector<Initialize> initializers;
   SourceSpan span;
 };
@@ -175,6 +177,7 @@ struct Condition {
   std::optional<Expression> expression;
   std::vector<Case> cases;  // at most one in a correct document
   std::vector<Context> contexts;
+  Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: the longest wait; then the node fails
   SourceSpan span;
 };
@@ -185,6 +188,7 @@ struct Condition {
 struct Invoke {
   Text operation;
   Text subflow;
+  Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
   int retry = 0;                      // ext:retry: further attempts after a failure
   SourceSpan span;
@@ -202,6 +206,7 @@ struct Node {
   std::optional<Expression> join;
   std::optional<Condition> condition;
   std::vector<Invoke> invokes;
+  Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
   int retry = 0;                      // ext:retry: the whole node again after a failure
   Text compensate;     // ext:compensate: operation to invoke when the run fails after this node was done

@@ -5,6 +5,7 @@
 
 #include "workflow/cawl/environment_checks.h"
 #include "workflow/cawl/parser.h"
+#include "workflow/cawl/static_checks.h"
 
 namespace docent::cawl {
 
@@ -18,7 +19,13 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
   xml::ElementReader reader(out.document->source, file, kExtensionNs);
   if (environment != nullptr) CheckAgainst(*out.document, *environment, &reader);
   // What is wrong in the text alone may leave words out of conditions.
-  if (!HasErrors(out.diagnostics)) out.conditions = ConditionTexts(*out.document, limits, &reader);
+  if (!HasErrors(out.diagnostics)) {
+    out.conditions = ConditionTexts(*out.document, limits, &reader);
+    CheckConditions(*out.document, environment, &reader);
+    CheckRuns(*out.document, &reader);
+    CheckValues(*out.document, environment, &reader);
+    CheckTimeouts(*out.document, environment, limits, &reader);
+  }
   for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
   std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });

@@ -28,6 +28,7 @@ struct CheckReport {
 //  error    an input part of an RSEL process for which no variable of that name can have a value; of a robot's own
 //           operation a warning
 //  warning  a class, property or resource that the ontology does not have, with the nearest that it has
+// and, in a document without errors, the warnings of static_checks.h. docs/reference/findings.md has all kinds.
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
                           const Limits& limits = {});
 

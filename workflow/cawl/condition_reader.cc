@@ -105,6 +105,7 @@ Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::
   reader->CheckAttributes(element, {"expression"}, {"timeout"});
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
+  out.timeout_text = reader->Extension(element, "timeout");
   out.timeout_ms = reader->Timeout(element);
   reader->ReadChildren(
       element,

@@ -61,8 +61,12 @@ class DocumentReader {
     out.name = reader_.Name(element, "name");
     reader_.ReadChildren(element, {{"part", [&](const xml::Element& e) {
                                       reader_.CheckAttributes(e, {"name", "type", "element"});
-                                      out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
-                                                           reader_.Attribute(e, "element"), e.span});
+                                      Part part{ReadVariableName(e), reader_.Attribute(e, "type"),
+                                                reader_.Attribute(e, "element"), e.span};
+                                      xml::TermError unknown;  // such a type is for people
+                                      part.type_term =
+                                          xml::ParseTerm(part.type.value, *e.namespaces, &unknown);
+                                      out.parts.push_back(std::move(part));
                                       Nothing(e);
                                     }}});
     return out;
@@ -74,7 +78,7 @@ class DocumentReader {
     reader_.CheckAttributes(element, {"name", "type"});
     out.name = ReadVariableName(element);
     out.type = reader_.Attribute(element, "type");
-    if (out.type.value.find(':') != std::string::npos) reader_.TermOf(element, out.type);
+    if (out.type.value.find(':') != std::string::npos) out.type_term = reader_.TermOf(element, out.type);
     reader_.ReadChildren(
         element,
         {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
@@ -206,9 +210,11 @@ class DocumentReader {
     out.name = reader_.Name(element, "name");
     out.state = reader_.Attribute(element, "state");
     if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
-      reader_.Error(out.state.span, Concat("state \"", out.state.value, "\" is unknown"),
-                    "write Activate or deActivate");
+      reader_.Error(
+          out.state.span, Concat("state \"", out.state.value, "\" is unknown"),
+          reader_.DidYouMean(out.state.value, {"Activate", "deActivate"}, "write Activate or deActivate"));
     }
+    out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
     out.compensate = reader_.Extension(element, "compensate");
@@ -267,6 +273,7 @@ class DocumentReader {
     reader_.CheckAttributes(element, {"operation", "subflow"}, {"timeout", "retry"});
     out.operation = reader_.OptionalName(element, "operation");
     out.subflow = reader_.OptionalName(element, "subflow");
+    out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
     Nothing(element);

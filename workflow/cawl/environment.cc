@@ -1,5 +1,6 @@
 #include "workflow/cawl/environment.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "graph/base/text.h"
@@ -29,12 +30,22 @@ bool IsPropertyType(std::string_view type) {
   return types.contains(type);
 }
 
+template <typename Facts>
+std::vector<Term> FirstOf(const Facts& facts, const Term& term, std::string_view predicate) {
+  const auto found = facts.find({term, std::string(predicate)});
+  if (found == facts.end()) return {};
+  const size_t count = std::min(found->second.size(), Environment::kMaxFacts);
+  return {found->second.begin(), found->second.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
 }  // namespace
 
 void QuadEnvironment::AddOntology(const std::vector<TermQuad>& quads) {
   static const std::string sub_class = Concat(kRdfsNs, "subClassOf");
   static const std::string sub_property = Concat(kRdfsNs, "subPropertyOf");
   for (const TermQuad& q : quads) {
+    objects_[{q.subject, q.predicate.lexical}].push_back(q.object);
+    subjects_[{q.object, q.predicate.lexical}].push_back(q.subject);
     if (!q.subject.IsIri()) continue;
     known_.insert(q.subject.lexical);
     const std::string& predicate = q.predicate.lexical;
@@ -92,6 +103,12 @@ std::vector<std::string> QuadEnvironment::Classes(std::string_view namespace_iri
 }
 std::vector<std::string> QuadEnvironment::Properties(std::string_view namespace_iri) const {
   return BeginningWith(properties_, namespace_iri);
+}
+std::vector<Term> QuadEnvironment::Objects(const Term& subject, std::string_view predicate) const {
+  return FirstOf(objects_, subject, predicate);
+}
+std::vector<Term> QuadEnvironment::Subjects(std::string_view predicate, const Term& object) const {
+  return FirstOf(subjects_, object, predicate);
 }
 std::vector<std::string> QuadEnvironment::Words(std::string_view namespace_iri) const {
   return BeginningWith(known_, namespace_iri);

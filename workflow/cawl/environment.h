@@ -3,11 +3,13 @@
 #ifndef DOCENT_WORKFLOW_CAWL_ENVIRONMENT_H_
 #define DOCENT_WORKFLOW_CAWL_ENVIRONMENT_H_
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "graph/rdf/term.h"
@@ -20,6 +22,15 @@ struct OperationSignature {
   std::vector<std::string> inputs;  // part names
   bool inputs_known = true;         // false: `inputs` says nothing
   bool of_robot = false;            // an operation that robots describe now; others may come
+  // Of an RSEL process:
+  std::map<std::string, std::string> input_types =
+      {};                                 // part → IRI of its class or datatype, where it is told
+  std::vector<std::string> outputs = {};  // names of its results
+  struct Step {
+    std::string operation;
+    int64_t timeout_ms = 0;
+  };
+  std::optional<Step> longest_step = {};  // of those with a timeout, the one with the longest
 };
 
 // Must not change while a check reads it.
@@ -40,6 +51,10 @@ class Environment {
   virtual std::vector<std::string> Properties(std::string_view namespace_iri) const = 0;
   // Everything known that begins with `namespace_iri`.
   virtual std::vector<std::string> Words(std::string_view namespace_iri) const = 0;
+  // Facts of the ontologies: the objects of (subject, predicate), the subjects of (predicate, object). At most kMaxFacts.
+  static constexpr size_t kMaxFacts = 1000;
+  virtual std::vector<Term> Objects(const Term& subject, std::string_view predicate) const = 0;
+  virtual std::vector<Term> Subjects(std::string_view predicate, const Term& object) const = 0;
 };
 
 // An environment of quads (ontology files, or the server's ontology graphs) and lists. Filled first, then read.
@@ -59,13 +74,18 @@ class QuadEnvironment final : public Environment {
   std::vector<std::string> Classes(std::string_view namespace_iri) const override;
   std::vector<std::string> Properties(std::string_view namespace_iri) const override;
   std::vector<std::string> Words(std::string_view namespace_iri) const override;
+  std::vector<Term> Objects(const Term& subject, std::string_view predicate) const override;
+  std::vector<Term> Subjects(std::string_view predicate, const Term& object) const override;
 
  private:
+  using Facts = std::map<std::pair<Term, std::string>, std::vector<Term>>;  // by a term and a predicate
+
   std::map<std::string, OperationSignature, std::less<>> operations_;
   std::set<std::string> services_;
   std::set<std::string, std::less<>> classes_;
   std::set<std::string, std::less<>> properties_;
   std::set<std::string, std::less<>> known_;
+  Facts objects_, subjects_;
 };
 
 }  // namespace docent::cawl

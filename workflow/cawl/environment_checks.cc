@@ -5,6 +5,7 @@
 
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "workflow/cawl/rule_names.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
 
@@ -30,11 +31,28 @@ class EnvironmentChecker {
     for (const ServiceProvider& provider : document_.providers) {
       for (const Service& service : provider.services) CheckOperation(service.operation);
     }
-    if (document_.activator) CheckCondition(document_.activator->condition);
+    CheckTypes(document_);
+    if (document_.activator) {
+      CheckTypes(*document_.activator);
+      CheckCondition(document_.activator->condition);
+    }
     for (const Flow& flow : document_.flows) CheckFlow(flow);
   }
 
  private:
+  // Of what a scope declares: classes, or datatypes of the ontology.
+  template <typename ScopeElement>
+  void CheckTypes(const ScopeElement& element) {
+    const auto check = [&](const std::optional<Term>& type, const SourceSpan& span) {
+      if (type && type->IsIri() && !environment_.IsKnown(type->lexical))
+        CheckWord(type->lexical, span, "class", &Environment::IsClass, &Environment::Classes);
+    };
+    for (const Message& message : element.messages) {
+      for (const Part& part : message.parts) check(part.type_term, part.type.span);
+    }
+    for (const Variable& variable : element.variables) check(variable.type_term, variable.type.span);
+  }
+
   std::optional<OperationSignature> CheckOperation(const Text& name) {
     if (name.empty()) return std::nullopt;
     std::optional<OperationSignature> found = environment_.FindOperation(name.value);
@@ -42,11 +60,14 @@ class EnvironmentChecker {
       const std::string known = operations_.empty()
                                     ? "no robot offers anything now and no RSEL process is registered"
                                     : Concat("there are: ", xml::ListOf(operations_));
-      reader_.Warning(
-          name.span,
-          Concat("no robot offers operation ", name.value, " now, and no robot service has this name"),
-          Concat("an invoke of it waits until a robot joins that offers it; ",
-                 reader_.DidYouMean(name.value, operations_, known)));
+      xml::Advice advice = reader_.DidYouMean(name.value, operations_, known);
+      advice.hint = Concat("an invoke of it waits until a robot joins that offers it; ", advice.hint);
+      reader_
+          .Warning(
+              name.span,
+              Concat("no robot offers operation ", name.value, " now, and no robot service has this name"),
+              advice)
+          .rule = kUnknownOperation;
     }
     return found;
   }
@@ -81,8 +102,10 @@ class EnvironmentChecker {
   }
 
   void CheckFlow(const Flow& flow) {
+    CheckTypes(flow);
     std::set<std::string> keys = KeysOf(flow);
     for (const Node& node : flow.nodes) {
+      CheckTypes(node);
       if (node.condition) CheckCondition(*node.condition);
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
@@ -107,12 +130,15 @@ class EnvironmentChecker {
       std::string message =
           Concat("operation ", operation.name, " needs ", input, ", but no variable ", input,
                  " is declared in flow ", flow.name.value, " and no condition binds ?", input);
-      std::string hint = reader_.DidYouMean(
-          input, known, Concat("write <variable name=\"", input, "\"> or bind ?", input, " in a condition"));
+      const std::string hint =
+          reader_
+              .DidYouMean(input, known,
+                          Concat("write <variable name=\"", input, "\"> or bind ?", input, " in a condition"))
+              .hint;
       if (operation.of_robot) {
-        reader_.Warning(invoke.operation.span, std::move(message), std::move(hint));
+        reader_.Warning(invoke.operation.span, std::move(message), hint).rule = kUnsetVariable;
       } else {
-        reader_.Error(invoke.operation.span, std::move(message), std::move(hint));
+        reader_.Error(invoke.operation.span, std::move(message), hint).rule = kUnsetVariable;
       }
     }
   }
@@ -169,9 +195,11 @@ class EnvironmentChecker {
     size_t cut = NamespaceOf(iri).size();
     std::vector<std::string> locals;
     for (const std::string& k : known) locals.push_back(k.substr(cut));
-    std::string near = reader_.DidYouMean(iri.substr(cut), locals, "");
-    reader_.Warning(span, Concat("the ontology has no ", kind, " ", ToDisplay(Term::Iri(iri))),
-                    near.empty() ? "it will never hold unless a fact with this word is told" : near);
+    reader_
+        .Warning(span, Concat("the ontology has no ", kind, " ", ToDisplay(Term::Iri(iri))),
+                 reader_.DidYouMean(iri.substr(cut), locals,
+                                    "it will never hold unless a fact with this word is told"))
+        .rule = kUndefinedTerm;
   }
 
   const Document& document_;

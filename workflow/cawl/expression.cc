@@ -214,6 +214,11 @@ std::vector<const Expression*> NamesIn(const Expression& expression) {
   return out;
 }
 
+xml::Advice InExpression(xml::Advice advice) {
+  if (NameText(advice.wrong) != advice.wrong || NameText(advice.right) != advice.right) advice.right.clear();
+  return advice;
+}
+
 std::string ToText(const Expression& expression) {
   if (expression.kind == Expression::Kind::kName) return NameText(expression.name);
   std::string out = expression.kind == Expression::Kind::kNot ? "not " : "";

@@ -38,6 +38,9 @@ bool Evaluate(const Expression& expression, const std::function<bool(const std::
 // Every kName of the expression, in order of writing.
 std::vector<const Expression*> NamesIn(const Expression& expression);
 
+// The advice for a name in an expression: without words that would have to be quoted there.
+xml::Advice InExpression(xml::Advice advice);
+
 // With the fewest parentheses and quotes that keep its meaning.
 std::string ToText(const Expression& expression);
 

@@ -3,54 +3,12 @@
 #include <set>
 
 #include "graph/base/text.h"
+#include "workflow/cawl/link_graph.h"
+#include "workflow/cawl/rule_names.h"
 #include "workflow/cawl/structure_checks.h"
 
 namespace docent::cawl {
 namespace {
-
-using Graph = std::map<std::string, std::set<std::string>>;
-
-std::set<std::string> Reachable(const Graph& graph, const std::string& start) {
-  std::set<std::string> seen{start};
-  std::vector<std::string> todo{start};
-  while (!todo.empty()) {
-    std::string here = std::move(todo.back());
-    todo.pop_back();
-    auto it = graph.find(here);
-    if (it == graph.end()) continue;
-    for (const std::string& next : it->second) {
-      if (seen.insert(next).second) todo.push_back(next);
-    }
-  }
-  return seen;
-}
-
-// The way of a cycle from `start` back to it; empty if there is none.
-std::vector<std::string> CycleThrough(const Graph& graph, const std::string& start) {
-  std::map<std::string, std::string> came_from;
-  std::vector<std::string> todo{start};
-  for (size_t i = 0; i < todo.size(); ++i) {
-    auto it = graph.find(todo[i]);
-    if (it == graph.end()) continue;
-    for (const std::string& next : it->second) {
-      if (next == start) {
-        std::vector<std::string> way{start};
-        for (std::string at = todo[i]; at != start; at = came_from[at]) way.push_back(at);
-        way.push_back(start);
-        std::reverse(way.begin(), way.end());
-        return way;
-      }
-      if (came_from.emplace(next, todo[i]).second) todo.push_back(next);
-    }
-  }
-  return {};
-}
-
-std::string Arrows(const std::vector<std::string>& way) {
-  std::string out;
-  for (const std::string& name : way) out += (out.empty() ? "" : " → ") + name;
-  return out;
-}
 
 class FlowChecker {
  public:
@@ -78,7 +36,8 @@ class FlowChecker {
            good;
     if (!good) return;
     if (!seen_.insert({link.from.value, link.to.value}).second) {
-      reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value));
+      reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value))
+          .fix = {reader_.Removal(link.span)};
       return;
     }
     if (link.from.value == flow_.source.value && (link.on_failure || link.while_text.given())) {
@@ -111,19 +70,25 @@ class FlowChecker {
     for (const Node& node : flow_.nodes) {
       if (node.name.empty()) continue;
       if (!from_source.contains(node.name.value)) {
-        reader_.Error(
-            node.name.span,
-            Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
-            "link it, or remove it");
+        reader_
+            .Error(
+                node.name.span,
+                Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
+                "link it, or remove it")
+            .rule = kUnreachableNode;
       } else if (!to_sink.contains(node.name.value)) {
-        reader_.Error(node.name.span,
-                      Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),
-                      "a run would never end; link it on");
+        reader_
+            .Error(node.name.span,
+                   Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),
+                   "a run would never end; link it on")
+            .rule = kNoWayToSink;
       }
     }
     if (!from_source.contains(flow_.sink.value)) {
-      reader_.Error(flow_.sink.span, Concat("no path leads from the source ", flow_.source.value,
-                                            " to the sink ", flow_.sink.value));
+      reader_
+          .Error(flow_.sink.span, Concat("no path leads from the source ", flow_.source.value,
+                                         " to the sink ", flow_.sink.value))
+          .rule = kNoWayToSink;
     }
   }
 
@@ -182,9 +147,9 @@ class FlowChecker {
       if (reader_.full()) return;
       reader_.Error(
           e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
-          reader_.DidYouMean(
+          InExpression(reader_.DidYouMean(
               e->name, before,
-              before.empty() ? "no link leads here" : Concat("links lead here from ", xml::ListOf(before))));
+              before.empty() ? "no link leads here" : Concat("links lead here from ", xml::ListOf(before)))));
     }
   }
 
@@ -192,13 +157,13 @@ class FlowChecker {
   xml::ElementReader& reader_;
   std::set<std::string> nodes_;
   std::set<std::pair<std::string, std::string>> seen_;
-  Graph all_, back_, forward_;  // forward_: without `while` links
+  LinkGraph all_, back_, forward_;  // forward_: without `while` links
 };
 
 }  // namespace
 
 void CheckFlows(const Document& document, xml::ElementReader* reader) {
-  Graph contains;
+  LinkGraph contains;
   std::set<std::string> flows;
   for (const Flow& flow : document.flows) flows.insert(flow.name.value);
   for (const Flow& flow : document.flows) {

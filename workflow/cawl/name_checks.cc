@@ -176,9 +176,9 @@ class NameChecker {
       if (std::find(names.begin(), names.end(), e->name) != names.end() || reader_.full()) continue;
       reader_.Error(
           e->span, Concat("the expression names ", e->name, ", but there is no ", what, " of that name here"),
-          reader_.DidYouMean(e->name, names,
-                             names.empty() ? Concat("give each ", what, " a name")
-                                           : Concat("there are: ", xml::ListOf(names))));
+          InExpression(reader_.DidYouMean(e->name, names,
+                                          names.empty() ? Concat("give each ", what, " a name")
+                                                        : Concat("there are: ", xml::ListOf(names)))));
     }
     for (const Text* t : children) {
       if (!t->empty() && !used.contains(t->value)) {
@@ -264,13 +264,15 @@ class NameChecker {
       const bool initialized = variable != nullptr && !variable->initializers.empty();
       if (!initialized && std::find(activated.begin(), activated.end(), word->name) == activated.end())
         continue;
-      reader_.Warning(
+      Diagnostic& report = reader_.Warning(
           word->span,
           Concat("?", word->name, " may match another value than the one that ",
                  initialized ? "the variable begins with" : "the activator bound"),
           Concat(
               "write $", word->name, " for the run's own",
               variable != nullptr ? "" : Concat(", and <variable name=\"", word->name, "\"/> in the flow")));
+      if (variable != nullptr && reader_.source().substr(word->span.offset, 1) == "?")
+        report.fix = {{word->span.offset, 1, "$"}};
     }
   }
 

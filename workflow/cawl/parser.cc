@@ -17,7 +17,7 @@ ParsedCawl ParseCawl(std::string_view text, const std::string& file, const Limit
   auto document = std::make_shared<Document>();
   document->file = file;
   document->source = text;
-  xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root->namespace_iri);
+  xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root.get());
   if (ReadDocument(*parsed.root, limits, &reader, document.get())) {
     CheckNames(*document, &reader);
     CheckFlows(*document, &reader);

@@ -83,7 +83,8 @@ Word WordOf(std::string_view text, WordRole role, const xml::Prefixes& prefixes,
   std::optional<Term> term = xml::ParseTerm(rest, prefixes, &error);
   if (!term) {
     reader->Error(place(offset + error.offset, error.length),
-                  Concat("in the ", RoleName(role), ": ", error.message), error.hint);
+                  Concat("in the ", RoleName(role), ": ", error.message),
+                  xml::Advice(error.hint, error.wrong, error.right));
     return word;
   }
   if (role != WordRole::kObject && !term->IsIri()) {

@@ -27,6 +27,7 @@ struct Part {
   Text name;
   Text type;  // a class or datatype as prefix:local
   SourceSpan span;
+  std::optional<Term> type_term = {};  // its IRI
 };
 
 // <message name="BoothRequest"> part* </message>
@@ -66,8 +67,9 @@ struct Invoke {
   Text service;  // for people: the robot's service that has the operation
   std::vector<Input> inputs;
   std::vector<Output> outputs;
-  bool parallel = false;                    // ext:parallel="true": starts together with the invoke before it
-  int retry = 0;                            // ext:retry: further attempts after a failure
+  bool parallel = false;  // ext:parallel="true": starts together with the invoke before it
+  int retry = 0;          // ext:retry: further attempts after a failure
+  Text timeout_text;
   std::optional<int64_t> timeout_ms;        // ext:timeout: of each attempt
   OnFailure on_failure = OnFailure::kFail;  // ext:onFailure="fail|continue"
   SourceSpan span;

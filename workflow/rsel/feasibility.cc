@@ -17,17 +17,23 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
   auto warn = [&](const SourceSpan& span, std::string message, std::string hint) {
     out->push_back(
         {document.file, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning});
+    return &out->back();
   };
   auto it = offers.find(invoke.operation.value);
   if (it == offers.end()) {
     std::vector<std::string> names;
     for (const auto& [name, unused] : offers) names.push_back(name);
     std::string near = Nearest(invoke.operation.value, names);
-    warn(invoke.operation.span, Concat("no robot offers operation ", invoke.operation.value, " now"),
-         Concat("an invocation waits until a robot joins that offers it; ",
-                !near.empty()   ? Concat("did you mean ", near, "?")
-                : names.empty() ? "no robot offers anything now"
-                                : Concat("robots offer ", xml::ListOf(names))));
+    Diagnostic* report =
+        warn(invoke.operation.span, Concat("no robot offers operation ", invoke.operation.value, " now"),
+             Concat("an invocation waits until a robot joins that offers it; ",
+                    !near.empty()   ? Concat("did you mean ", near, "?")
+                    : names.empty() ? "no robot offers anything now"
+                                    : Concat("robots offer ", xml::ListOf(names))));
+    report->rule = "unknown-operation";
+    const SourceSpan& span = invoke.operation.span;
+    if (!near.empty() && document.source.compare(span.offset, span.length, invoke.operation.value) == 0)
+      report->fix = {{span.offset, span.length, xml::XmlEscaped(near)}};
     return;
   }
   if (!it->second->inputs_known) return;

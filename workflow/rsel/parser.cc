@@ -47,7 +47,7 @@ class DocumentReader {
                          {{"part", [&](const xml::Element& e) {
                              reader_.CheckAttributes(e, {"name", "type"});
                              Part part{ReadPartName(e, "name"), reader_.Attribute(e, "type"), e.span};
-                             if (!part.type.empty()) reader_.TermOf(e, part.type);
+                             if (!part.type.empty()) part.type_term = reader_.TermOf(e, part.type);
                              out.parts.push_back(std::move(part));
                              reader_.ReadChildren(e, {});
                            }}});
@@ -79,13 +79,14 @@ class DocumentReader {
     out.service = reader_.OptionalName(element, "service");
     out.parallel = reader_.Flag(element, "parallel");
     out.retry = reader_.Retry(element);
+    out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     Text on_failure = reader_.Extension(element, "onFailure");
     if (on_failure.value == "continue") {
       out.on_failure = Invoke::OnFailure::kContinue;
     } else if (on_failure.given() && on_failure.value != "fail") {
       reader_.Error(on_failure.span, Concat("onFailure is \"", on_failure.value, "\""),
-                    "write fail or continue");
+                    reader_.DidYouMean(on_failure.value, {"fail", "continue"}, "write fail or continue"));
     }
     reader_.ReadChildren(element,
                          {{"input", [&](const xml::Element& e) { out.inputs.push_back(ReadInput(e)); }},
@@ -194,6 +195,7 @@ class Checker {
       }
       for (const Output& o : invoke.outputs) made_here.insert(o.to.value);
     }
+    CheckTogether(process);
     known.merge(made_here);
     if (output == nullptr) return;
     for (const Part& part : output->parts) {
@@ -202,6 +204,21 @@ class Checker {
           process.output.span,
           Concat("nothing gives part ", part.name.value, " of the output message ", output->name.value),
           Concat("write <output part=\"…\" to=\"", part.name.value, "\"/> in an invoke"));
+    }
+  }
+
+  // One robot serves the whole process: the same operation twice at the same time is a mistake.
+  void CheckTogether(const Process& process) {
+    std::set<std::string> group;
+    for (const Invoke& invoke : process.invokes) {
+      if (!invoke.parallel) group.clear();
+      if (invoke.operation.empty() || group.insert(invoke.operation.value).second) continue;
+      Diagnostic& report =
+          reader_.Warning(invoke.operation.span,
+                          Concat("process ", process.name.value, " invokes ", invoke.operation.value,
+                                 " twice at the same time, of one robot"),
+                          "take ext:parallel away from this invoke");
+      report.rule = "robot-race";
     }
   }
 
@@ -222,7 +239,7 @@ ParsedRsel ParseRsel(std::string_view text, const std::string& file, const Limit
   auto document = std::make_shared<Document>();
   document->file = file;
   document->source = text;
-  xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root->namespace_iri);
+  xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root.get());
   if (absl::EqualsIgnoreCase(parsed.root->name, "rsel")) {
     DocumentReader(&reader).Read(*parsed.root, document.get());
     Checker(*document, &reader).Check();

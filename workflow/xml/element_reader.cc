@@ -21,12 +21,66 @@ bool IsOurs(std::string_view name_space) {
   return name_space.empty() || name_space[0] == '#' || name_space[0] == '/';
 }
 
+bool Contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
 // What to say where no known word is near.
 std::string Otherwise(const std::vector<std::string>& known, std::string_view what) {
   return known.empty() ? Concat("it has no ", what) : Concat("known here: ", ListOf(known));
 }
 
+bool IsBlankByte(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+bool IsWordByte(char c) {
+  return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' ||
+         (static_cast<unsigned char>(c) & 0x80) != 0;
+}
+
+// The offset of `word` where it stands in `text` as a whole word, and once; npos otherwise.
+size_t OnlyPlaceOf(std::string_view word, std::string_view text) {
+  size_t place = std::string_view::npos;
+  if (word.empty()) return place;
+  for (size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const bool within =
+        (at > 0 && IsWordByte(text[at - 1]) && IsWordByte(word[0])) ||
+        (at + word.size() < text.size() && IsWordByte(text[at + word.size()]) && IsWordByte(word.back()));
+    if (within) continue;
+    if (place != std::string_view::npos) return std::string_view::npos;
+    place = at;
+  }
+  return place;
+}
+
 }  // namespace
+
+std::string XmlEscaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&apos;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
 
 std::string ListOf(const std::vector<std::string>& words) {
   std::string out;
@@ -37,29 +91,69 @@ std::string ListOf(const std::vector<std::string>& words) {
   return out;
 }
 
-void ElementReader::Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message,
-                        std::string hint) {
+Diagnostic& ElementReader::Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message,
+                               const Advice& advice) {
   if (diagnostics_.size() >= kMaxDiagnostics) {
     ++left_out_;
-    return;
+    dropped_ = {};
+    return dropped_;
   }
-  diagnostics_.push_back({file_, span, std::move(message), std::move(hint), severity});
+  diagnostics_.push_back({file_, span, std::move(message), advice.hint, severity});
+  Diagnostic& report = diagnostics_.back();
+  if (!advice.right.empty() && span.offset + span.length <= source_.size()) {
+    const std::string wrong = XmlEscaped(advice.wrong);
+    const size_t at = OnlyPlaceOf(wrong, source_.substr(span.offset, span.length));
+    if (at != std::string_view::npos)
+      report.fix.push_back({span.offset + at, wrong.size(), XmlEscaped(advice.right)});
+  }
+  return report;
 }
 
-void ElementReader::Error(const SourceSpan& span, std::string message, std::string hint) {
-  Add(Diagnostic::Severity::kError, span, std::move(message), std::move(hint));
+Diagnostic& ElementReader::Error(const SourceSpan& span, std::string message, const Advice& advice) {
+  return Add(Diagnostic::Severity::kError, span, std::move(message), advice);
 }
 
-void ElementReader::Warning(const SourceSpan& span, std::string message, std::string hint) {
-  Add(Diagnostic::Severity::kWarning, span, std::move(message), std::move(hint));
+Diagnostic& ElementReader::Warning(const SourceSpan& span, std::string message, const Advice& advice) {
+  return Add(Diagnostic::Severity::kWarning, span, std::move(message), advice);
 }
 
-std::string ElementReader::DidYouMean(std::string_view word, const std::vector<std::string>& known,
-                                      std::string otherwise) const {
+Advice ElementReader::DidYouMean(std::string_view word, const std::vector<std::string>& known,
+                                 std::string otherwise) const {
   constexpr size_t kMaxCandidates = 5000;
   if (full() || known.size() > kMaxCandidates) return otherwise;
   std::string near = Nearest(word, known);
-  return near.empty() ? otherwise : Concat("did you mean ", near, "?");
+  if (near.empty()) return otherwise;
+  std::string hint = Concat("did you mean ", near, "?");
+  return Advice(std::move(hint), word, std::move(near));
+}
+
+TextEdit ElementReader::Removal(const SourceSpan& element) const {
+  size_t begin = element.offset;
+  const size_t end = element.offset + element.length;
+  while (begin > 0 && (source_[begin - 1] == ' ' || source_[begin - 1] == '\t')) --begin;
+  const bool begins_line = begin > 0 && source_[begin - 1] == '\n';
+  const bool ends_line = end >= source_.size() || source_[end] == '\n' || source_[end] == '\r';
+  if (!begins_line || !ends_line) return {element.offset, element.length, ""};
+  --begin;
+  if (begin > 0 && source_[begin - 1] == '\r') --begin;
+  return {begin, end - begin, ""};
+}
+
+TextEdit ElementReader::AttributeRemoval(const SourceSpan& value) const {
+  size_t begin = value.offset;
+  size_t end = value.offset + value.length;
+  const auto is_blank = [&](size_t i) { return IsBlankByte(source_[i]); };
+  while (begin > 0 && is_blank(begin - 1)) --begin;
+  if (begin == 0) return {value.offset, 0, ""};
+  const char quote = source_[--begin];
+  while (end < source_.size() && source_[end] != quote) ++end;
+  end = std::min(end + 1, source_.size());
+  while (begin > 0 && is_blank(begin - 1)) --begin;
+  if (begin > 0 && source_[begin - 1] == '=') --begin;
+  while (begin > 0 && is_blank(begin - 1)) --begin;
+  while (begin > 0 && !is_blank(begin - 1)) --begin;  // its name
+  while (begin > 0 && is_blank(begin - 1)) --begin;
+  return {begin, end - begin, ""};
 }
 
 Diagnostics ElementReader::TakeDiagnostics() {
@@ -82,22 +176,13 @@ void ElementReader::CheckAttributes(const Element& element, const std::vector<st
         Error(a.name_span, Concat("attribute ", a.name, " stands twice"));
       }
     }
-    bool ours = a.namespace_iri == extension_ns_;
-    if (a.prefix.empty() || ours) {
-      const std::vector<std::string>& allowed = ours ? extensions : known;
-      if (std::find(allowed.begin(), allowed.end(), a.name) != allowed.end()) continue;
-      bool other = std::find(ours ? known.begin() : extensions.begin(), ours ? known.end() : extensions.end(),
-                             a.name) != (ours ? known.end() : extensions.end());
-      std::string hint =
-          other && ours ? Concat("write it without prefix: ", a.name)
-          : other
-              ? Concat("it is an extension: declare xmlns:ext=\"", extension_ns_, "\" and write ext:", a.name)
-              : DidYouMean(a.name, allowed, Otherwise(allowed, ours ? "extensions" : "attributes"));
-      Error(a.name_span,
-            Concat("unknown ", ours ? "extension " : "attribute ", a.name, " of <", element.name, ">"), hint);
+    if (a.prefix.empty() || a.namespace_iri == extension_ns_) {
+      UnknownAttribute(element, a, known, extensions);
     } else if (a.prefix != "xml" && a.namespace_iri.empty()) {
-      Error(a.name_span, Concat("prefix ", a.prefix, ": of attribute ", a.name, " is not declared"),
-            Concat("extensions need xmlns:", a.prefix, "=\"", extension_ns_, "\" on the root element"));
+      Diagnostic& report =
+          Error(a.name_span, Concat("prefix ", a.prefix, ": of attribute ", a.name, " is not declared"),
+                Concat("extensions need xmlns:", a.prefix, "=\"", extension_ns_, "\" on the root element"));
+      if (Contains(extensions, a.name)) report.fix = {ExtensionDeclaration(a.prefix)};
     } else if (IsOurs(a.namespace_iri)) {
       Error(a.name_span,
             Concat("attribute ", a.prefix, ":", a.name, " is of the namespace ", a.namespace_iri,
@@ -105,6 +190,47 @@ void ElementReader::CheckAttributes(const Element& element, const std::vector<st
             Concat("extensions are of ", extension_ns_));
     }
   }
+}
+
+void ElementReader::UnknownAttribute(const Element& element, const xml::Attribute& a,
+                                     const std::vector<std::string>& known,
+                                     const std::vector<std::string>& extensions) {
+  const bool ours = !a.prefix.empty();
+  const std::vector<std::string>& allowed = ours ? extensions : known;
+  if (Contains(allowed, a.name)) return;
+  const std::string message =
+      Concat("unknown ", ours ? "extension " : "attribute ", a.name, " of <", element.name, ">");
+  const TextEdit rename{a.name_span.offset, a.name_span.length, ""};
+  if (ours && Contains(known, a.name)) {
+    Error(a.name_span, message, Concat("write it without prefix: ", a.name)).fix = {
+        {rename.offset, rename.length, a.name}};
+  } else if (!ours && Contains(extensions, a.name)) {
+    Diagnostic& report =
+        Error(a.name_span, message,
+              Concat("it is an extension: declare xmlns:ext=\"", extension_ns_, "\" and write ext:", a.name));
+    std::string prefix = ExtensionPrefix(element);
+    if (prefix.empty()) {
+      prefix = "ext";
+      if (element.namespaces->contains(prefix)) return;  // it stands for something else
+      report.fix.push_back(ExtensionDeclaration(prefix));
+    }
+    report.fix.push_back({rename.offset, rename.length, Concat(prefix, ":", a.name)});
+  } else {
+    Error(a.name_span, message,
+          DidYouMean(a.name, allowed, Otherwise(allowed, ours ? "extensions" : "attributes")));
+  }
+}
+
+std::string ElementReader::ExtensionPrefix(const Element& element) const {
+  for (const auto& [prefix, iri] : *element.namespaces) {
+    if (!prefix.empty() && iri == extension_ns_) return prefix;
+  }
+  return "";
+}
+
+TextEdit ElementReader::ExtensionDeclaration(std::string_view prefix) const {
+  return {root_->name_span.offset + root_->name_span.length, 0,
+          Concat(" xmlns:", prefix, "=\"", extension_ns_, "\"")};
 }
 
 bool ElementReader::IsForeign(const Element& element, std::string_view own_ns) {
@@ -120,8 +246,14 @@ void ElementReader::UnknownChild(const Element& parent, const Element& child,
                  "=\"…\" on them or on the root element"));
     return;
   }
-  Error(child.name_span, Concat("unknown element <", child.name, "> in <", parent.name, ">"),
-        DidYouMean(child.name, known, Otherwise(known, "child elements")));
+  Diagnostic& report =
+      Error(child.name_span, Concat("unknown element <", child.name, "> in <", parent.name, ">"),
+            DidYouMean(child.name, known, Otherwise(known, "child elements")));
+  if (report.fix.empty() || child.start_tag.length == child.span.length) return;
+  // The end tag has the same name.
+  const size_t end_tag = source_.rfind("</", child.span.offset + child.span.length - 1);
+  const size_t shift = report.fix[0].offset - child.name_span.offset;
+  report.fix.push_back({end_tag + 2 + shift, report.fix[0].length, report.fix[0].replacement});
 }
 
 void ElementReader::ReadChildren(const Element& element, const ChildTable& table) {
@@ -227,7 +359,8 @@ std::optional<Term> ElementReader::TermOf(const Element& element, const Text& te
   TermError error;
   std::optional<Term> term = ParseTerm(text.value, *element.namespaces, &error);
   if (term) return term;
-  Error(Within(text, error.offset, error.length), error.message, error.hint);
+  Error(Within(text, error.offset, error.length), error.message,
+        Advice(error.hint, error.wrong, error.right));
   return std::nullopt;
 }
 

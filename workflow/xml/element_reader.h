@@ -18,27 +18,36 @@
 
 namespace docent::xml {
 
+// What to do about a mistake: a sentence, and where it is one wrong word, the right one.
+struct Advice {
+  Advice(std::string text) : hint(std::move(text)) {}
+  Advice(const char* text) : hint(text) {}
+  Advice(std::string text, std::string_view wrong_word, std::string right_word)
+      : hint(std::move(text)), wrong(wrong_word), right(std::move(right_word)) {}
+
+  std::string hint;
+  std::string wrong, right;  // empty: none
+};
+
 class ElementReader {
  public:
   static constexpr size_t kMaxDiagnostics = 200;  // of one document; what follows is counted only
 
-  // `extension_ns` is the namespace of the language's extension attributes, `own_ns` that of the root element. The views
-  // must outlive the reader.
+  // `extension_ns` is the namespace of the language's extension attributes. `root` (null: no elements are read) is the
+  // document. What is given must outlive the reader.
   ElementReader(std::string_view source, const std::string& file, std::string_view extension_ns,
-                std::string own_ns = "")
-      : source_(source),
-        lines_(source),
-        file_(file),
-        extension_ns_(extension_ns),
-        own_ns_(std::move(own_ns)) {}
+                const Element* root = nullptr)
+      : source_(source), lines_(source), file_(file), extension_ns_(extension_ns), root_(root) {}
 
-  void Error(const SourceSpan& span, std::string message, std::string hint = "");
-  void Warning(const SourceSpan& span, std::string message, std::string hint = "");
+  // Each gives the report, to which the name of its rule and another fix may be added. Where the advice has words, and the
+  // wrong one stands once in the span, the fix is to put the right one there.
+  Diagnostic& Error(const SourceSpan& span, std::string message, const Advice& advice = "");
+  Diagnostic& Warning(const SourceSpan& span, std::string message, const Advice& advice = "");
   // So many mistakes that no further one will be shown: what costs time for a message may be left out.
   bool full() const { return diagnostics_.size() >= kMaxDiagnostics; }
   // "did you mean X?" with the nearest of `known`, or `otherwise` where none is near.
-  std::string DidYouMean(std::string_view word, const std::vector<std::string>& known,
-                         std::string otherwise) const;
+  Advice DidYouMean(std::string_view word, const std::vector<std::string>& known,
+                    std::string otherwise) const;
   // All reports so far in order of the text, and a last one that tells how many are left out.
   Diagnostics TakeDiagnostics();
 
@@ -48,7 +57,9 @@ class ElementReader {
                        const std::vector<std::string>& extensions = {});
   // An element of a namespace that is neither the root element's, nor one of Docent's: an editor's own. It is kept in the
   // text, and nothing in it is looked at.
-  bool IsForeign(const Element& element) const { return IsForeign(element, own_ns_); }
+  bool IsForeign(const Element& element) const {
+    return root_ != nullptr && IsForeign(element, root_->namespace_iri);
+  }
   static bool IsForeign(const Element& element, std::string_view own_ns);
   // Reports `child` as unknown in its parent. `known` are the names that may stand there.
   void UnknownChild(const Element& parent, const Element& child, const std::vector<std::string>& known);
@@ -75,6 +86,11 @@ class ElementReader {
   // The RDF term in `text`, an attribute's value; malformed is an error at its place.
   std::optional<Term> TermOf(const Element& element, const Text& text);
 
+  // The edit that takes an element away, with the line that it stands on by itself.
+  TextEdit Removal(const SourceSpan& element) const;
+  // Likewise an attribute, of which `value` is the value.
+  TextEdit AttributeRemoval(const SourceSpan& value) const;
+
   // The span of bytes of the source.
   SourceSpan Span(size_t offset, size_t length) const { return lines_.Span(offset, length); }
   // The span of bytes [offset, offset+length) of an attribute's value; all of it where it holds references.
@@ -86,16 +102,27 @@ class ElementReader {
  private:
   Text Trimmed(const Text& text) const;
   void CheckName(std::string_view attribute, const Text& name);
-  void Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message, std::string hint);
+  Diagnostic& Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message,
+                  const Advice& advice);
+  void UnknownAttribute(const Element& element, const xml::Attribute& attribute,
+                        const std::vector<std::string>& known, const std::vector<std::string>& extensions);
+  // A prefix of the extensions that is declared where `element` stands; empty: there is none.
+  std::string ExtensionPrefix(const Element& element) const;
+  // The edit that declares `prefix` for the extensions on the root element.
+  TextEdit ExtensionDeclaration(std::string_view prefix) const;
 
   std::string_view source_;
   LineIndex lines_;
   std::string file_;
   std::string_view extension_ns_;
-  std::string own_ns_;
+  const Element* root_;
   Diagnostics diagnostics_;
+  Diagnostic dropped_;  // what is not kept is written here
   size_t left_out_ = 0;
 };
+
+// The text as it stands in an attribute's value or between tags.
+std::string XmlEscaped(std::string_view text);
 
 // "a, b and c".
 std::string ListOf(const std::vector<std::string>& words);

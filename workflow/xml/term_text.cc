@@ -167,8 +167,11 @@ std::optional<Term> ParsePrefixed(std::string_view text, size_t colon, const Pre
     for (const auto& [name, unused] : kWellKnownPrefixes) known.emplace_back(name);
     std::string near = Nearest(prefix, known);
     std::string declare = Concat("declare it on the root element: xmlns:", prefix, "=\"…\"");
-    return Fail(error, 0, prefix.size(), Concat("unknown prefix ", prefix, ":"),
-                near.empty() ? declare : Concat("did you mean ", near, ":? Or ", declare));
+    Fail(error, 0, prefix.size(), Concat("unknown prefix ", prefix, ":"),
+         near.empty() ? declare : Concat("did you mean ", near, ":? Or ", declare));
+    error->wrong = prefix;
+    error->right = std::move(near);
+    return std::nullopt;
   }
   size_t bad = 0;
   while (bad < local.size() && IsLocalByte(local[bad])) ++bad;

@@ -21,6 +21,7 @@ struct TermError {
   size_t length = 0;
   std::string message;
   std::string hint;
+  std::string wrong = {}, right = {};  // a word and the one that was probably meant; empty: not known
 };
 
 // The term that the whole of `text` (trimmed by the caller) writes; nullopt and `error` filled otherwise. Prefixes

@@ -68,5 +68,51 @@ TEST(DiagnosticTest, WhatIsNoTextIsShownAsReplacementCharacters) {
             "  ^\n");
 }
 
+Diagnostic WithFix(std::vector<TextEdit> fix) {
+  Diagnostic d;
+  d.fix = std::move(fix);
+  return d;
+}
+
+TEST(ApplyFixesTest, MakesThemInTheirOrder) {
+  size_t applied = 0;
+  EXPECT_EQ(
+      ApplyFixes("one two three", {WithFix({{8, 5, "3"}}), WithFix({{0, 3, "1"}, {4, 0, "+ "}})}, &applied),
+      "1 + two 3");
+  EXPECT_EQ(applied, 2u);
+  EXPECT_EQ(ApplyFixes("one", {WithFix({}), WithFix({{3, 0, " more"}})}, nullptr), "one more");
+  EXPECT_EQ(ApplyFixes("one", {}, &applied), "one");
+  EXPECT_EQ(applied, 0u);
+}
+
+TEST(ApplyFixesTest, WhatOverlapsIsLeftOutWhole) {
+  size_t applied = 0;
+  EXPECT_EQ(ApplyFixes("abcdef", {WithFix({{1, 3, "X"}}), WithFix({{0, 1, "Y"}, {3, 2, "Z"}})}, &applied),
+            "aXef");
+  EXPECT_EQ(applied, 1u);
+  EXPECT_EQ(ApplyFixes("ab", {WithFix({{1, 0, "X"}}), WithFix({{1, 0, "Y"}})}, &applied), "aXb")
+      << "their order would be a guess";
+  EXPECT_EQ(applied, 1u);
+  EXPECT_EQ(ApplyFixes("abcd", {WithFix({{0, 2, "X"}}), WithFix({{2, 2, "Y"}})}, &applied), "XY")
+      << "neighbours";
+}
+
+TEST(ApplyFixesTest, OneEditOfTwoFixesIsMadeOnce) {
+  size_t applied = 0;
+  EXPECT_EQ(
+      ApplyFixes("<a b c>", {WithFix({{2, 0, " x"}, {3, 1, "B"}}), WithFix({{2, 0, " x"}, {5, 1, "C"}})},
+                 &applied),
+      "<a x B C>");
+  EXPECT_EQ(applied, 2u);
+}
+
+TEST(ApplyFixesTest, WhatReachesOutsideIsLeftOut) {
+  size_t applied = 0;
+  EXPECT_EQ(ApplyFixes("abc", {WithFix({{2, 2, "X"}}), WithFix({{4, 0, "X"}}), WithFix({{1, SIZE_MAX, "X"}})},
+                       &applied),
+            "abc");
+  EXPECT_EQ(applied, 0u);
+}
+
 }  // namespace
 }  // namespace docent
