@@ -1,0 +1,119 @@
+#include "kb_server/door/fleet_leases.h"
+
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace docent::server {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class FleetLeasesTest : public ::testing::Test {
+ protected:
+  void Renew(const std::string& description = "d") {
+    leases_.Renew("R", description, [this](bool tell) { decided_.push_back(tell); });
+  }
+  std::vector<std::string> Lost() {
+    std::vector<std::string> robots;
+    for (const FleetLeases::Lost& lost : leases_.TakeLost()) {
+      robots.push_back(lost.robot);
+      seen_us_ = lost.seen_us;
+    }
+    return robots;
+  }
+  void PassALease() { clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs)); }
+
+  ManualClock clock_{1'000'000};
+  FleetLeases leases_{&clock_};
+  std::vector<bool> decided_;
+  TimeMicros seen_us_ = -1;  // of the robot that was lost last
+};
+
+TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
+  Renew();
+  leases_.Told("R", "d", true);
+  const TimeMicros renewed_us = clock_.Now();
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+  EXPECT_EQ(seen_us_, renewed_us);
+  leases_.Expect("S");
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("S"));
+  EXPECT_EQ(seen_us_, 0) << "not by this server";
+}
+
+TEST_F(FleetLeasesTest, TheGraphIsToldOfANewRobotAndOfAChangedDescriptionOnly) {
+  Renew();
+  leases_.Told("R", "d", true);
+  Renew();
+  Renew("other");
+  leases_.Told("R", "other", true);
+  Renew("other");
+  EXPECT_THAT(decided_, ElementsAre(true, false, true, false));
+  EXPECT_THAT(Lost(), IsEmpty());
+}
+
+TEST_F(FleetLeasesTest, WhatTheGraphRefusedIsToldAgain) {
+  Renew();
+  leases_.Told("R", "d", false);
+  Renew();
+  EXPECT_THAT(decided_, ElementsAre(true, true));
+  leases_.Told("R", "d", false);
+  PassALease();
+  EXPECT_THAT(Lost(), IsEmpty()) << "the graph never had it";
+}
+
+TEST_F(FleetLeasesTest, ARobotThatJoinsWhileItsLossIsUnderWayIsToldAfterIt) {
+  Renew();
+  leases_.Told("R", "d", true);
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+  EXPECT_THAT(Lost(), IsEmpty());
+  decided_.clear();
+  Renew();
+  Renew();
+  EXPECT_THAT(decided_, IsEmpty()) << "the graph has yet to say what it has";
+  leases_.ToldLost("R", true);
+  EXPECT_THAT(decided_, ElementsAre(true));
+  leases_.Told("R", "d", true);
+  EXPECT_THAT(decided_, ElementsAre(true, false));
+}
+
+TEST_F(FleetLeasesTest, ALossThatWasRefusedIsToldOneLeaseLater) {
+  leases_.Expect("R");
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+  leases_.ToldLost("R", false);
+  EXPECT_THAT(Lost(), IsEmpty()) << "not at once";
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+  leases_.ToldLost("R", true);
+  PassALease();
+  EXPECT_THAT(Lost(), IsEmpty());
+}
+
+TEST_F(FleetLeasesTest, ALossThatWasRefusedWhileTheRobotCameBackIsNoNews) {
+  Renew();
+  leases_.Told("R", "d", true);
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+  Renew();
+  leases_.ToldLost("R", false);
+  EXPECT_THAT(decided_, ElementsAre(true, false));
+  EXPECT_THAT(Lost(), IsEmpty());
+}
+
+TEST_F(FleetLeasesTest, AfterARestartAJoinIsToldOnce) {
+  leases_.Expect("R");
+  Renew();
+  leases_.Told("R", "d", true);
+  Renew();
+  EXPECT_THAT(decided_, ElementsAre(true, false));
+}
+
+}  // namespace
+}  // namespace docent::server
