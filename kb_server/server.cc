@@ -162,9 +162,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.explain_limits = settings.explain_limits;
   s.ports_.fact_history = s.fact_history_.get();
   s.ports_.subscriptions = s.subscriptions_.get();
-  s.what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&s.inbox_, s.writer_.get(), s.workers_.get(),
-                                                      &s.dictionary_, &s.functions_, &s.clock_,
-                                                      settings.limits, settings.explain_limits});
+  s.what_if_ =
+      std::make_unique<WhatIf>(WhatIf::Ports{&s.inbox_, s.workers_.get(), &s.dictionary_, &s.functions_,
+                                             &s.clock_, settings.limits, settings.explain_limits});
   s.ports_.what_if = s.what_if_.get();
   s.ports_.clock = &s.clock_;
   s.ports_.limits = settings.limits;

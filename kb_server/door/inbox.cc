@@ -72,16 +72,23 @@ void Inbox::Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare)
   if (!done) done = [](const absl::StatusOr<BatchOutcome>&) {};
   size_t bytes = BytesOf(batch);
   absl::Status refusal = CheckSize(batch, bytes);
-  if (refusal.ok()) {
-    absl::MutexLock lock(&mutex_);
-    refusal = CheckRoom(bytes);
-    if (refusal.ok()) {
-      queue_.push_back({{std::move(batch), std::move(done), std::move(prepare)}, bytes});
-      waiting_bytes_ += bytes;
-      return;
-    }
+  if (refusal.ok()) refusal = Add({std::move(batch), done, std::move(prepare), nullptr}, bytes);
+  if (!refusal.ok()) done(refusal);
+}
+
+void Inbox::Visit(StateVisit visit, std::function<void(const absl::Status&)> done) {
+  const BatchCallback seen = [done](const absl::StatusOr<BatchOutcome>& outcome) { done(outcome.status()); };
+  if (absl::Status refusal = Add({WriteBatch(), seen, nullptr, std::move(visit)}, 0); !refusal.ok()) {
+    done(refusal);
   }
-  done(refusal);
+}
+
+absl::Status Inbox::Add(PendingBatch pending, size_t bytes) {
+  absl::MutexLock lock(&mutex_);
+  if (absl::Status refusal = CheckRoom(bytes); !refusal.ok()) return refusal;
+  queue_.push_back({std::move(pending), bytes});
+  waiting_bytes_ += bytes;
+  return absl::OkStatus();
 }
 
 std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size_t max) {

@@ -1,8 +1,8 @@
 // Bounded queue of write batches for the writer thread: the one door for all input, in order.
 //
 // Bounded: Push never waits and never grows beyond the limits; it refuses and says which limit. Every batch
-// pushed is answered exactly once through its callback: by the writer, or with the refusal. Push from any
-// thread, PopAll from the writer's.
+// pushed is answered exactly once through its callback: by the writer, or with the refusal. A visit looks at the
+// writer's state in its place among the batches. Push and Visit from any thread, PopAll from the writer's.
 #ifndef DOCENT_KB_SERVER_DOOR_INBOX_H_
 #define DOCENT_KB_SERVER_DOOR_INBOX_H_
 
@@ -51,10 +51,16 @@ using BatchPreparation = std::function<absl::Status(const TurnView& view, WriteB
 
 using BatchCallback = std::function<void(const absl::StatusOr<BatchOutcome>&)>;
 
+struct Stages;  // kb_server/turn/turn.h
+// Called between two turns, on the writer's thread: may copy the state, and changes nothing. It must be quick: nothing is
+// written meanwhile. `revision`: what the state is at; it may not be durable yet.
+using StateVisit = std::function<void(Stages* stages, Revision revision)>;
+
 struct PendingBatch {
   WriteBatch batch;
   BatchCallback done;        // never null
   BatchPreparation prepare;  // may be null
+  StateVisit visit;          // not null: there is no batch
 };
 
 class Inbox {
@@ -65,6 +71,10 @@ class Inbox {
   // batch_bytes (kLoad: load_operations), one of its documents beyond document_bytes, or with those that wait
   // it would exceed inbox_batches or inbox_bytes (an overload). UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare = nullptr);
+
+  // `done` is called once: with OK when what the visit saw is durable, or with why it was not made, or why what it saw did
+  // not happen. RESOURCE_EXHAUSTED and UNAVAILABLE as for a batch.
+  void Visit(StateVisit visit, std::function<void(const absl::Status&)> done);
 
   // Waits until something is there, `deadline` has passed, Wake was called or the inbox is closed; takes at most
   // `max` batches, each stamped with the time of taking. Stamps never decrease, across restarts too (see
@@ -88,6 +98,8 @@ class Inbox {
     size_t bytes;
   };
 
+  // Into the queue, or why not.
+  absl::Status Add(PendingBatch pending, size_t bytes);
   // Why this batch of `bytes` is refused by itself; and why it is refused now.
   absl::Status CheckSize(const WriteBatch& batch, size_t bytes) const;
   absl::Status CheckRoom(size_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

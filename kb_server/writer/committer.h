@@ -62,8 +62,8 @@ struct DecidedTurn {  // `result.version`: only where somebody follows queries, 
   std::string record;  // as the log keeps it
 };
 
-// An answer that supposes turns which may not be durable yet: to a batch that was refused after them, or to the
-// repeat of one of theirs.
+// An answer that supposes turns which may not be durable yet: to a batch that was refused after them, to the repeat of one
+// of theirs, or to a visit that saw what they made.
 struct HeldAnswer {
   absl::StatusOr<BatchOutcome> outcome;
   BatchCallback done;

@@ -10,7 +10,6 @@
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
-#include "kb_server/writer/writer.h"
 
 namespace docent::server {
 namespace {
@@ -161,31 +160,24 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
                                                               ports_.explain_limits.what_if_operations)));
   }
   auto copy = std::make_shared<StagesCopy>();
-  // A batch that is refused on its turn, after it has looked at the stages.
-  const BatchPreparation look = [copy, cancellation, writer = ports_.writer](const TurnView& view,
-                                                                             WriteBatch*) {
-    if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
-    *copy = CopyStages(writer->stages(), view.revision);
-    return absl::AbortedError("only looked at");
-  };
   auto question = std::make_shared<WriteBatch>(std::move(batch));
-  ports_.inbox->Push(
-      WriteBatch(),
-      [this, copy, question, cancellation, answered](const absl::StatusOr<BatchOutcome>& outcome) {
-        // Any other refusal: it did not come to looking, or what was looked at did not happen (the log refused it).
-        if (!absl::IsAborted(outcome.status())) return answered(outcome.status());
-        const bool accepted = ports_.workers->Submit([this, copy, question, cancellation, answered] {
-          Dictionary dictionary(ports_.dictionary);
-          question->time_us = ports_.clock->Now();
-          answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question),
-                             cancellation.get()));
-        });
-        if (!accepted) {
-          answered(OverloadError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                                              ports_.limits.queries_waiting, "; try again")));
-        }
+  const auto evaluate = [this, copy, question, cancellation, answered] {
+    Dictionary dictionary(ports_.dictionary);
+    question->time_us = ports_.clock->Now();
+    answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question),
+                       cancellation.get()));
+  };
+  ports_.inbox->Visit(
+      [copy, cancellation](Stages* stages, Revision revision) {
+        if (!cancellation->IsOver()) *copy = CopyStages(stages, revision);
       },
-      look);
+      [this, evaluate, cancellation, answered](absl::Status status) {
+        if (status.ok()) status = cancellation->CheckNow();
+        if (!status.ok()) return answered(status);
+        if (ports_.workers->Submit(evaluate)) return;
+        answered(OverloadError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
+                                            ports_.limits.queries_waiting, "; try again")));
+      });
 }
 
 }  // namespace docent::server

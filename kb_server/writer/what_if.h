@@ -1,4 +1,4 @@
-// What-if evaluation of a batch on copies of the stages: the writer lends its state for a moment, a worker runs
+// What-if evaluation of a batch on copies of the stages: a visit copies the writer's state, a worker runs
 // the same turn (kb_server/turn/turn.h) on private copies over a dictionary of its own, and throws them away.
 #ifndef DOCENT_KB_SERVER_WRITER_WHAT_IF_H_
 #define DOCENT_KB_SERVER_WRITER_WHAT_IF_H_
@@ -34,13 +34,10 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
                                        const sparql::FunctionRegistry* functions, const Limits& limits,
                                        WriteBatch batch, Cancellation* cancellation = nullptr);
 
-class Writer;
-
 class WhatIf final : public WhatIfPort {
  public:
   struct Ports {
     Inbox* inbox = nullptr;
-    Writer* writer = nullptr;
     WorkerPool* workers = nullptr;
     const Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;

@@ -220,6 +220,11 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
 }
 
 void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
+  if (pending.visit) {
+    pending.visit(stages_.get(), Revision(newest_));
+    group->answers.push_back({BatchOutcome{newest_}, std::move(pending.done)});
+    return;
+  }
   if (const BatchOutcome* first = requests_.Find(pending.batch.request_id)) {
     BatchOutcome outcome = *first;
     outcome.repeated = true;

@@ -73,9 +73,6 @@ class Writer {
   // To be called now and then while that is not OK: asks the log again, though nothing is to be written. Any thread.
   void AskLogAgain() { ports_.inbox->Wake(); }
 
-  // Between two turns, on the writer's thread (from a batch's preparation): to be copied, not changed.
-  Stages* stages() { return stages_.get(); }
-
  private:
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
   void FillFeed(uint64_t up_to);

@@ -116,6 +116,33 @@ TEST(InboxTest, WakeEndsOneWait) {
   EXPECT_TRUE(inbox.Passed(clock.Now()));
 }
 
+TEST(InboxTest, AVisitStandsInItsPlaceAmongTheBatchesAndIsBoundedAsTheyAre) {
+  ManualClock clock;
+  Limits limits;
+  limits.inbox_batches = 3;
+  Inbox inbox(&clock, limits);
+  std::string answer = "none";
+  const auto visit = [&] {
+    inbox.Visit([](Stages*, Revision) {}, [&](const absl::Status& status) { answer = status.ToString(); });
+  };
+  inbox.Push(BatchOf(1), nullptr);
+  visit();
+  inbox.Push(BatchOf(1), nullptr);
+  EXPECT_EQ(answer, "none");
+  visit();
+  EXPECT_THAT(answer, HasSubstr("inbox_batches is 3"));
+  std::vector<PendingBatch> taken = inbox.PopAll(std::nullopt, 9);
+  ASSERT_EQ(taken.size(), 3u);
+  EXPECT_FALSE(taken[0].visit);
+  EXPECT_TRUE(taken[1].visit);
+  EXPECT_FALSE(taken[2].visit);
+  taken[1].done(BatchOutcome{});
+  EXPECT_EQ(answer, "OK");
+  inbox.Close();
+  visit();
+  EXPECT_THAT(answer, HasSubstr("UNAVAILABLE"));
+}
+
 TEST(InboxTest, AClosedInboxRefusesButGivesWhatWaits) {
   ManualClock clock;
   Inbox inbox(&clock, Limits());

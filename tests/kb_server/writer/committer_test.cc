@@ -83,13 +83,12 @@ class InFlight {
   // Waits until the writer has decided all turns pushed so far.
   void Look() {
     absl::Notification looked;
-    node.inbox.Push(
-        WriteBatch(), [](const absl::StatusOr<BatchOutcome>&) {},
-        [&](const TurnView& view, WriteBatch*) {
-          decided = view.revision.value();
+    node.inbox.Visit(
+        [&](Stages*, Revision revision) {
+          decided = revision.value();
           looked.Notify();
-          return absl::CancelledError("only looked at");
-        });
+        },
+        [](const absl::Status&) {});
     looked.WaitForNotification();
   }
 
@@ -245,6 +244,33 @@ TEST(CommitterTest, ARefusalThatSupposesTurnsInFlightIsToldAfterThem) {
   flight.gate->Open();
   for (Answer& answer : flight.answers)
     EXPECT_EQ(answer.get().status().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(CommitterTest, AVisitIsAnsweredWhenWhatItSawIsDurable) {
+  const std::vector<WriteBatch> batches = {Tell({Fact("John", "p", "q")})};
+  const auto visit = [](InFlight* flight, uint64_t* seen) {
+    auto answer = std::make_shared<std::promise<absl::Status>>();
+    flight->node.inbox.Visit([seen](Stages*, Revision revision) { *seen = revision.value(); },
+                             [answer](const absl::Status& status) { answer->set_value(status); });
+    flight->Look();
+    return answer->get_future();
+  };
+  uint64_t seen = 0;
+  {
+    InFlight flight(batches);
+    std::future<absl::Status> answer = visit(&flight, &seen);
+    EXPECT_EQ(seen, 3u);
+    EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+    flight.gate->Open();
+    EXPECT_TRUE(answer.get().ok());
+    EXPECT_EQ(flight.log.size(), 3u);  // it left no record
+  }
+  InFlight flight(batches);
+  std::future<absl::Status> answer = visit(&flight, &seen);
+  flight.log.refusal = absl::ResourceExhaustedError("the disk is full");
+  flight.log.once = true;
+  flight.gate->Open();
+  EXPECT_EQ(answer.get().code(), absl::StatusCode::kResourceExhausted);
 }
 
 // Clients assert facts at the same time, while the log refuses some appends and loses the answers of others.
