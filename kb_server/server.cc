@@ -22,12 +22,12 @@
 #include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/door/descriptors.h"
-#include "kb_server/grpc/robot_facts.h"
 #include "kb_server/http/http_graph_store.h"
 #include "kb_server/http/http_health.h"
 #include "kb_server/http/http_sparql.h"
+#include "kb_server/robots/robot_facts.h"
+#include "kb_server/robots/robot_records.h"
 #include "kb_server/turn/spatial_functions.h"
-#include "kb_server/work/graph_reader.h"
 #include "reasoner/rules/rule_preview.h"
 #include "reasoner/rules/rule_sets.h"
 #include "spdlog/spdlog.h"
@@ -511,12 +511,7 @@ absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, 
 
 // Robots that were there before a restart get one lease to show themselves.
 void Server::ExpectRobots() {
-  GraphVersionPtr version = queries_.Newest();
-  GraphReader graph(dictionary_, *version);
-  for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
-    bool joined = !graph.Object(robot, DocentIri("adapterAddress")).empty();
-    if (joined && graph.Object(robot, DocentIri("status")) != DocentIri("Offline")) leases_.Expect(robot);
-  }
+  for (const std::string& robot : RobotsOnline(dictionary_, *queries_.Newest())) leases_.Expect(robot);
 }
 
 bool Server::Tend() {

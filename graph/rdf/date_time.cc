@@ -1,7 +1,5 @@
 #include "graph/rdf/date_time.h"
 
-#include <string>
-
 #include "absl/time/time.h"
 #include "graph/rdf/vocabulary.h"
 
@@ -14,6 +12,12 @@ Term DateTimeTerm(TimeMicros time_us) {
   while (text.back() == '0' && text.find('.') != std::string::npos) text.pop_back();
   if (text.back() == '.') text.pop_back();
   return Term::Literal(text + "Z", std::string(kXsdDateTime));
+}
+
+TimeMicros MicrosOfDateTime(const std::string& lexical) {
+  absl::Time time;
+  if (!absl::ParseTime(absl::RFC3339_full, lexical, &time, nullptr)) return 0;
+  return absl::ToUnixMicros(time);
 }
 
 }  // namespace docent

@@ -7,7 +7,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term_check.h"
-#include "kb_server/work/measures.h"
+#include "kb_server/robots/measures.h"
 
 namespace docent::server {
 namespace {

@@ -16,8 +16,8 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
-#include "kb_server/door/fleet_leases.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/robots/fleet_leases.h"
 #include "kb_server/work/known_prefixes.h"
 
 namespace docent::server {

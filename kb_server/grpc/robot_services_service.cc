@@ -1,43 +1,21 @@
 // RobotServices: composite robot services (RSEL processes); register, list, invoke and follow.
-#include <algorithm>
-#include <iterator>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
-#include "graph/rdf/docent_iris.h"
-#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/stream_reactor.h"
 #include "kb_server/grpc/unary_reactors.h"
-#include "kb_server/work/graph_environment.h"
-#include "kb_server/work/graph_reader.h"
+#include "kb_server/robots/robot_records.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent::server {
 namespace {
 
-// Robots that offer every operation of the plan.
-std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) {
-  std::optional<std::vector<std::string>> able;
-  for (const rsel::PlanStep& step : plan.steps) {
-    std::vector<std::string> offering =
-        graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(step.operation)));
-    if (!able) {
-      able = std::move(offering);
-      continue;
-    }
-    std::vector<std::string> both;
-    std::set_intersection(able->begin(), able->end(), offering.begin(), offering.end(),
-                          std::back_inserter(both));
-    able = std::move(both);
-  }
-  return able.value_or(std::vector<std::string>());
-}
-
-void Fill(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* out) {
+void Fill(const std::vector<rsel::OfferedOperation>& offered, const rsel::Plan& plan, v1::RobotService* out) {
   out->set_name(plan.process);
   out->set_document(plan.document);
   out->set_version(plan.version);
@@ -47,7 +25,7 @@ void Fill(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* ou
     service_step->set_operation(step.operation);
     service_step->set_service(step.service);
   }
-  for (const std::string& robot : Able(graph, plan)) out->add_robots(robot);
+  for (const RobotId& robot : rsel::CapableRobots(plan, offered)) out->add_robots(robot.value());
 }
 
 // Warnings about what the robots that are here cannot do. What the registry refuses is left to the writer's turn to say.
@@ -169,11 +147,9 @@ grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext
                                                      v1::ListServicesReply* reply) {
   return OnWorker(context->DefaultReactor(), ports_.workers,
                   [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    GraphVersionPtr version = ports_.queries->Newest();
-                    GraphReader graph(*ports_.dictionary, *version);
-                    for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
-                      Fill(graph, *plan, reply->add_services());
-                    }
+                    const auto offered = OfferedOperations(*ports_.dictionary, *ports_.queries->Newest());
+                    for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans())
+                      Fill(offered, *plan, reply->add_services());
                     reactor->Finish(grpc::Status::OK);
                   });
 }
@@ -187,8 +163,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
                      grpc::Status(grpc::StatusCode::NOT_FOUND,
                                   absl::StrCat("no robot service \"", request->name(), "\" is registered")));
   }
-  GraphVersionPtr version = ports_.queries->Newest();
-  Fill(GraphReader(*ports_.dictionary, *version), *plan, reply);
+  Fill(OfferedOperations(*ports_.dictionary, *ports_.queries->Newest()), *plan, reply);
   return FinishNow(context, grpc::Status::OK);
 }
 

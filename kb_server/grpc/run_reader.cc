@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "docent/v1/workflows.pb.h"
-#include "kb_server/work/graph_reader.h"
+#include "graph/store/graph_reader.h"
 
 namespace docent::server {
 

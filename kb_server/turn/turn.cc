@@ -94,6 +94,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
         stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
   }
   result->delta = sum.Net();
+  result->addresses = stages->robots.AddressesIn(result->delta);
   return absl::OkStatus();
 }
 

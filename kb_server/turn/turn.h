@@ -19,9 +19,9 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/batch_applier.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/robots/robot_directory.h"
 #include "kb_server/turn/condition_port.h"
 #include "kb_server/turn/documents.h"
-#include "kb_server/turn/robot_directory.h"
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
@@ -70,11 +70,12 @@ struct Stages {
 
 struct TurnResult {
   log::TurnRecord record;
-  GraphVersionPtr version;         // null unless Stages::freezes
-  Delta delta;                     // everything that changed in the graph, net
-  size_t inferred = 0;             // facts that rules added or withdrew
-  std::vector<CommandId> cancels;  // commands to be ended
-  std::vector<RunId> started;      // by the batch's run requests
+  GraphVersionPtr version;                // null unless Stages::freezes
+  Delta delta;                            // everything that changed in the graph, net
+  size_t inferred = 0;                    // facts that rules added or withdrew
+  std::vector<CommandId> cancels;         // commands to be ended
+  std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
+  std::vector<RunId> started;             // by the batch's run requests
   bool documents_changed = false;
 };
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "graph/base/text.h"
-#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/door/operation_signature.h"
+#include "kb_server/robots/robot_records.h"
 
 namespace docent::server {
 namespace {
@@ -152,32 +152,6 @@ class LiveEnvironment final : public cawl::Environment {
 };
 
 }  // namespace
-
-std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
-                                                      const GraphVersion& version) {
-  std::vector<rsel::OfferedOperation> offered;
-  const auto offers = dictionary.FindIri(DocentIri("offers")),
-             known = dictionary.FindIri(DocentIri("inputsKnown")),
-             input = dictionary.FindIri(DocentIri("input")), yes = dictionary.Find(Term::Boolean(true));
-  if (!offers) return offered;
-  version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
-    std::optional<std::string> name = OperationOfIri(dictionary.Decode(quad.object).lexical);
-    if (!name) return true;
-    rsel::OfferedOperation operation;
-    operation.robot = RobotId(dictionary.Decode(quad.subject).lexical);
-    operation.name = *std::move(name);
-    operation.inputs_known = known && yes && version.ContainsMatch({quad.object, *known, *yes, quad.subject});
-    if (operation.inputs_known && input) {
-      version.ForEach({quad.object, *input, {}, quad.subject}, [&](const Quad& part) {
-        operation.inputs.push_back(dictionary.Decode(part.object).lexical);
-        return true;
-      });
-    }
-    offered.push_back(std::move(operation));
-    return true;
-  });
-  return offered;
-}
 
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
                                                     std::shared_ptr<const Catalog> catalog) {

@@ -4,19 +4,13 @@
 #define DOCENT_KB_SERVER_WORK_GRAPH_ENVIRONMENT_H_
 
 #include <memory>
-#include <vector>
 
 #include "graph/rdf/dictionary.h"
 #include "graph/store/graph_version.h"
 #include "kb_server/door/catalog.h"
 #include "workflow/cawl/environment.h"
-#include "workflow/rsel/feasibility.h"
 
 namespace docent::server {
-
-// The operations that robots offer, and what they say of their inputs (in each robot's own graph).
-std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
-                                                      const GraphVersion& version);
 
 // Looks things up in `version` when they are asked for, and keeps it. `dictionary` must outlive it. One
 // thread.

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "graph/rdf/vocabulary.h"
 #include "graph/store/delta_sum.h"
 #include "kb_server/writer/run_events.h"
 
@@ -179,11 +178,7 @@ void Committer::TellFollowers(const DecidedGroup& group) {
 
 void Committer::Send(const TurnResult& result) {
   if (ports_.proxies == nullptr) return;
-  // Where the proxies find the adapters is a fact like any other.
-  if (!address_) address_ = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-  for (const Quad& quad : result.delta.added) {
-    if (quad.predicate == address_) TellAddress(quad);
-  }
+  TellAddresses(result.addresses);
   for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
   for (const RobotCommand& command : result.record.commands) ports_.proxies->Send(command);
 }
@@ -195,19 +190,9 @@ void Committer::Tell(DecidedTurn* turn) {
   turn->done(turn->outcome);
 }
 
-void Committer::TellAddresses(const GraphVersion& version) {
+void Committer::TellAddresses(const std::vector<AdapterAddress>& addresses) {
   if (ports_.proxies == nullptr) return;
-  const std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-  if (!address) return;
-  version.ForEach({{}, *address, {}, {}}, [this](const Quad& quad) {
-    TellAddress(quad);
-    return true;
-  });
-}
-
-void Committer::TellAddress(const Quad& fact) {
-  ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(fact.subject).lexical),
-                             ports_.dictionary->Decode(fact.object).lexical);
+  for (const AdapterAddress& adapter : addresses) ports_.proxies->SetAddress(adapter.robot, adapter.address);
 }
 
 }  // namespace docent::server

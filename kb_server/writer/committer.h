@@ -28,11 +28,11 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "graph/log/context_log.h"
-#include "graph/rdf/dictionary.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
+#include "kb_server/robots/robot_records.h"
 #include "kb_server/subscriptions/subscriptions.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/history.h"
@@ -89,7 +89,6 @@ class Committer {
     proxy::RobotProxies* proxies = nullptr;
     History* history = nullptr;
     Subscriptions* subscriptions = nullptr;
-    const Dictionary* dictionary = nullptr;
     WriterCounters* counters = nullptr;
     size_t turns_per_commit = 1;
     std::function<void()> halted;
@@ -117,8 +116,8 @@ class Committer {
   // All that is in flight; halted() must be true, and is not any more.
   Refused TakeRefused();
 
-  // Where the proxies find the adapters of this version.
-  void TellAddresses(const GraphVersion& version);
+  // Where the proxies find the adapters.
+  void TellAddresses(const std::vector<AdapterAddress>& addresses);
 
  private:
   // Turns that are not told yet keep what they replaced in memory.
@@ -134,7 +133,6 @@ class Committer {
   void Send(const TurnResult& result);
   void Tell(DecidedTurn* turn);
   void Forget(size_t groups, std::vector<GraphVersionPtr> gone);
-  void TellAddress(const Quad& fact);
   void Halt(const absl::Status& status);
 
   const Ports ports_;
@@ -151,7 +149,6 @@ class Committer {
   uint64_t head_ = 0;  // offset of the newest durable record
   uint64_t epoch_ = 0;
   bool replaced_ = false;
-  std::optional<TermId> address_;  // of the predicate docent:adapterAddress, once it is known
   std::thread thread_;
 };
 

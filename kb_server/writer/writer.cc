@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/log/record_codec.h"
+#include "kb_server/robots/robot_records.h"
 #include "kb_server/writer/run_events.h"
 #include "spdlog/spdlog.h"
 
@@ -50,7 +51,6 @@ Committer::Ports ToCommitterPorts(const Writer::Ports& ports, WriterCounters* co
   out.proxies = ports.proxies;
   out.history = ports.history;
   out.subscriptions = ports.subscriptions;
-  out.dictionary = ports.dictionary;
   out.counters = counters;
   out.turns_per_commit = ports.limits.turns_per_commit;
   out.halted = [inbox = ports.inbox] { inbox->Wake(); };
@@ -71,7 +71,7 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports_.queries->Publish(version);
   if (ports_.subscriptions != nullptr) ports_.subscriptions->PublishWhole(std::move(version));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
-  committer_.TellAddresses(stages_->writer.current());
+  committer_.TellAddresses(AdapterAddresses(*ports_.dictionary, stages_->writer.current()));
   committer_.Start(newest_, epoch_);
   PublishCounters();
   return absl::OkStatus();

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gmock/gmock.h"
+#include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
 #include "tests/kb_server/test_world.h"
 
@@ -44,7 +45,7 @@ struct World {
   }
   std::string Value(const std::string& subject, const std::string& predicate) const {
     auto s = dictionary.FindIri(test::Name(subject));
-    return s ? OneValue(dictionary, stages.writer.current(), *s, test::Name(predicate)) : "";
+    return s ? GraphReader(dictionary, stages.writer.current()).Object(*s, test::Name(predicate)) : "";
   }
 
   Dictionary dictionary;

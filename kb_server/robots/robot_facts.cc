@@ -1,4 +1,4 @@
-#include "kb_server/grpc/robot_facts.h"
+#include "kb_server/robots/robot_facts.h"
 
 #include <algorithm>
 #include <optional>
@@ -12,7 +12,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/work/graph_reader.h"
+#include "graph/store/graph_reader.h"
 
 namespace docent::server {
 namespace {
@@ -99,71 +99,67 @@ std::string Shown(const std::string& name) {
   return Concat("\"", name.substr(0, kShown), name.size() <= kShown ? "\"" : "…\"");
 }
 
-void TakeParts(const std::string& operation, std::string_view what,
-               google::protobuf::RepeatedPtrField<std::string>* parts, std::vector<std::string>* warnings) {
+void TakeParts(const std::string& operation, std::string_view what, std::vector<std::string>* parts,
+               std::vector<std::string>* warnings) {
   std::set<std::string> names;
-  google::protobuf::RepeatedPtrField<std::string> good;
-  for (const std::string& part : *parts) {
-    if (const auto fault = FaultOf(part, &names)) {
+  std::erase_if(*parts, [&](const std::string& part) {
+    const std::optional<std::string> fault = FaultOf(part, &names);
+    if (fault) {
       warnings->push_back(absl::StrCat(ToAbsl(what), " ", Shown(part), " of operation ", operation, " ",
                                        *fault, "; it is left out"));
-    } else {
-      *good.Add() = part;
     }
-  }
-  *parts = std::move(good);
+    return fault.has_value();
+  });
 }
 
 }  // namespace
 
-v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description,
-                                         std::vector<std::string>* warnings) {
-  v1::RobotDescription out = description;
-  out.clear_operations();
+RobotDescription AcceptedDescription(RobotDescription description, std::vector<std::string>* warnings) {
   std::set<std::string> names;
-  for (const v1::OperationDescription& operation : description.operations()) {
-    if (const auto fault = FaultOf(operation.name(), &names)) {
-      warnings->push_back(absl::StrCat("the name of operation ", Shown(operation.name()), " ", *fault,
+  std::vector<OperationDescription> operations;
+  for (OperationDescription& operation : description.operations) {
+    if (const std::optional<std::string> fault = FaultOf(operation.name, &names)) {
+      warnings->push_back(absl::StrCat("the name of operation ", Shown(operation.name), " ", *fault,
                                        "; the operation is left out"));
       continue;
     }
-    v1::OperationDescription* good = out.add_operations();
-    *good = operation;
-    TakeParts(operation.name(), "input", good->mutable_inputs(), warnings);
-    TakeParts(operation.name(), "output", good->mutable_outputs(), warnings);
+    TakeParts(operation.name, "input", &operation.inputs, warnings);
+    TakeParts(operation.name, "output", &operation.outputs, warnings);
+    operations.push_back(std::move(operation));
   }
-  if (!out.type().empty() && !IsValidTermIri(out.type())) {
+  description.operations = std::move(operations);
+  std::string& type = description.type;
+  if (!type.empty() && !IsValidTermIri(type)) {
     warnings->push_back(
-        absl::StrCat("the type ", Shown(out.type()), " is not an absolute IRI; docent:Robot is taken"));
-    out.clear_type();
+        absl::StrCat("the type ", Shown(type), " is not an absolute IRI; docent:Robot is taken"));
+    type.clear();
   }
-  return out;
+  return description;
 }
 
-WriteBatch FactsOfJoin(const v1::JoinRequest& request, const Dictionary& dictionary,
+WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& dictionary,
                        const GraphVersion& version) {
-  const v1::RobotDescription& description = request.description();
-  const std::string& robot = description.robot();
+  const std::string& robot = description.robot;
   RobotFacts facts(robot, dictionary, version);
   facts.Add(robot, kRdfType, Term::Iri(DocentIri("Robot")));
-  if (!description.type().empty()) facts.Add(robot, kRdfType, Term::Iri(description.type()));
-  if (!description.label().empty())
-    facts.Replace(robot, Concat(kRdfsNs, "label"), Term::Literal(description.label()));
-  facts.Replace(robot, DocentIri("incarnation"), Term::Literal(description.incarnation()));
-  facts.Replace(robot, DocentIri("adapterAddress"), Term::Literal(request.address()));
+  if (!description.type.empty()) facts.Add(robot, kRdfType, Term::Iri(description.type));
+  if (!description.label.empty())
+    facts.Replace(robot, Concat(kRdfsNs, "label"), Term::Literal(description.label));
+  facts.Replace(robot, DocentIri("incarnation"), Term::Literal(description.incarnation));
+  facts.Replace(robot, DocentIri("adapterAddress"), Term::Literal(description.address));
   facts.Replace(robot, DocentIri("lastSeenAt"), std::vector<Term>());
   const std::string status = GraphReader(dictionary, version).Object(robot, DocentIri("status"));
   if (status.empty() || status == DocentIri("Offline"))
     facts.Replace(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
   std::vector<Term> offers;
-  for (const v1::OperationDescription& operation : description.operations()) {
-    const std::string iri = OperationIri(operation.name());
+  for (const OperationDescription& operation : description.operations) {
+    const std::string iri = OperationIri(operation.name);
     offers.push_back(Term::Iri(iri));
     facts.Add(iri, kRdfType, Term::Iri(DocentIri("Operation")));
-    facts.Add(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
-    facts.Replace(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent()));
+    facts.Add(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name));
+    facts.Replace(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent));
     std::vector<Term> inputs;
-    for (const std::string& part : operation.inputs()) inputs.push_back(Term::Literal(part));
+    for (const std::string& part : operation.inputs) inputs.push_back(Term::Literal(part));
     facts.Replace(iri, DocentIri("input"), inputs);
     facts.Replace(iri, DocentIri("inputsKnown"), Term::Boolean(true));
   }

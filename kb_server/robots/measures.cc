@@ -1,4 +1,4 @@
-#include "kb_server/work/measures.h"
+#include "kb_server/robots/measures.h"
 
 #include <algorithm>
 

@@ -1,17 +1,19 @@
-#include "kb_server/work/graph_reader.h"
+#include "graph/store/graph_reader.h"
 
 #include <algorithm>
 
-#include "absl/time/time.h"
-
-namespace docent::server {
+namespace docent {
 
 std::vector<Term> GraphReader::Objects(std::string_view subject, std::string_view predicate) const {
+  const std::optional<TermId> id = dictionary_.FindIri(subject);
+  return id ? Objects(*id, predicate) : std::vector<Term>();
+}
+
+std::vector<Term> GraphReader::Objects(TermId subject, std::string_view predicate) const {
   std::vector<Term> terms;
-  auto s = dictionary_.FindIri(subject);
-  auto p = dictionary_.FindIri(predicate);
-  if (!s || !p) return terms;
-  version_.ForEach({*s, *p, {}, {}}, [&](const Quad& quad) {
+  const std::optional<TermId> p = dictionary_.FindIri(predicate);
+  if (!p) return terms;
+  version_.ForEach({subject, *p, {}, {}}, [&](const Quad& quad) {
     terms.push_back(dictionary_.Decode(quad.object));
     return true;
   });
@@ -21,7 +23,12 @@ std::vector<Term> GraphReader::Objects(std::string_view subject, std::string_vie
 }
 
 std::string GraphReader::Object(std::string_view subject, std::string_view predicate) const {
-  std::vector<Term> terms = Objects(subject, predicate);
+  const std::optional<TermId> id = dictionary_.FindIri(subject);
+  return id ? Object(*id, predicate) : "";
+}
+
+std::string GraphReader::Object(TermId subject, std::string_view predicate) const {
+  const std::vector<Term> terms = Objects(subject, predicate);
   return terms.empty() ? "" : terms.front().lexical;
 }
 
@@ -39,10 +46,4 @@ std::vector<std::string> GraphReader::Subjects(std::string_view predicate, const
   return iris;
 }
 
-int64_t MicrosOfDateTime(const std::string& lexical) {
-  absl::Time time;
-  if (!absl::ParseTime(absl::RFC3339_full, lexical, &time, nullptr)) return 0;
-  return absl::ToUnixMicros(time);
-}
-
-}  // namespace docent::server
+}  // namespace docent

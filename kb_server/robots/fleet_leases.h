@@ -6,8 +6,8 @@
 // there again, and what was refused is told again.
 //
 // Thread-safe.
-#ifndef DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_
-#define DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_
+#ifndef DOCENT_KB_SERVER_ROBOTS_FLEET_LEASES_H_
+#define DOCENT_KB_SERVER_ROBOTS_FLEET_LEASES_H_
 
 #include <functional>
 #include <map>
@@ -73,4 +73,4 @@ class FleetLeases {
 
 }  // namespace docent::server
 
-#endif  // DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_
+#endif  // DOCENT_KB_SERVER_ROBOTS_FLEET_LEASES_H_

@@ -1,24 +1,12 @@
-#include "kb_server/turn/robot_directory.h"
+#include "kb_server/robots/robot_directory.h"
 
 #include <algorithm>
 
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 
 namespace docent::server {
-
-std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
-                     std::string_view predicate) {
-  std::optional<TermId> id = dictionary.FindIri(predicate);
-  if (!id) return "";
-  std::optional<Term> first;
-  version.ForEach({subject, *id, {}, {}}, [&](const Quad& quad) {
-    Term term = dictionary.Decode(quad.object);
-    if (!first || term < *first) first = std::move(term);
-    return true;
-  });
-  return first ? first->lexical : "";
-}
 
 GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
     : dictionary_(*dictionary), properties_{dictionary->InternIri(DocentIri("offers")),
@@ -60,22 +48,33 @@ std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId ope
   return inputs;
 }
 
+std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta) {
+  std::vector<AdapterAddress> addresses;
+  if (!address_) address_ = dictionary_.FindIri(DocentIri("adapterAddress"));
+  for (const Quad& quad : delta.added) {
+    if (quad.predicate != address_) continue;
+    addresses.push_back(
+        {RobotId(dictionary_.Decode(quad.subject).lexical), dictionary_.Decode(quad.object).lexical});
+  }
+  return addresses;
+}
+
 std::vector<engine::RobotOffer> GraphRobotDirectory::Read(const std::string& operation) const {
   std::vector<engine::RobotOffer> offers;
   std::optional<TermId> offers_id = dictionary_.FindIri(DocentIri("offers"));
   std::optional<TermId> operation_id = dictionary_.FindIri(OperationIri(operation));
   if (!offers_id || !operation_id) return offers;
-  bool idempotent = OneValue(dictionary_, *version_, *operation_id, DocentIri("idempotent")) == "true";
+  const GraphReader graph(dictionary_, *version_);
+  const bool idempotent = graph.Object(*operation_id, DocentIri("idempotent")) == "true";
   TermId last;
   version_->ForEach({{}, *offers_id, *operation_id, {}}, [&](const Quad& quad) {
     if (quad.subject == last) return true;  // told in two graphs
     last = quad.subject;
     engine::RobotOffer offer;
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
-    offer.incarnation = OneValue(dictionary_, *version_, quad.subject, DocentIri("incarnation"));
+    offer.incarnation = graph.Object(quad.subject, DocentIri("incarnation"));
     offer.idempotent = idempotent;
-    offer.offline =
-        OneValue(dictionary_, *version_, quad.subject, DocentIri("status")) == DocentIri("Offline");
+    offer.offline = graph.Object(quad.subject, DocentIri("status")) == DocentIri("Offline");
     offer.inputs = InputsOf(*operation_id, quad.subject);
     offers.push_back(std::move(offer));
     return true;

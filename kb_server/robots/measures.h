@@ -1,6 +1,6 @@
 // What robots and sensors may tell as measured values. Any thread.
-#ifndef DOCENT_KB_SERVER_WORK_MEASURES_H_
-#define DOCENT_KB_SERVER_WORK_MEASURES_H_
+#ifndef DOCENT_KB_SERVER_ROBOTS_MEASURES_H_
+#define DOCENT_KB_SERVER_ROBOTS_MEASURES_H_
 
 #include <optional>
 #include <string>
@@ -22,4 +22,4 @@ std::optional<double> MeasureOf(std::string_view local, const std::vector<Term>&
 
 }  // namespace docent::server
 
-#endif  // DOCENT_KB_SERVER_WORK_MEASURES_H_
+#endif  // DOCENT_KB_SERVER_ROBOTS_MEASURES_H_

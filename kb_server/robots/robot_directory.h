@@ -1,7 +1,8 @@
 // Index of the robots that offer an operation, by the graph: docent:offers, docent:incarnation, docent:status,
-// docent:idempotent, docent:input. Answers are kept until a change of one of these properties. Writer thread only.
-#ifndef DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
-#define DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
+// docent:idempotent, docent:input. Answers are kept until a change of one of these properties. It also says which adapters'
+// addresses a turn changed. Writer thread only.
+#ifndef DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_
+#define DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_
 
 #include <map>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/robots/robot_records.h"
 #include "workflow/engine/ports.h"
 
 namespace docent::server {
@@ -28,6 +30,9 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   const std::vector<engine::RobotOffer>& Offers(const std::string& operation) const override;
   bool changed() const override { return changed_; }
 
+  // The addresses that `delta` brought.
+  std::vector<AdapterAddress> AddressesIn(const Delta& delta);
+
  private:
   std::vector<engine::RobotOffer> Read(const std::string& operation) const;
   std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
@@ -36,13 +41,10 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   const std::vector<TermId> properties_;  // what an offer is read from
   const GraphVersion* version_ = nullptr;
   bool changed_ = true;
+  std::optional<TermId> address_;  // of docent:adapterAddress, once it is known
   mutable std::map<std::string, std::vector<engine::RobotOffer>> known_;
 };
 
-// The lexical form of the first object of (subject, predicate, ?) in term order; empty: none.
-std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
-                     std::string_view predicate);
-
 }  // namespace docent::server
 
-#endif  // DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
+#endif  // DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_

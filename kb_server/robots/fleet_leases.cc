@@ -1,4 +1,4 @@
-#include "kb_server/door/fleet_leases.h"
+#include "kb_server/robots/fleet_leases.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
-// Reads of one version for handlers that show things: one value, all values, by IRIs as text. One thread.
-#ifndef DOCENT_KB_SERVER_WORK_GRAPH_READER_H_
-#define DOCENT_KB_SERVER_WORK_GRAPH_READER_H_
+// Reader of one graph version by IRIs as text: one value, all values. One thread.
+#ifndef DOCENT_GRAPH_STORE_GRAPH_READER_H_
+#define DOCENT_GRAPH_STORE_GRAPH_READER_H_
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 #include "graph/rdf/term.h"
 #include "graph/store/graph_version.h"
 
-namespace docent::server {
+namespace docent {
 
 class GraphReader {
  public:
@@ -21,8 +21,10 @@ class GraphReader {
 
   // Objects of (subject, predicate, ?), distinct, in term order.
   std::vector<Term> Objects(std::string_view subject, std::string_view predicate) const;
+  std::vector<Term> Objects(TermId subject, std::string_view predicate) const;
   // The lexical form of the first of them; empty: none.
   std::string Object(std::string_view subject, std::string_view predicate) const;
+  std::string Object(TermId subject, std::string_view predicate) const;
   // IRIs of the subjects of (?, predicate, object), distinct, in order.
   std::vector<std::string> Subjects(std::string_view predicate, const Term& object) const;
 
@@ -31,9 +33,6 @@ class GraphReader {
   const GraphVersion& version_;
 };
 
-// Microseconds since 1970 of an xsd:dateTime in UTC; 0 if it is none.
-int64_t MicrosOfDateTime(const std::string& lexical);
+}  // namespace docent
 
-}  // namespace docent::server
-
-#endif  // DOCENT_KB_SERVER_WORK_GRAPH_READER_H_
+#endif  // DOCENT_GRAPH_STORE_GRAPH_READER_H_

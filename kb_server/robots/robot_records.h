@@ -1,0 +1,50 @@
+// Robots as the graph has them: state, address, operations, pose. The reading side of robot_facts.h. Values; any thread.
+#ifndef DOCENT_KB_SERVER_ROBOTS_ROBOT_RECORDS_H_
+#define DOCENT_KB_SERVER_ROBOTS_ROBOT_RECORDS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_version.h"
+#include "workflow/rsel/feasibility.h"
+
+namespace docent::server {
+
+struct RobotRecord {
+  enum class State { kOffline, kStandby, kBusy };
+
+  std::string robot;  // IRI
+  std::string label;
+  std::string address;  // of its adapter; empty: it has never joined
+  std::string incarnation;
+  State state = State::kOffline;
+  std::vector<std::string> operations;  // names
+  TimeMicros last_seen_us = 0;          // of a robot that was lost; 0: not known
+  std::optional<double> x_m, y_m, heading_rad;
+  std::vector<std::string> regions;  // IRIs
+};
+
+// All robots, in order of their IRIs.
+std::vector<RobotRecord> ReadRobots(const Dictionary& dictionary, const GraphVersion& version);
+
+// IRIs of the robots that have joined and are not docent:Offline.
+std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphVersion& version);
+
+// The operations that robots offer, and what they say of their inputs (in each robot's own graph).
+std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
+                                                      const GraphVersion& version);
+
+// Where a robot's adapter serves.
+struct AdapterAddress {
+  RobotId robot;
+  std::string address;  // HOST:PORT
+};
+std::vector<AdapterAddress> AdapterAddresses(const Dictionary& dictionary, const GraphVersion& version);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_ROBOTS_ROBOT_RECORDS_H_

@@ -1,0 +1,122 @@
+#include "kb_server/robots/robot_facts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/batch_applier.h"
+#include "graph/store/graph_writer.h"
+#include "kb_server/robots/robot_directory.h"
+#include "kb_server/robots/robot_records.h"
+
+namespace docent::server {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+RobotDescription Guide() {
+  RobotDescription guide;
+  guide.robot = "urn:r1";
+  guide.label = "Guide";
+  guide.incarnation = "i1";
+  guide.address = "127.0.0.1:9";
+  guide.operations = {{"drive", {"goal"}, {}, true}, {"speak", {"text"}, {}, false}};
+  return guide;
+}
+
+// What is told of robots, and how it is read back.
+class RobotFactsTest : public ::testing::Test {
+ protected:
+  Delta Apply(WriteBatch batch) {
+    absl::StatusOr<Delta> delta = applier_.Apply(batch, writer_, {});
+    EXPECT_TRUE(delta.ok()) << delta.status();
+    return delta.ok() ? *delta : Delta();
+  }
+  Delta Join(const RobotDescription& description) {
+    return Apply(FactsOfJoin(description, dictionary_, writer_.current()));
+  }
+  Delta Lose(const std::string& robot, TimeMicros seen_us) {
+    return Apply(FactsOfLoss(robot, seen_us, dictionary_, writer_.current()));
+  }
+  std::vector<RobotRecord> Robots() const { return ReadRobots(dictionary_, writer_.current()); }
+
+  Dictionary dictionary_;
+  GraphWriter writer_{nullptr};
+  BatchApplier applier_{dictionary_, Limits{}};
+};
+
+TEST_F(RobotFactsTest, AJoinIsReadBack) {
+  Join(Guide());
+  const std::vector<RobotRecord> robots = Robots();
+  ASSERT_EQ(robots.size(), 1u);
+  EXPECT_EQ(robots[0].robot, "urn:r1");
+  EXPECT_EQ(robots[0].label, "Guide");
+  EXPECT_EQ(robots[0].incarnation, "i1");
+  EXPECT_EQ(robots[0].address, "127.0.0.1:9");
+  EXPECT_EQ(robots[0].state, RobotRecord::State::kStandby);
+  EXPECT_THAT(robots[0].operations, ElementsAre("drive", "speak"));
+  EXPECT_THAT(RobotsOnline(dictionary_, writer_.current()), ElementsAre("urn:r1"));
+
+  const auto offered = OfferedOperations(dictionary_, writer_.current());
+  ASSERT_EQ(offered.size(), 2u);
+  for (const rsel::OfferedOperation& operation : offered) {
+    EXPECT_EQ(operation.robot, RobotId("urn:r1"));
+    EXPECT_TRUE(operation.inputs_known);
+    EXPECT_THAT(operation.inputs, ElementsAre(operation.name == "drive" ? "goal" : "text"));
+  }
+}
+
+TEST_F(RobotFactsTest, AnotherJoinReplacesWhatTheFirstTold) {
+  Join(Guide());
+  RobotDescription guide = Guide();
+  guide.address = "127.0.0.1:10";
+  guide.operations.pop_back();
+  Join(guide);
+  ASSERT_EQ(Robots().size(), 1u);
+  EXPECT_EQ(Robots()[0].address, "127.0.0.1:10");
+  EXPECT_THAT(Robots()[0].operations, ElementsAre("drive"));
+}
+
+TEST_F(RobotFactsTest, ALostRobotIsOfflineUntilItJoinsAgain) {
+  Join(Guide());
+  Lose("urn:r1", 1'700'000'000'000'000);
+  EXPECT_EQ(Robots()[0].state, RobotRecord::State::kOffline);
+  EXPECT_EQ(Robots()[0].last_seen_us, 1'700'000'000'000'000);
+  EXPECT_EQ(Robots()[0].address, "127.0.0.1:9");
+  EXPECT_THAT(RobotsOnline(dictionary_, writer_.current()), IsEmpty());
+  Join(Guide());
+  EXPECT_EQ(Robots()[0].state, RobotRecord::State::kStandby);
+  EXPECT_EQ(Robots()[0].last_seen_us, 0);
+}
+
+TEST_F(RobotFactsTest, WhatCannotBeTakenIsLeftOutWithAWarning) {
+  RobotDescription guide = Guide();
+  guide.type = "no IRI";
+  guide.operations.push_back({"drive", {}, {}, false});
+  guide.operations.push_back({" ", {}, {}, false});
+  guide.operations[0].inputs = {"goal", "goal"};
+  std::vector<std::string> warnings;
+  const RobotDescription accepted = AcceptedDescription(guide, &warnings);
+  EXPECT_EQ(accepted.type, "");
+  ASSERT_EQ(accepted.operations.size(), 2u);
+  EXPECT_THAT(accepted.operations[0].inputs, ElementsAre("goal"));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("input \"goal\" of operation drive stands twice"),
+                                    HasSubstr("operation \"drive\" stands twice"), HasSubstr("is empty"),
+                                    HasSubstr("the type \"no IRI\" is not an absolute IRI")));
+}
+
+TEST_F(RobotFactsTest, TheDirectorySaysWhichAddressesATurnBrought) {
+  GraphRobotDirectory directory(&dictionary_);
+  EXPECT_THAT(directory.AddressesIn(Delta()), IsEmpty());
+  const std::vector<AdapterAddress> first = directory.AddressesIn(Join(Guide()));
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].robot, RobotId("urn:r1"));
+  EXPECT_EQ(first[0].address, "127.0.0.1:9");
+  EXPECT_THAT(directory.AddressesIn(Lose("urn:r1", 0)), IsEmpty());
+  EXPECT_EQ(AdapterAddresses(dictionary_, writer_.current()).size(), 1u);
+}
+
+}  // namespace
+}  // namespace docent::server
