@@ -7,9 +7,9 @@
 
 namespace docent::server {
 
-uint64_t RunFeed::Subscribe(Callback callback) {
+uint64_t RunFeed::Subscribe(std::function<void()> news) {
   absl::MutexLock lock(&subscribers_mutex_);
-  subscribers_.emplace(next_subscriber_, std::move(callback));
+  subscribers_.emplace(next_subscriber_, std::move(news));
   return next_subscriber_++;
 }
 
@@ -22,11 +22,7 @@ void RunFeed::Publish(const std::vector<RunEvent>& events) {
   if (events.empty()) return;
   Keep(events);
   absl::MutexLock lock(&subscribers_mutex_);
-  for (auto it = subscribers_.begin(); it != subscribers_.end();) {
-    bool keeps_up = true;
-    for (const RunEvent& event : events) keeps_up = keeps_up && it->second(event);
-    it = keeps_up ? std::next(it) : subscribers_.erase(it);
-  }
+  for (const auto& [id, news] : subscribers_) news();
 }
 
 void RunFeed::Keep(const std::vector<RunEvent>& events) {

@@ -5,8 +5,7 @@
 // watcher reads them at its own pace and one that comes back hears what it missed.
 //
 // Publish from the committer's thread, Keep and BeginAfter from the writer's while nothing is committed (a
-// recovery); the rest from any. A subscriber that cannot keep up
-// (its callback returns false) is dropped.
+// recovery); the rest from any.
 #ifndef DOCENT_KB_SERVER_DOOR_RUN_FEED_H_
 #define DOCENT_KB_SERVER_DOOR_RUN_FEED_H_
 
@@ -43,10 +42,9 @@ class RunFeed {
  public:
   explicit RunFeed(size_t kept = Limits().run_events_kept) : kept_limit_(kept) {}
 
-  using Callback = std::function<bool(const RunEvent&)>;
-
-  // `callback` hears of every event from now on, on the thread that publishes.
-  uint64_t Subscribe(Callback callback);
+  // `news` is called whenever there are new events to Get, on the thread that publishes.
+  uint64_t Subscribe(std::function<void()> news);
+  // Waits for a call of `news` that is under way.
   void Unsubscribe(uint64_t id);
 
   // The events of one turn, to be kept and told. Revisions grow.
@@ -73,7 +71,7 @@ class RunFeed {
 
   absl::Mutex subscribers_mutex_;
   uint64_t next_subscriber_ ABSL_GUARDED_BY(subscribers_mutex_) = 1;
-  std::map<uint64_t, Callback> subscribers_ ABSL_GUARDED_BY(subscribers_mutex_);
+  std::map<uint64_t, std::function<void()>> subscribers_ ABSL_GUARDED_BY(subscribers_mutex_);
 };
 
 }  // namespace docent::server

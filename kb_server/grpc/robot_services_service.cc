@@ -6,8 +6,8 @@
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/run_feed_pump.h"
 #include "kb_server/grpc/run_reader.h"
-#include "kb_server/grpc/stream_reactor.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/robots/robot_records.h"
 #include "workflow/rsel/parser.h"
@@ -36,67 +36,6 @@ Diagnostics Feasibility(const ServicePorts& ports, const rsel::ParsedRsel& parse
                                 OfferedOperations(*ports.dictionary, *ports.queries->Newest()));
 }
 
-// Follows one run for one client. Events may come before the run's id is known; they are kept until then.
-class InvokeFollower {
- public:
-  explicit InvokeFollower(std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out) : out_(std::move(out)) {}
-
-  bool OnEvent(const RunEvent& event) {
-    absl::MutexLock lock(&mutex_);
-    if (ended_) return false;
-    if (!run_)
-      early_.push_back(event);
-    else if (event.run == *run_)
-      Forward(event);
-    return !ended_;
-  }
-  // `end`: the run has ended long ago, so no event will tell it.
-  void Started(const std::string& run, std::optional<v1::InvokeServiceReply> end) {
-    absl::MutexLock lock(&mutex_);
-    run_ = run;
-    if (end) {
-      ended_ = true;
-      out_->TryPush(*std::move(end));
-      out_->End(grpc::Status::OK);
-      return;
-    }
-    for (const RunEvent& event : early_) {
-      if (event.run == run && !ended_) Forward(event);
-    }
-    early_.clear();
-  }
-  void Refused(const grpc::Status& status) {
-    absl::MutexLock lock(&mutex_);
-    ended_ = true;
-    out_->End(status);
-  }
-
- private:
-  void Forward(const RunEvent& event) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    v1::InvokeServiceReply reply;
-    reply.set_run(event.run);
-    reply.set_step(event.node);
-    reply.set_state(event.to);
-    reply.set_message(event.detail);
-    bool final = event.kind == "run" && event.to != "running";
-    reply.set_final(final);
-    const bool kept_up = out_->TryPush(std::move(reply));
-    if (kept_up && !final) return;
-    ended_ = true;
-    out_->End(kept_up ? grpc::Status::OK
-                      : grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                                     absl::StrCat("too slow: more events of run ", event.run,
-                                                  " wait than the limits stream_messages and stream_bytes "
-                                                  "allow; the run goes on")));
-  }
-
-  std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out_;
-  absl::Mutex mutex_;
-  std::optional<std::string> run_ ABSL_GUARDED_BY(mutex_);
-  std::vector<RunEvent> early_ ABSL_GUARDED_BY(mutex_);
-  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
-};
-
 // What a request that started `run` before is answered with if that has ended; nullopt: it is running.
 absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServicePorts& ports,
                                                                   const std::string& run) {
@@ -114,6 +53,73 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServiceP
   reply.set_final(true);
   return reply;
 }
+
+// What a request to invoke a service led to.
+struct Invoked {
+  std::string run;
+  uint64_t first = 0;                           // number of the first event to be told
+  std::optional<v1::InvokeServiceReply> ended;  // long ago, so no event will tell it
+};
+
+// On the committer's thread, which also fills the feed: what the graph says of the run and what the feed will say fit
+// together.
+absl::StatusOr<Invoked> ReadOutcome(const ServicePorts& ports, const absl::StatusOr<BatchOutcome>& outcome) {
+  if (!outcome.ok()) return outcome.status();
+  if (outcome->started.empty()) {
+    return absl::AlreadyExistsError("this request_id was that of another request; take a new one");
+  }
+  Invoked invoked{outcome->started.front().value(), ports.feed->Next(), std::nullopt};
+  if (outcome->repeated) {
+    absl::StatusOr<std::optional<v1::InvokeServiceReply>> end = RecordedEnd(ports, invoked.run);
+    if (!end.ok()) return end.status();
+    invoked.ended = *std::move(end);
+    return invoked;
+  }
+  const absl::StatusOr<uint64_t> first = ports.feed->FirstAfter(Revision(outcome->offset - 1));
+  if (!first.ok()) return first.status();
+  invoked.first = *first;
+  return invoked;
+}
+
+// Follows the run that one request started, for its client.
+class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
+ public:
+  using RunFeedPump::RunFeedPump;
+
+  // Once. From then on events are told.
+  void Begin(absl::StatusOr<Invoked> invoked) ABSL_EXCLUSIVE_LOCKS_REQUIRED(link()->mutex) {
+    if (!invoked.ok()) return End(ToGrpc(invoked.status()));
+    run_ = std::move(invoked->run);
+    ended_ = std::move(invoked->ended);
+    BeginAt(invoked->first);
+  }
+
+ private:
+  bool FillNext(v1::InvokeServiceReply* message, grpc::WriteOptions* options) override {
+    if (final_) return false;
+    if (!ended_) return RunFeedPump::FillNext(message, options);
+    *message = *std::move(ended_);
+    final_ = true;
+    return true;
+  }
+  bool Tell(const RunEvent& event, v1::InvokeServiceReply* message) override {
+    if (event.run != run_) return false;
+    final_ = event.kind == "run" && event.to != "running";
+    message->set_run(event.run);
+    message->set_step(event.node);
+    message->set_state(event.to);
+    message->set_message(event.detail);
+    message->set_final(final_);
+    return true;
+  }
+  void OnIdle() override {
+    if (final_) End(grpc::Status::OK);
+  }
+
+  std::string run_;
+  std::optional<v1::InvokeServiceReply> ended_;
+  bool final_ = false;  // the last message has been made
+};
 
 }  // namespace
 
@@ -169,8 +175,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
 
 grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
     grpc::CallbackServerContext* context, const v1::InvokeServiceRequest* request) {
-  auto* reactor = new StreamReactor<v1::InvokeServiceReply>(context, ports_.limits, ports_.send_budget);
-  auto handle = reactor->handle();
+  auto* reactor = new InvokeReactor(context, ports_);
   WriteBatch batch;
   batch.request_id = request->request_id();
   RunRequest invoke;
@@ -187,29 +192,19 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
       arguments = term.status();
     }
   }
+  // Until gRPC is done with the call.
+  const auto begin = [link = reactor->link()](absl::StatusOr<Invoked> invoked) {
+    absl::MutexLock lock(&link->mutex);
+    if (link->pump != nullptr) static_cast<InvokeReactor*>(link->pump)->Begin(std::move(invoked));
+  };
   if (!arguments.ok()) {
-    handle->End(ToGrpc(arguments.status()));
+    begin(arguments.status());
     return reactor;
   }
   invoke.arguments = *std::move(arguments);
   batch.run_requests.push_back(std::move(invoke));
-  auto follower = std::make_shared<InvokeFollower>(handle);
-  uint64_t id =
-      ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
-  handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
-  // The answer comes on the committer thread, as the events do: what the graph says of the run and what the
-  // feed will say fit together.
-  ports_.inbox->Push(std::move(batch), [this, follower](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (!outcome.ok()) return follower->Refused(ToGrpc(outcome.status()));
-    if (outcome->started.empty()) {
-      return follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
-                                            "this request_id was that of another request; take a new one"));
-    }
-    const std::string run = outcome->started.front().value();
-    if (!outcome->repeated) return follower->Started(run, std::nullopt);
-    auto end = RecordedEnd(ports_, run);
-    if (!end.ok()) return follower->Refused(ToGrpc(end.status()));
-    follower->Started(run, *std::move(end));
+  ports_.inbox->Push(std::move(batch), [this, begin](const absl::StatusOr<BatchOutcome>& outcome) {
+    begin(ReadOutcome(ports_, outcome));
   });
   return reactor;
 }

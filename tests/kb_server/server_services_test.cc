@@ -320,7 +320,7 @@ TEST_F(ServerWorkflowTest, ARepeatedInvokeFollowsARunThatIsUnderWay) {
 }
 
 TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndTheRunGoesOn) {
-  settings_.limits.stream_messages = 2;
+  settings_.limits.run_events_kept = 5;
   StartServer();
   ScriptedAdapter adapter;
   MustTell(kStates);
@@ -348,7 +348,7 @@ TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndThe
   grpc::Status status = reader->Finish();
   EXPECT_FALSE(saw_final);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
-  EXPECT_THAT(status.error_message(), HasSubstr("stream_messages"));
+  EXPECT_THAT(status.error_message(), HasSubstr("run_events_kept is 5"));
 }
 
 }  // namespace

@@ -87,11 +87,7 @@ class Node {
           [this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); }, proxy::ProxySettings{},
           &clock);
     }
-    feed.Subscribe([this](const RunEvent& event) {
-      absl::MutexLock lock(&mutex);
-      events.push_back(event.kind + " " + event.run + "/" + event.node + " " + event.to);
-      return true;
-    });
+    feed.Subscribe([this] { TakeEvents(); });
     Writer::Ports ports;
     ports.inbox = &inbox;
     ports.log = log;
@@ -104,6 +100,7 @@ class Node {
     ports.limits = limits;
     writer = std::make_unique<Writer>(ports);
     recovered = writer->Recover(nullptr);
+    next_event = feed.Next();
   }
   ~Node() { End().IgnoreError(); }
 
@@ -156,6 +153,13 @@ class Node {
     absl::MutexLock lock(&mutex);
     return events;
   }
+  void TakeEvents() {
+    absl::MutexLock lock(&mutex);
+    for (; next_event < feed.Next(); ++next_event) {
+      const RunEventPtr event = *feed.Get(next_event);
+      events.push_back(event->kind + " " + event->run + "/" + event->node + " " + event->to);
+    }
+  }
   uint64_t revision() const { return queries.Newest()->revision().value(); }
 
   ManualClock clock{1'700'000'000'000'000};
@@ -172,6 +176,7 @@ class Node {
   std::thread thread;
   mutable absl::Mutex mutex;
   std::vector<std::string> events;
+  uint64_t next_event = 1;  // of the feed, to be taken
 };
 
 inline WriteBatch Named(const std::string& request_id, WriteBatch batch) {
