@@ -16,10 +16,10 @@
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/door/send_budget.h"
-#include "kb_server/grpc/grpc_listener.h"
-#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/grpc_server.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/robots/fleet_leases.h"
+#include "kb_server/robots/lease_watch.h"
 #include "kb_server/work/load_runner.h"
 #include "kb_server/work/remote_access.h"
 #include "kb_server/work/update_runner.h"
@@ -73,19 +73,12 @@ class Server {
 
  private:
   explicit Server(const ServerSettings& settings);
+  absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
+  void MakeWorkers();
+  void StartWriter();
   void LeaveSnapshot();
   absl::Status StartGrpc(size_t connections);
   absl::Status StartHttp(size_t connections);
-  absl::Status LoadFiles();
-  absl::Status LoadOntologies();
-  absl::Status LoadRules();
-  absl::Status PushAndWait(WriteBatch batch, const std::string& what);
-  absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text,
-                                                 size_t shown, Cancellation* cancellation) const;
-  void ExpectRobots();
-  void RegisterMetrics();
-  void RegisterConnectionMetrics();
-  void RegisterSubscriptionMetrics();
 
   const ServerSettings settings_;
   const SystemClock system_clock_;
@@ -98,6 +91,7 @@ class Server {
   CatalogPort catalog_;
   RunFeed feed_;
   FleetLeases leases_;
+  LeaseWatch lease_watch_{&leases_, &inbox_, &queries_, &dictionary_};
   Metrics metrics_;
   std::unique_ptr<proxy::RobotProxies> proxies_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
@@ -113,13 +107,7 @@ class Server {
   UpdateRunner updates_{&ports_};
   LoadRunner loads_{&ports_};
   std::unique_ptr<RemoteAccess> remote_;
-  std::unique_ptr<ContextService> context_service_;
-  std::unique_ptr<OntologiesService> ontologies_service_;
-  std::unique_ptr<WorkflowsService> workflows_service_;
-  std::unique_ptr<RobotServicesService> robot_services_service_;
-  std::unique_ptr<FleetService> fleet_service_;
-  std::unique_ptr<GrpcListener> grpc_listener_;
-  std::unique_ptr<grpc::Server> grpc_server_;
+  std::unique_ptr<GrpcServer> grpc_server_;
   std::unique_ptr<HttpServer> http_server_;
   std::thread writer_thread_;
   mutable absl::Mutex status_mutex_;

@@ -2,8 +2,8 @@
 
 namespace docent::server {
 
-absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision revision,
-                                             absl::Time deadline, Cancellation* cancellation) {
+absl::StatusOr<GraphVersionPtr> AwaitVersion(const ReadPorts& ports, Revision revision, absl::Time deadline,
+                                             Cancellation* cancellation) {
   GraphVersionPtr newest = ports.queries->Newest();
   if (newest->revision() >= revision) return newest;
   WorkerPool::Waiting waiting(ports.workers);

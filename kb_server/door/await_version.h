@@ -11,8 +11,8 @@ namespace docent::server {
 
 // The newest version that is at least `revision`; others have the worker's place while it is not there.
 // DEADLINE_EXCEEDED after `deadline`; CANCELLED soon after the caller went away.
-absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision revision,
-                                             absl::Time deadline, Cancellation* cancellation);
+absl::StatusOr<GraphVersionPtr> AwaitVersion(const ReadPorts& ports, Revision revision, absl::Time deadline,
+                                             Cancellation* cancellation);
 
 }  // namespace docent::server
 

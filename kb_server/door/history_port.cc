@@ -23,7 +23,7 @@ absl::StatusOr<AsOf> ParseAsOf(const std::string& text) {
       "as-of must be a revision number or a time like 2026-01-31T12:00:00Z, not \"", text, "\""));
 }
 
-absl::StatusOr<QueryGraph> GraphForQuery(const ServicePorts& ports, Revision min_revision,
+absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, Revision min_revision,
                                          const std::string& as_of, absl::Time deadline,
                                          Cancellation* cancellation) {
   absl::StatusOr<AsOf> when;

@@ -40,7 +40,7 @@ class HistoryPort {
 
 // What a query reads: the version as of `as_of`, or where that is empty the newest that is at least
 // `min_revision` (see AwaitVersion). On a worker of the pool.
-absl::StatusOr<QueryGraph> GraphForQuery(const ServicePorts& ports, Revision min_revision,
+absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, Revision min_revision,
                                          const std::string& as_of, absl::Time deadline,
                                          Cancellation* cancellation);
 

@@ -3,13 +3,6 @@
 #ifndef DOCENT_KB_SERVER_DOOR_PORTS_H_
 #define DOCENT_KB_SERVER_DOOR_PORTS_H_
 
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
-
-#include "absl/status/statusor.h"
-#include "graph/base/cancellation.h"
 #include "graph/base/clock.h"
 #include "graph/base/explain_limits.h"
 #include "graph/base/limits.h"
@@ -41,41 +34,44 @@ class WhatIfPort;
 
 // What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
 enum class OnViolation { kIgnore, kWarn, kRefuse };
-// What a change of the rules would do (Ontologies.PreviewRules).
-struct RulesPreview {
-  uint64_t revision = 0;
-  size_t added = 0;
-  size_t removed = 0;
-  std::vector<std::string> added_triples;
-  std::vector<std::string> removed_triples;
-};
-// `text` null: the set would be removed. Any thread; may take long, until `cancellation` ends it.
-using PreviewRulesPort = std::function<absl::StatusOr<RulesPreview>(
-    const std::string& name, const std::string* text, size_t shown, Cancellation* cancellation)>;
+// Handlers of requests take the smallest of these groups that has what they need, so that a test fills that much. A null
+// pointer, where it is allowed, says so.
 
-struct ServicePorts {
-  Inbox* inbox = nullptr;
+// To read the graph: its versions, and the bounds of evaluation.
+struct ReadPorts {
   QueryPort* queries = nullptr;
   const Dictionary* dictionary = nullptr;
   const sparql::FunctionRegistry* functions = nullptr;
-  CatalogPort* catalog = nullptr;
-  RunFeed* feed = nullptr;
   WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
-  SendBudget* send_budget = nullptr;     // of all streams; null: each is bounded alone
+  HistoryPort* history = nullptr;        // null: only the newest version is there
+  RemoteAccess* remote = nullptr;        // null: nothing is fetched
+  const Clock* clock = nullptr;
+  Limits limits;
+  sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+};
+
+// To change it, too: through the door, or by updates and loads that are prepared beside the writer.
+struct WritePorts : ReadPorts {
+  Inbox* inbox = nullptr;
   UpdateRunner* updates = nullptr;
-  HistoryPort* history = nullptr;  // null: only the newest version is there
   LoadRunner* loads = nullptr;
-  RemoteAccess* remote = nullptr;  // null: nothing is fetched
-  PreviewRulesPort preview_rules;
+  OnViolation on_violation = OnViolation::kIgnore;
+};
+
+// And to tell clients of documents and runs.
+struct RunPorts : WritePorts {
+  CatalogPort* catalog = nullptr;
+  RunFeed* feed = nullptr;
+  SendBudget* send_budget = nullptr;  // of all streams; null: each is bounded alone
+};
+
+// All of them.
+struct ServicePorts : RunPorts {
   explain::FactHistory* fact_history = nullptr;  // null: explanations name no log offsets
   Subscriptions* subscriptions = nullptr;
   WhatIfPort* what_if = nullptr;
-  const Clock* clock = nullptr;
-  Limits limits;
   ExplainLimits explain_limits;
-  sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
-  OnViolation on_violation = OnViolation::kIgnore;
 };
 
 }  // namespace docent::server

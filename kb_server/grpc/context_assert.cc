@@ -27,7 +27,7 @@ using AssertStreamPump =
 // then reading pauses: a fast client is slowed, memory stays bounded.
 class AssertStreamReactor final : public AssertStreamPump {
  public:
-  AssertStreamReactor(grpc::CallbackServerContext* context, const ServicePorts& ports)
+  AssertStreamReactor(grpc::CallbackServerContext* context, const RunPorts& ports)
       : AssertStreamPump(context, ports.send_budget), ports_(ports) {
     StartRead(&request_);
   }
@@ -68,7 +68,7 @@ class AssertStreamReactor final : public AssertStreamPump {
   using LinkPtr = std::shared_ptr<Link>;
 
   // The stream `self` may have ended when these are called, and then they do nothing for it; a batch is pushed all the same.
-  static void Push(const LinkPtr& stream, AssertStreamReactor* self, const ServicePorts& ports, uint64_t slot,
+  static void Push(const LinkPtr& stream, AssertStreamReactor* self, const RunPorts& ports, uint64_t slot,
                    const v1::AssertRequest& request) {
     Cancellation cancellation{std::chrono::milliseconds(ports.limits.query_timeout_ms)};
     absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation);
@@ -115,7 +115,7 @@ class AssertStreamReactor final : public AssertStreamPump {
     if (reading_ended_ && slots_.empty()) End(grpc::Status::OK);
   }
 
-  const ServicePorts& ports_;
+  const RunPorts& ports_;
   v1::AssertRequest request_;
   std::deque<Slot> slots_;  // open requests, in order; references stay valid
   uint64_t first_slot_ = 0;

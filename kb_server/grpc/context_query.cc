@@ -87,7 +87,7 @@ class GrpcSink final : public QuerySink {
   v1::QueryReply header_;
 };
 
-absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
+absl::Status Answer(const ReadPorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
                     const Output& out) {
   if (!v1::QueryRequest::DefaultGraph_IsValid(request.default_graph())) {
     return absl::InvalidArgumentError(absl::StrCat("default_graph ",

@@ -48,7 +48,7 @@ class ContextService final : public v1::Context::CallbackService {
 
 class OntologiesService final : public v1::Ontologies::CallbackService {
  public:
-  explicit OntologiesService(const ServicePorts& ports) : ports_(ports) {}
+  explicit OntologiesService(const RunPorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Load(grpc::CallbackServerContext* context, const v1::LoadRequest* request,
                                  v1::LoadReply* reply) override;
   grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context, const v1::LoadRequest* request,
@@ -67,13 +67,13 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
                                          v1::PreviewRulesReply* reply) override;
 
  private:
-  const ServicePorts& ports_;
+  const RunPorts& ports_;
   KnownPrefixes prefixes_;
 };
 
 class WorkflowsService final : public v1::Workflows::CallbackService {
  public:
-  explicit WorkflowsService(const ServicePorts& ports) : ports_(ports) {}
+  explicit WorkflowsService(const RunPorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context, const v1::CheckRequest* request,
                                   v1::CheckReply* reply) override;
   grpc::ServerUnaryReactor* Deploy(grpc::CallbackServerContext* context, const v1::DeployRequest* request,
@@ -93,12 +93,12 @@ class WorkflowsService final : public v1::Workflows::CallbackService {
                                    v1::Run* reply) override;
 
  private:
-  const ServicePorts& ports_;
+  const RunPorts& ports_;
 };
 
 class RobotServicesService final : public v1::RobotServices::CallbackService {
  public:
-  explicit RobotServicesService(const ServicePorts& ports) : ports_(ports) {}
+  explicit RobotServicesService(const RunPorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Register(grpc::CallbackServerContext* context, const v1::RegisterRequest* request,
                                      v1::RegisterReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListServicesRequest* request,
@@ -110,19 +110,19 @@ class RobotServicesService final : public v1::RobotServices::CallbackService {
                                                            const v1::InvokeServiceRequest* request) override;
 
  private:
-  const ServicePorts& ports_;
+  const RunPorts& ports_;
 };
 
 class FleetService final : public v1::Fleet::CallbackService {
  public:
-  FleetService(const ServicePorts& ports, FleetLeases* leases) : ports_(ports), leases_(*leases) {}
+  FleetService(const WritePorts& ports, FleetLeases* leases) : ports_(ports), leases_(*leases) {}
   grpc::ServerUnaryReactor* Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
                                  v1::JoinReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListRobotsRequest* request,
                                  v1::ListRobotsReply* reply) override;
 
  private:
-  const ServicePorts& ports_;
+  const WritePorts& ports_;
   FleetLeases& leases_;
 };
 

@@ -1,6 +1,7 @@
 // Ontologies: modules, rule sets and data files.
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/cancellation.h"
@@ -11,6 +12,7 @@
 #include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/load_runner.h"
+#include "kb_server/work/rule_change.h"
 
 namespace docent::server {
 namespace {
@@ -26,7 +28,7 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
 
 // Whether there is a module of that name, on the writer's turn, when that is exact. A graph that was filled otherwise
 // counts, too.
-BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& ports) {
+BatchPreparation CheckMode(const v1::LoadRequest& request, const ReadPorts& ports) {
   if (request.mode() == v1::LoadRequest::PUT) return nullptr;
   return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](
              const TurnView& view, WriteBatch*) -> absl::Status {
@@ -170,14 +172,17 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
   const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));
-    const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),
-                                              std::min(request->shown(), kMostShown), cancellation.get());
-    if (!preview.ok()) return reactor->Finish(ToGrpc(preview.status()));
-    reply->set_revision(preview->revision);
-    reply->set_added(preview->added);
-    reply->set_removed(preview->removed);
-    for (const std::string& triple : preview->added_triples) reply->add_added_triples(triple);
-    for (const std::string& triple : preview->removed_triples) reply->add_removed_triples(triple);
+    std::optional<std::string> text;
+    if (!request->remove()) text = request->text();
+    const auto change = PreviewRuleChange(ports_, request->name(), text,
+                                          std::min(request->shown(), kMostShown), cancellation.get());
+    if (!change.ok()) return reactor->Finish(ToGrpc(change.status()));
+    const rules::RulePreview& facts = change->facts;
+    reply->set_revision(change->revision.value());
+    reply->set_added(facts.added);
+    reply->set_removed(facts.removed);
+    for (const std::string& triple : facts.added_triples) reply->add_added_triples(triple);
+    for (const std::string& triple : facts.removed_triples) reply->add_removed_triples(triple);
     reactor->Finish(grpc::Status::OK);
   };
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);

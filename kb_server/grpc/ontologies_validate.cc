@@ -98,7 +98,7 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   return absl::OkStatus();
 }
 
-absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
+absl::Status Validate(const ReadPorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
                       Cancellation* cancellation, v1::ValidateReply* reply) {
   GivenShapes given(ports.dictionary);
   if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
@@ -130,7 +130,7 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
   return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
 }
 
-absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
+absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
                    v1::CheckModuleReply* reply) {
   absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation);
   if (!batch.ok()) return batch.status();

@@ -29,7 +29,7 @@ void Fill(const std::vector<rsel::OfferedOperation>& offered, const rsel::Plan& 
 }
 
 // Warnings about what the robots that are here cannot do. What the registry refuses is left to the writer's turn to say.
-Diagnostics Feasibility(const ServicePorts& ports, const rsel::ParsedRsel& parsed) {
+Diagnostics Feasibility(const RunPorts& ports, const rsel::ParsedRsel& parsed) {
   rsel::ServiceRegistry registry = ports.catalog->Get()->services;
   if (HasErrors(registry.Put(parsed.document))) return {};
   return rsel::CheckFeasibility(*parsed.document, registry,
@@ -37,7 +37,7 @@ Diagnostics Feasibility(const ServicePorts& ports, const rsel::ParsedRsel& parse
 }
 
 // What a request that started `run` before is answered with if that has ended; nullopt: it is running.
-absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServicePorts& ports,
+absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const RunPorts& ports,
                                                                   const std::string& run) {
   GraphVersionPtr version = ports.queries->Newest();
   v1::Run record;
@@ -63,7 +63,7 @@ struct Invoked {
 
 // On the committer's thread, which also fills the feed: what the graph says of the run and what the feed will say fit
 // together.
-absl::StatusOr<Invoked> ReadOutcome(const ServicePorts& ports, const absl::StatusOr<BatchOutcome>& outcome) {
+absl::StatusOr<Invoked> ReadOutcome(const RunPorts& ports, const absl::StatusOr<BatchOutcome>& outcome) {
   if (!outcome.ok()) return outcome.status();
   if (outcome->started.empty()) {
     return absl::AlreadyExistsError("this request_id was that of another request; take a new one");

@@ -17,7 +17,7 @@ class RunFeedPump : public WritePump<grpc::ServerWriteReactor<Message>, Message>
  public:
   using Pump = WritePump<grpc::ServerWriteReactor<Message>, Message>;
 
-  RunFeedPump(grpc::CallbackServerContext* context, const ServicePorts& ports)
+  RunFeedPump(grpc::CallbackServerContext* context, const RunPorts& ports)
       : Pump(context, ports.send_budget), feed_(*ports.feed) {
     subscription_ = feed_.Subscribe([this] {
       absl::MutexLock lock(&this->link()->mutex);

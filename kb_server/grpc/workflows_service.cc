@@ -17,7 +17,7 @@
 namespace docent::server {
 namespace {
 
-cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
+cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, const std::string& name) {
   auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
   cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
   for (Diagnostic& warning : CostWarnings(report, name, ports))

@@ -20,8 +20,7 @@ void ToProto(const RunEvent& event, v1::RunEvent* out) {
 // One client.
 class WatchReactor final : public RunFeedPump<v1::RunEvent> {
  public:
-  WatchReactor(grpc::CallbackServerContext* context, const ServicePorts& ports,
-               const v1::WatchRequest& request)
+  WatchReactor(grpc::CallbackServerContext* context, const RunPorts& ports, const v1::WatchRequest& request)
       : RunFeedPump(context, ports), run_(request.run()), after_(request.after()) {
     const absl::StatusOr<uint64_t> first = request.after() == 0 ? feed().Next() : feed().FirstAfter(after_);
     absl::MutexLock lock(&link()->mutex);

@@ -95,7 +95,7 @@ Address ReadAddress(const HttpRequest& http) {
 }
 
 // Answers with a whole graph.
-void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
+void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exchange) {
   const std::string accept = exchange.request().Header("accept");
   if (ChooseGraphType(accept) == nullptr) return exchange.Respond(NoGraphType());
   const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
@@ -163,13 +163,13 @@ std::string BaseOf(const Address& address) {
   return address.graph.lexical == kDefaultGraph ? std::string() : address.graph.lexical;
 }
 
-HttpResponse TooLarge(const ServicePorts& ports, const Content& content) {
+HttpResponse TooLarge(const ReadPorts& ports, const Content& content) {
   return ErrorResponse(content.memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
       "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
 }
 
 // `part`: its number among several.
-void ReadPart(const ServicePorts& ports, const HttpPart& part, const Address& address, size_t number,
+void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& address, size_t number,
               Cancellation* cancellation, Content* content) {
   const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
@@ -218,7 +218,7 @@ void ReadPart(const ServicePorts& ports, const HttpPart& part, const Address& ad
   }
 }
 
-Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Address& address,
+Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Address& address,
                     Cancellation* cancellation) {
   Content content;
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
@@ -265,14 +265,14 @@ bool ConditionHolds(const HttpRequest& http, bool exists) {
 }
 
 // Ends what is done for the request at the time limit and when the client leaves.
-std::shared_ptr<Cancellation> CancellationOf(const ServicePorts& ports, const Exchange& exchange) {
+std::shared_ptr<Cancellation> CancellationOf(const ReadPorts& ports, const Exchange& exchange) {
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
   exchange->OnGone([cancellation] { cancellation->Cancel(); });
   return cancellation;
 }
 
-void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
+void Submit(const WritePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
   change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
   if (change->request.cancellation == nullptr) change->request.cancellation = CancellationOf(ports, exchange);
   const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
@@ -312,7 +312,7 @@ Operation MakeOperation(Operation::Kind kind, const Address& address) {
 }
 
 // PUT and POST: DROP where it replaces, then LOAD of the body.
-void Write(const ServicePorts& ports, Address address, const Exchange& exchange) {
+void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   auto change = std::make_shared<Change>();
   change->request.cancellation = CancellationOf(ports, exchange);
@@ -349,7 +349,7 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
   return absl::OkStatus();
 }
 
-void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
+void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   const std::string type = http.Header("content-type");
   if (std::optional<HttpResponse> refusal = RefuseCharset(type))
@@ -381,7 +381,7 @@ void Patch(const ServicePorts& ports, Address address, const Exchange& exchange)
 }
 
 // On a worker.
-void Answer(const ServicePorts& ports, Address address, const Exchange& exchange) {
+void Answer(const WritePorts& ports, Address address, const Exchange& exchange) {
   const std::string& method = exchange->request().method;
   if (method == "GET" || method == "HEAD") {
     return ReadGraph(ports, address, *exchange);
@@ -394,7 +394,7 @@ void Answer(const ServicePorts& ports, Address address, const Exchange& exchange
   Submit(ports, std::move(change), exchange);
 }
 
-void Handle(const ServicePorts& ports, Exchange exchange) {
+void Handle(const WritePorts& ports, Exchange exchange) {
   Address address = ReadAddress(exchange->request());
   if (address.refusal) return exchange->Respond(*std::move(address.refusal));
   if (address.is_new) {
@@ -415,7 +415,7 @@ void Handle(const ServicePorts& ports, Exchange exchange) {
 
 }  // namespace
 
-void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports) {
+void AddGraphStoreRoutes(HttpRoutes* routes, const WritePorts* ports) {
   for (const char* method : {"GET", "PUT", "POST", "DELETE", "PATCH"}) {
     for (const char* path : {"/rdf-graphs", "/rdf-graphs/*"}) {
       routes->Add(method, path, [ports](Exchange exchange) { Handle(*ports, std::move(exchange)); });

@@ -19,7 +19,7 @@
 namespace docent::server {
 
 // `ports` must outlive the server and the workers' last job.
-void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports);
+void AddGraphStoreRoutes(HttpRoutes* routes, const WritePorts* ports);
 
 }  // namespace docent::server
 

@@ -112,8 +112,8 @@ class HttpSink final : public QuerySink {
 
 }  // namespace
 
-int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
-                std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation) {
+int AnswerQuery(const ReadPorts& ports, const SparqlRequest& request, std::shared_ptr<HttpExchange> exchange,
+                Cancellation* cancellation) {
   QueryRequest query;
   query.text = request.text;
   query.base_iri = request.base_iri;

@@ -13,8 +13,8 @@
 namespace docent::server {
 
 // Answers the exchange, whatever happens. The HTTP status that the answer has.
-int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
-                std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation);
+int AnswerQuery(const ReadPorts& ports, const SparqlRequest& request, std::shared_ptr<HttpExchange> exchange,
+                Cancellation* cancellation);
 
 }  // namespace docent::server
 

@@ -76,7 +76,7 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
 }
 
 // On a worker: parsing may take long.
-void Update(const ServicePorts& ports, const Measured& measured, const SparqlRequest& request,
+void Update(const WritePorts& ports, const Measured& measured, const SparqlRequest& request,
             std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation,
             absl::Time until) {
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
@@ -97,7 +97,7 @@ void Update(const ServicePorts& ports, const Measured& measured, const SparqlReq
   });
 }
 
-void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
+void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
   const Measured measured(metrics);
   ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
   if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
@@ -136,7 +136,7 @@ HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome) {
   return response;
 }
 
-void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* metrics) {
+void AddSparqlRoutes(HttpRoutes* routes, const WritePorts* ports, Metrics* metrics) {
   const SparqlMetrics counts(metrics);
   for (const char* method : {"GET", "POST"}) {
     for (const char* path : {"/sparql", "/sparql/"}) {

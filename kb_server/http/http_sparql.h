@@ -24,7 +24,7 @@
 namespace docent::server {
 
 // Queries run on `ports->workers`. Both pointers must outlive the server and the workers' last query.
-void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* metrics);
+void AddSparqlRoutes(HttpRoutes* routes, const WritePorts* ports, Metrics* metrics);
 
 // What an update did, as JSON.
 HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome);

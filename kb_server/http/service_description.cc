@@ -40,7 +40,7 @@ class Description {
   int graphs_ = 0;
 };
 
-std::vector<TermQuad> Describe(const ServicePorts& ports, const std::string& address) {
+std::vector<TermQuad> Describe(const ReadPorts& ports, const std::string& address) {
   Description d;
   const Term service = Term::Blank("service"), dataset = Term::Blank("dataset");
   const bool is_union = ports.default_graph == sparql::DefaultGraph::kUnion;
@@ -87,7 +87,7 @@ std::vector<TermQuad> Describe(const ServicePorts& ports, const std::string& add
 
 }  // namespace
 
-HttpResponse DescribeService(const ServicePorts& ports, const std::string& address, std::string_view accept) {
+HttpResponse DescribeService(const ReadPorts& ports, const std::string& address, std::string_view accept) {
   const GraphType* type = ChooseGraphType(accept);
   if (type == nullptr) return NoGraphType();
   absl::StatusOr<std::string> text = SerializeRdf(

@@ -12,7 +12,7 @@ namespace docent::server {
 
 // The description of the endpoint at `address`, with the graphs of the newest version, in what `accept` asks
 // for.
-HttpResponse DescribeService(const ServicePorts& ports, const std::string& address, std::string_view accept);
+HttpResponse DescribeService(const ReadPorts& ports, const std::string& address, std::string_view accept);
 
 }  // namespace docent::server
 

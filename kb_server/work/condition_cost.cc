@@ -21,7 +21,7 @@ bool IsWild(const sparql::TriplePattern& pattern) {
   return pattern.subject.IsVariable() && pattern.predicate.IsVariable() && pattern.object.IsVariable();
 }
 
-std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyClock::time_point until) {
+std::string Cost(const sparql::Query& query, const ReadPorts& ports, SteadyClock::time_point until) {
   const GraphVersionPtr version = ports.queries->Newest();
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - SteadyClock::now());
   if (left.count() <= 0) return "not measured: the others took the time";
@@ -57,8 +57,7 @@ std::string WhyWhole(const matching::TriggerAnalysis& analysis) {
   return "";
 }
 
-Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file,
-                         const ServicePorts& ports) {
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports) {
   Diagnostics warnings;
   const SteadyClock::time_point until = SteadyClock::now() + kMostTime;
   for (const cawl::ConditionText& condition : report.conditions) {

@@ -17,7 +17,7 @@ std::string WhyWhole(const matching::TriggerAnalysis& analysis);
 
 // A warning for each such condition of a correct document, at its place, with its cost as measured on the newest
 // version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it.
-Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ServicePorts& ports);
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports);
 
 }  // namespace docent::server
 

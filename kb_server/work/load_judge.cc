@@ -66,7 +66,7 @@ struct Outcome {
   shapes::ValidationReport report;
 };
 
-absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& version,
+absl::StatusOr<Outcome> Validate(const ReadPorts& ports, const GraphVersion& version,
                                  const Dictionary& dictionary, const shapes::SourceMap* places,
                                  Cancellation* cancellation) {
   Outcome outcome;
@@ -129,7 +129,7 @@ void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batc
 
 }  // namespace
 
-shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellation* cancellation) {
+shapes::ValidateOptions ValidateOptionsOf(const ReadPorts& ports, Cancellation* cancellation) {
   shapes::ValidateOptions options;
   options.memory_bytes = ports.limits.query_memory_bytes;
   options.all_memory = ports.query_memory;
@@ -139,7 +139,7 @@ shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellatio
   return options;
 }
 
-Diagnostics CheckLoadedShapes(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, const GraphVersion& version,
                               const LoadedText& text) {
   if (!SpeaksOfShapes(batch)) return {};
   Dictionary dictionary(ports.dictionary);
@@ -167,7 +167,7 @@ std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& 
   return graphs;
 }
 
-absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch,
+absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& batch,
                                       const GraphVersion& version, const LoadedText& text,
                                       Cancellation* cancellation) {
   Dictionary dictionary(ports.dictionary);

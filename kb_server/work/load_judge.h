@@ -41,17 +41,17 @@ struct LoadedText {
 
 // The batch of a Load on `version`: its documents are ontologies (replaced or removed), its operations quads. CANCELLED,
 // DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED: there is no verdict.
-absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch,
+absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& batch,
                                       const GraphVersion& version, const LoadedText& text,
                                       Cancellation* cancellation);
 
 // What a module's shapes say that is wrong or is not evaluated, as warnings and errors with their places in `text`. Nothing is
 // validated. Errors elsewhere, which the module may have brought about, have no place.
-Diagnostics CheckLoadedShapes(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, const GraphVersion& version,
                               const LoadedText& text);
 
 // A server's limits and functions for a validation.
-shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellation* cancellation);
+shapes::ValidateOptions ValidateOptionsOf(const ReadPorts& ports, Cancellation* cancellation);
 
 // The graphs of the ontology modules: where shapes are looked for.
 std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);

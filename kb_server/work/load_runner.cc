@@ -59,7 +59,7 @@ absl::Status Refusal(const LoadVerdict& verdict) {
 
 class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
  public:
-  Attempt(const ServicePorts& ports, LoadJob job) : ports_(ports), job_(std::move(job)) {}
+  Attempt(const WritePorts& ports, LoadJob job) : ports_(ports), job_(std::move(job)) {}
 
   void Judge() {
     ++attempts_;
@@ -108,7 +108,7 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
     }
   }
 
-  const ServicePorts& ports_;
+  const WritePorts& ports_;
   const LoadJob job_;
   Diagnostics warnings_;
   Revision needed_;

@@ -1,5 +1,5 @@
 // Brings loads (ontology modules, rule sets, data) through the door, judged by the shapes that are loaded where the server
-// is to do that (ServicePorts::on_violation). A load is judged beside the writer; where what the shapes read has changed
+// is to do that (WritePorts::on_violation). A load is judged beside the writer; where what the shapes read has changed
 // until its turn, it is judged again, at most Limits::update_attempts times. Thread-safe.
 #ifndef DOCENT_KB_SERVER_WORK_LOAD_RUNNER_H_
 #define DOCENT_KB_SERVER_WORK_LOAD_RUNNER_H_
@@ -17,7 +17,7 @@ class Cancellation;
 
 namespace docent::server {
 
-struct ServicePorts;
+struct WritePorts;
 
 using LoadCallback =
     std::function<void(const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings)>;
@@ -33,7 +33,7 @@ struct LoadJob {
 class LoadRunner {
  public:
   // `ports` must outlive it, and the workers must be ended before it.
-  explicit LoadRunner(const ServicePorts* ports) : ports_(*ports) {}
+  explicit LoadRunner(const WritePorts* ports) : ports_(*ports) {}
 
   // On a worker, where it may take long. Answers exactly once, from any thread. FAILED_PRECONDITION with the results: the
   // load is refused; ABORTED: what it is judged by kept changing.
@@ -41,7 +41,7 @@ class LoadRunner {
 
  private:
   class Attempt;
-  const ServicePorts& ports_;
+  const WritePorts& ports_;
 };
 
 }  // namespace docent::server

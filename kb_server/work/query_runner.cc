@@ -20,7 +20,7 @@ using sparql::Query;
 constexpr size_t kCopies = 4;  // of a row on its way: as terms, as text, with its connection, as what is sent
 
 // The query, with the data set that the request gives.
-absl::StatusOr<Query> Parse(const ServicePorts& ports, const QueryRequest& request) {
+absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request) {
   const size_t limit = ports.limits.query_text_bytes;
   if (request.text.size() > limit) {
     return absl::ResourceExhaustedError(

@@ -19,7 +19,7 @@
 
 namespace docent::server {
 
-struct ServicePorts;
+struct ReadPorts;
 
 struct QueryRequest {
   std::string text;
@@ -60,7 +60,7 @@ class QuerySink {
 class QueryRunner {
  public:
   // `ports` must outlive it.
-  explicit QueryRunner(const ServicePorts* ports) : ports_(*ports) {}
+  explicit QueryRunner(const ReadPorts* ports) : ports_(*ports) {}
 
   // On a worker, for as long as the query and its sink take. INVALID_ARGUMENT with place and remedy for a text that is
   // wrong; RESOURCE_EXHAUSTED naming the limit; CANCELLED, DEADLINE_EXCEEDED; errors of SERVICE, of `as_of` and of the sink.
@@ -68,7 +68,7 @@ class QueryRunner {
   absl::Status Run(const QueryRequest& request, Cancellation* cancellation, QuerySink* sink) const;
 
  private:
-  const ServicePorts& ports_;
+  const ReadPorts& ports_;
 };
 
 }  // namespace docent::server

@@ -24,7 +24,7 @@ constexpr size_t kRequestIdBytes = 256;  // as in Context.Assert
 // One update on its way. It is in one thread at a time: a worker's or the writer's.
 class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
  public:
-  Job(const ServicePorts& ports, UpdateRequest request, uint64_t seed, TimeMicros now_us, BatchCallback done)
+  Job(const WritePorts& ports, UpdateRequest request, uint64_t seed, TimeMicros now_us, BatchCallback done)
       : ports_(ports), request_(std::move(request)), done_(std::move(done)), needed_(request_.min_revision) {
     run_.now_us = now_us;
     run_.seed = seed;
@@ -154,7 +154,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     ports_.inbox->Push(Batch(), done_, std::move(evaluate));
   }
 
-  const ServicePorts& ports_;
+  const WritePorts& ports_;
   UpdateRequest request_;
   std::map<std::string, absl::StatusOr<std::vector<TermQuad>>> documents_;  // of LOAD
   const BatchCallback done_;

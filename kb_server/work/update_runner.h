@@ -21,7 +21,7 @@
 
 namespace docent::server {
 
-struct ServicePorts;
+struct WritePorts;
 
 struct UpdateRequest {
   sparql::Update update;
@@ -29,7 +29,7 @@ struct UpdateRequest {
   Revision min_revision;                       // to be evaluated on this version or a later one
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
   absl::Duration timeout;                      // of waiting for a worker, and for min_revision
-  sparql::LoadDocument load;                   // for LOAD; empty: what ServicePorts::remote allows
+  sparql::LoadDocument load;                   // for LOAD; empty: what WritePorts::remote allows
   // Looks at each version that the update is evaluated on; an error ends it (a precondition). May be null.
   std::function<absl::Status(const GraphVersion& version)> precondition;
 };
@@ -37,7 +37,7 @@ struct UpdateRequest {
 class UpdateRunner {
  public:
   // `ports` must outlive it, and the workers must be ended before it.
-  explicit UpdateRunner(const ServicePorts* ports) : ports_(*ports) {}
+  explicit UpdateRunner(const WritePorts* ports) : ports_(*ports) {}
 
   // Answers through `done`, exactly once, from any thread: when the quads are durable and visible, or why
   // nothing was changed. An update that changes nothing is answered with the revision that it was evaluated
@@ -49,7 +49,7 @@ class UpdateRunner {
 
  private:
   class Job;
-  const ServicePorts& ports_;
+  const WritePorts& ports_;
   std::atomic<uint64_t> count_{0};
 };
 

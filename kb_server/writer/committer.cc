@@ -23,7 +23,13 @@ std::vector<History::Step> StepsOf(const DecidedGroup& group) {
 
 }  // namespace
 
-Committer::Committer(const Ports& ports) : ports_(ports), thread_([this] { Loop(); }) {}
+Committer::Committer(const CommitPorts& ports, size_t turns_per_commit, WriterCounters* counters,
+                     std::function<void()> halted)
+    : ports_(ports),
+      turns_per_commit_(turns_per_commit),
+      counters_(*counters),
+      on_halted_(std::move(halted)),
+      thread_([this] { Loop(); }) {}
 
 Committer::~Committer() {
   {
@@ -77,7 +83,7 @@ Committer::Groups Committer::Next() {
   size_t turns = 0;
   for (DecidedGroup& group : groups_) {
     turns += group.turns.size();
-    if (!groups.empty() && turns > ports_.turns_per_commit) break;
+    if (!groups.empty() && turns > turns_per_commit_) break;
     groups.push_back(&group);
   }
   return groups;
@@ -122,7 +128,7 @@ void Committer::Halt(const absl::Status& status) {
     refusal_ = status;
     halted_ = true;
   }
-  ports_.halted();
+  on_halted_();
 }
 
 absl::Status Committer::Append(const Groups& groups) {
@@ -138,8 +144,8 @@ absl::Status Committer::Append(const Groups& groups) {
     return absl::FailedPreconditionError("another server has taken over the log; this one stops");
   }
   head_ += records.size();
-  ++ports_.counters->commits;
-  ports_.counters->turns += records.size();
+  ++counters_.commits;
+  counters_.turns += records.size();
   return absl::OkStatus();
 }
 
@@ -184,8 +190,8 @@ void Committer::Send(const TurnResult& result) {
 }
 
 void Committer::Tell(DecidedTurn* turn) {
-  ports_.counters->commands += turn->result.record.commands.size();
-  ports_.counters->inferred += turn->result.inferred;
+  counters_.commands += turn->result.record.commands.size();
+  counters_.inferred += turn->result.inferred;
   ports_.feed->Publish(EventsOf(turn->result.record));
   turn->done(turn->outcome);
 }

@@ -77,23 +77,22 @@ struct DecidedGroup {
   std::shared_ptr<const Catalog> catalog;  // after the turns; null: they have not changed it
 };
 
+// Where turns go once they are decided. These may be null: `proxies` (nothing is sent), `history`, `subscriptions`.
+struct CommitPorts {
+  log::ContextLog* log = nullptr;
+  QueryPort* queries = nullptr;
+  CatalogPort* catalog = nullptr;
+  RunFeed* feed = nullptr;
+  proxy::RobotProxies* proxies = nullptr;
+  History* history = nullptr;
+  Subscriptions* subscriptions = nullptr;
+};
+
 class Committer {
  public:
-  // Everything must outlive the committer. These may be null: `proxies` (nothing is sent), `history`,
-  // `subscriptions`.
-  struct Ports {
-    log::ContextLog* log = nullptr;
-    QueryPort* queries = nullptr;
-    CatalogPort* catalog = nullptr;
-    RunFeed* feed = nullptr;
-    proxy::RobotProxies* proxies = nullptr;
-    History* history = nullptr;
-    Subscriptions* subscriptions = nullptr;
-    WriterCounters* counters = nullptr;
-    size_t turns_per_commit = 1;
-    std::function<void()> halted;
-  };
-  explicit Committer(const Ports& ports);
+  // `halted` is called when it stands still. Everything must outlive the committer.
+  Committer(const CommitPorts& ports, size_t turns_per_commit, WriterCounters* counters,
+            std::function<void()> halted);
   ~Committer();  // when all is told, or it stands still
   Committer(const Committer&) = delete;
   Committer& operator=(const Committer&) = delete;
@@ -135,7 +134,10 @@ class Committer {
   void Forget(size_t groups, std::vector<GraphVersionPtr> gone);
   void Halt(const absl::Status& status);
 
-  const Ports ports_;
+  const CommitPorts ports_;
+  const size_t turns_per_commit_;
+  WriterCounters& counters_;
+  const std::function<void()> on_halted_;
 
   absl::Mutex mutex_;
   std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);    // in flight

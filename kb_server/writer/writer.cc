@@ -42,27 +42,13 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
   return outcome;
 }
 
-Committer::Ports ToCommitterPorts(const Writer::Ports& ports, WriterCounters* counters) {
-  Committer::Ports out;
-  out.log = ports.log;
-  out.queries = ports.queries;
-  out.catalog = ports.catalog;
-  out.feed = ports.feed;
-  out.proxies = ports.proxies;
-  out.history = ports.history;
-  out.subscriptions = ports.subscriptions;
-  out.counters = counters;
-  out.turns_per_commit = ports.limits.turns_per_commit;
-  out.halted = [inbox = ports.inbox] { inbox->Wake(); };
-  return out;
-}
-
 }  // namespace
 
 Writer::Writer(const Ports& ports)
     : ports_(ports),
       requests_(ports.limits.request_ids_remembered),
-      committer_(ToCommitterPorts(ports, &counters_)) {}
+      committer_(ports, ports.limits.turns_per_commit, &counters_, [inbox = ports.inbox] { inbox->Wake(); }) {
+}
 
 absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
   absl::Status status = Replay(progress);

@@ -33,18 +33,10 @@ namespace docent::server {
 
 class Writer {
  public:
-  // Everything must outlive the writer. These may be null: `proxies` (nothing is sent: tools, tests), `snapshots`
-  // and `history` (none are kept).
-  struct Ports {
+  // Everything must outlive the writer.
+  struct Ports : CommitPorts {
     Inbox* inbox = nullptr;
-    log::ContextLog* log = nullptr;
-    QueryPort* queries = nullptr;
-    CatalogPort* catalog = nullptr;
-    RunFeed* feed = nullptr;
-    proxy::RobotProxies* proxies = nullptr;
-    SnapshotKeeper* snapshots = nullptr;
-    History* history = nullptr;
-    Subscriptions* subscriptions = nullptr;  // may be null
+    SnapshotKeeper* snapshots = nullptr;  // null: none are kept
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;

@@ -96,7 +96,7 @@ class QueryRunnerTest : public ::testing::Test {
   ManualClock clock_{1800000000000000};
   WorkerPool workers_{WorkerPoolLimits{/*running=*/1, /*open=*/1, /*queue=*/1}};
   Cancellation cancellation_;
-  ServicePorts ports_;
+  ReadPorts ports_;
   RecordingSink sink_;
 };
 

@@ -1,0 +1,62 @@
+#include "kb_server/grpc/grpc_server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace docent::server {
+namespace {
+
+constexpr size_t kBesideDocument = 1u << 20;  // of a message that brings a document
+constexpr int kKeepaliveMs = 60000;
+constexpr int kHandshakeMs = 10000;  // from a connection's begin to the first frame of HTTP/2
+
+}  // namespace
+
+GrpcServer::GrpcServer(const ServicePorts& ports, FleetLeases* leases)
+    : context_(ports), ontologies_(ports), workflows_(ports), robot_services_(ports), fleet_(ports, leases) {}
+
+absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(const std::string& address, size_t connections,
+                                                              const ServicePorts& ports,
+                                                              FleetLeases* leases) {
+  absl::StatusOr<std::unique_ptr<GrpcListener>> listener = GrpcListener::Listen(address, connections);
+  if (!listener.ok()) return listener.status();
+  std::unique_ptr<GrpcServer> server(new GrpcServer(ports, leases));
+  server->listener_ = *std::move(listener);
+  if (absl::Status status = server->Build(ports.limits); !status.ok()) return status;
+  server->listener_->Start();
+  return server;
+}
+
+absl::Status GrpcServer::Build(const Limits& limits) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  listener_->AddTo(&builder);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
+  // A message holds a document and little else; what is larger than document_bytes is refused by that name.
+  const size_t message_bytes = std::max(limits.grpc_message_bytes, limits.document_bytes + kBesideDocument);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
+  const std::array<std::pair<const char*, grpc::Service*>, 5> services = {
+      {{v1::Context::service_full_name(), &context_},
+       {v1::Ontologies::service_full_name(), &ontologies_},
+       {v1::Workflows::service_full_name(), &workflows_},
+       {v1::RobotServices::service_full_name(), &robot_services_},
+       {v1::Fleet::service_full_name(), &fleet_}}};
+  for (const auto& [name, service] : services) builder.RegisterService(service);
+  server_ = builder.BuildAndStart();
+  if (server_ == nullptr) return absl::InternalError("the gRPC server does not start");
+  for (const auto& [name, service] : services) server_->GetHealthCheckService()->SetServingStatus(name, true);
+  return absl::OkStatus();
+}
+
+void GrpcServer::Stop(std::chrono::system_clock::time_point deadline) {
+  listener_->Stop();
+  if (server_) server_->Shutdown(deadline);
+}
+
+}  // namespace docent::server

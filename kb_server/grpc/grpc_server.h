@@ -1,0 +1,43 @@
+// The gRPC server: its services, its listener, health and reflection.
+#ifndef DOCENT_KB_SERVER_GRPC_GRPC_SERVER_H_
+#define DOCENT_KB_SERVER_GRPC_GRPC_SERVER_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "kb_server/grpc/grpc_listener.h"
+#include "kb_server/grpc/grpc_services.h"
+
+namespace docent::server {
+
+class GrpcServer {
+ public:
+  // Serves at `address`, see GrpcListener::Listen; at most `connections` at one time. Both pointers and `ports` must
+  // outlive it.
+  static absl::StatusOr<std::unique_ptr<GrpcServer>> Start(const std::string& address, size_t connections,
+                                                           const ServicePorts& ports, FleetLeases* leases);
+  // No new connections and calls from now on; those that are under way may go on until `deadline`.
+  void Stop(std::chrono::system_clock::time_point deadline);
+
+  GrpcListener& listener() { return *listener_; }
+
+ private:
+  GrpcServer(const ServicePorts& ports, FleetLeases* leases);
+  absl::Status Build(const Limits& limits);
+
+  ContextService context_;
+  OntologiesService ontologies_;
+  WorkflowsService workflows_;
+  RobotServicesService robot_services_;
+  FleetService fleet_;
+  std::unique_ptr<GrpcListener> listener_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_GRPC_GRPC_SERVER_H_

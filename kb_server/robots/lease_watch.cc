@@ -1,0 +1,25 @@
+#include "kb_server/robots/lease_watch.h"
+
+#include <utility>
+
+#include "kb_server/robots/robot_facts.h"
+#include "kb_server/robots/robot_records.h"
+#include "spdlog/spdlog.h"
+
+namespace docent::server {
+
+void LeaseWatch::Begin() {
+  for (const std::string& robot : RobotsOnline(dictionary_, *queries_.Newest())) leases_.Expect(robot);
+}
+
+void LeaseWatch::Look() {
+  for (const FleetLeases::Lost& lost : leases_.TakeLost()) {
+    WriteBatch batch = FactsOfLoss(lost.robot, lost.seen_us, dictionary_, *queries_.Newest());
+    inbox_.Push(std::move(batch), [this, robot = lost.robot](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) spdlog::warn("{} has not renewed its lease: offline", robot);
+      leases_.ToldLost(robot, outcome.ok());
+    });
+  }
+}
+
+}  // namespace docent::server

@@ -1,0 +1,24 @@
+#include "kb_server/work/rule_change.h"
+
+#include <utility>
+#include <vector>
+
+namespace docent::server {
+
+absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::string& name,
+                                             const std::optional<std::string>& text, size_t shown,
+                                             Cancellation* cancellation) {
+  // The version first: the catalog that goes with it may be a turn newer, never older than its rules.
+  const GraphVersionPtr version = ports.queries->Newest();
+  std::vector<rules::RuleSetText> current;
+  for (const ModuleEntry& module : ports.catalog->Get()->modules) {
+    if (module.kind == Document::Kind::kRules && module.text != nullptr)
+      current.push_back({module.name, *module.text});
+  }
+  absl::StatusOr<rules::RulePreview> facts = rules::PreviewRules(
+      *ports.dictionary, version, current, name, text, shown, ports.limits, ports.functions, cancellation);
+  if (!facts.ok()) return facts.status();
+  return RuleChange{version->revision(), *std::move(facts)};
+}
+
+}  // namespace docent::server
