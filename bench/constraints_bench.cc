@@ -217,7 +217,7 @@ class ConstraintsBench {
       took += Clock::now() - start;
     }
     const double scale = static_cast<double>(count) / static_cast<double>(asked);
-    Note("asked again by predicate", asked < count ? "update, scaled from 10,000" : "update", "us",
+    Note("evaluated again by predicate", asked < count ? "update, scaled from 10,000" : "update", "us",
          {Micros(took) / kUpdatesAgain * scale});
   }
 

@@ -30,7 +30,7 @@ struct Arguments {
   size_t constraints = 10000;
   size_t in_flight = 1000;
   double seconds = 5;  // of each measurement
-  double rate = 0;     // updates a second of the open loop; 0: half of what saturates
+  double rate = 0;     // updates a second of the open loop; 0: half of the saturation
   int runs = 5;
   std::string folder = ".";
   bool only_streams = false;
@@ -226,10 +226,10 @@ int RunNotifyBench(const std::vector<std::string>& args) {
                  "Updates whose notification is outstanding, at saturation")
       ->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
-  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")
+  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of the saturation")
       ->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+  app.add_option("--folder", arguments.folder, "Folder of the durable log (its disk is measured)")
       ->capture_default_str();
   app.add_flag("--only-streams", arguments.only_streams,
                "Without the part that has a stream for each subscription");

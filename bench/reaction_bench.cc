@@ -297,10 +297,10 @@ int RunReactionBench(const std::vector<std::string>& args) {
   app.add_option("--constraints", arguments.constraints, "Workflows whose conditions wait")
       ->capture_default_str();
   app.add_option("--updates", arguments.updates, "Updates of each run")->capture_default_str();
-  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")
+  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of the saturation")
       ->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+  app.add_option("--folder", arguments.folder, "Folder of the durable log (its disk is measured)")
       ->capture_default_str();
   if (std::optional<int> code = Parse(&app, args)) return *code;
   if (arguments.runs * arguments.updates + 500 > arguments.triples / 4) {

@@ -337,7 +337,7 @@ int RunWritesBench(const std::vector<std::string>& args) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+  app.add_option("--folder", arguments.folder, "Folder of the durable log (its disk is measured)")
       ->capture_default_str();
   if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> figures;

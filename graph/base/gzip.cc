@@ -28,7 +28,7 @@ struct Inflater {
 
 absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name) {
   Inflater inflater;
-  if (!inflater.ready) return absl::ResourceExhaustedError("there is no memory to unpack gzip");
+  if (!inflater.ready) return absl::ResourceExhaustedError("not enough memory to unpack gzip");
   z_stream& stream = inflater.stream;
   std::string out;
   size_t taken = 0;

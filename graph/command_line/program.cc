@@ -71,7 +71,7 @@ std::string WhatIsWrong(const CLI::App& app, const std::string& error) {
   for (const CLI::App* command : given.app->get_subcommands([](const CLI::App*) { return true; }))
     known.push_back(command->get_name());
   if (known.empty())
-    return given.name + ": one argument too many: " + left.front() + "; " + help + " tells what it takes";
+    return given.name + ": one argument too many: " + left.front() + "; " + help + " shows its arguments";
   const std::string nearest = Nearest(left.front(), known);
   return app.get_name() + ": there is no command `" + given.name + " " + left.front() + "`; " +
          (nearest.empty() ? help + " lists them" : "did you mean `" + given.name + " " + nearest + "`?");

@@ -20,7 +20,7 @@ absl::Status Check(const std::string& folder, std::optional<uint64_t> end) {
   if (absl::IsDataLoss(mark.status())) {
     return absl::DataLossError(
         absl::StrCat(std::string(mark.status().message()),
-                     ", so nobody can tell whether the log has lost records at its end; `docent verify ",
+                     ", so it is unknown whether the log has lost records at its end; `docent verify ",
                      folder, "` checks those that are there; to go on with them, delete that file"));
   }
   if (!mark.ok()) return mark.status();

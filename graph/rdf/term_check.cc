@@ -79,13 +79,13 @@ absl::Status CheckTerm(const Term& term, size_t term_bytes) {
   if (term.IsBlank()) {
     if (IsBlankLabel(term.lexical)) return absl::OkStatus();
     return Wrong(Concat("'", Shown(term.lexical),
-                        "' is no blank node label: letters, digits, '_', '-' and '.' inside"));
+                        "' is not a blank node label: use letters, digits, '_', '-' and '.' inside"));
   }
   if (!term.language.empty()) {
     if (!term.datatype.empty()) return Wrong("a literal has a language or a datatype, not both");
     if (absl::Status text = CheckText(term.language, "language tag", term_bytes); !text.ok()) return text;
     if (!IsLanguageTag(term.language)) {
-      return Wrong(Concat("'", Shown(term.language), "' is no language tag, as en or en-gb"));
+      return Wrong(Concat("'", Shown(term.language), "' is not a language tag such as en or en-gb"));
     }
   }
   if (term.datatype.empty()) return absl::OkStatus();

@@ -235,7 +235,7 @@ bool TurtleScanner::ReadBlankLabel(std::string_view* label) {
 bool TurtleScanner::ReadUnicodeEscape(char32_t* c) {
   size_t start = position_;
   size_t digits = Peek(1) == 'u' ? 4 : Peek(1) == 'U' ? 8 : 0;
-  if (digits == 0) return FailAt(start, 2, "unknown escape", "\\uXXXX or \\UXXXXXXXX may stand here");
+  if (digits == 0) return FailAt(start, 2, "unknown escape", "only \\uXXXX and \\UXXXXXXXX are allowed here");
   uint32_t value = 0;
   for (size_t i = 0; i < digits; ++i) {
     char digit = Peek(2 + i);

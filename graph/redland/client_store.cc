@@ -133,7 +133,7 @@ absl::StatusOr<uint64_t> ClientStore::Size() {
       Query("SELECT (COUNT(*) AS ?n) { GRAPH ?g { ?s ?p ?o } }", [&size](const v1::Row& row) {
         return absl::SimpleAtoi(row.values(0).literal().lexical(), &size)
                    ? absl::OkStatus()
-                   : absl::InternalError("the server's count is no number");
+                   : absl::InternalError("the server's count is not a number");
       });
   if (!status.ok()) return status;
   return size;

@@ -226,7 +226,7 @@ int Remove(librdf_storage* storage, librdf_statement* statement) {
   }
   if (!elsewhere) return 0;
   return Report(storage, absl::FailedPreconditionError(
-                             absl::StrCat("the statement stands in the context ", ToNTriples(*elsewhere),
+                             absl::StrCat("the statement is in the context ", ToNTriples(*elsewhere),
                                           ": name the context to remove it there")));
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 absl::Status Reserved(const std::string& graph) {
   return absl::InvalidArgumentError(
-      absl::StrCat("graph: <", graph, "> is one of those that the server alone writes"));
+      absl::StrCat("graph: <", graph, "> is one of those that only the server writes"));
 }
 
 // A lifetime that ends later than this (the year 2554) never ends.

@@ -354,12 +354,12 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
   int one = -1;
   if (blocked && !holds() && watches_one() && version != nullptr) return false;
   if (holds() && !has_keys()) {
-    if (!in_vain_ && version != nullptr) return false;
+    if (!rise_watch_hit_ && version != nullptr) return false;
     wanted = Armed::kNothing;
-  } else if (!holds() && version != nullptr && armed_ == Armed::kAll && !(probed && unlooked_)) {
+  } else if (!holds() && version != nullptr && armed_ == Armed::kAll && !(probed && single_watch_untried_)) {
     // keep all watches, since it may rise as it fell; a single watch is tried once these watches cost
     // something
-    unlooked_ = unlooked_ || !probed;
+    single_watch_untried_ = single_watch_untried_ || !probed;
     return false;
   } else if (!holds() && version != nullptr && kind_->body.triggers().size() > 1 &&
              (one = BlockingTrigger(*version)) >= 0 &&
@@ -367,8 +367,8 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
               !kind_->condition_template->Shares(static_cast<size_t>(one)))) {
     wanted = Armed::kOne;
   }
-  in_vain_ = false;
-  unlooked_ = false;
+  rise_watch_hit_ = false;
+  single_watch_untried_ = false;
   if (wanted == armed_ && (wanted != Armed::kOne || one == armed_trigger_)) return false;
   Disarm();
   armed_ = wanted;

@@ -87,7 +87,7 @@ class Condition {
   // True if rise watches do not matter now. Remembers that one was hit.
   bool IgnoresRise() {
     if (!holds() || has_keys()) return false;
-    in_vain_ = true;
+    rise_watch_hit_ = true;
     return true;
   }
   // Adds all new keys, by a whole evaluation.
@@ -102,7 +102,7 @@ class Condition {
   bool Arm(const GraphVersion* version, bool probed = false);
   // True if it holds and one of its rise watches was hit. A condition that holds keeps these watches until
   // then: usually it falls before, and needs them again.
-  bool watches_in_vain() const { return in_vain_; }
+  bool rise_watch_hit() const { return rise_watch_hit_; }
 
   // For use by the caller: its place in the running update, and whether it has groups.
   uint32_t& touched_at() { return touched_at_; }
@@ -166,10 +166,10 @@ class Condition {
   int16_t armed_trigger_ = -1;  // kOne: the watched trigger
   Armed armed_ : 2 = Armed::kNothing;
   bool joined_ : 1 = false;  // it has joined the template's waiting conditions
-  bool in_vain_ : 1 = false;
-  bool blocked_ : 1 = false;    // kOne: a Recheck of this update found that the trigger has no match
-  bool unlooked_ : 1 = false;   // kAll: since it fell, a single watch was not tried
-  bool has_slots_ : 1 = false;  // slots_ exists; saves a read of its cache line
+  bool rise_watch_hit_ : 1 = false;
+  bool blocked_ : 1 = false;  // kOne: a Recheck of this update found that the trigger has no match
+  bool single_watch_untried_ : 1 = false;  // kAll: since it fell, a single watch was not tried
+  bool has_slots_ : 1 = false;             // slots_ exists; saves a read of its cache line
   bool grouped_ : 1 = false;
   ConditionTemplate::Constants constants_;  // they distinguish the conditions of the template
 };

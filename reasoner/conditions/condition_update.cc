@@ -164,7 +164,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::Settle(const 
                                                                           const GraphVersion& version) {
   Shared& condition = conditions[touch.condition];
   const bool failed = touch.probed && !touch.edited();
-  if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
+  if ((touch.probed || touch.edited() || condition.rise_watch_hit()) && condition.Arm(&version, failed)) {
     journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
   }
   if (!condition.is_grouped()) return;
@@ -197,8 +197,8 @@ void StandingConditions::Impl::Bind(const Condition& condition, const Condition:
 
 // The bindings still hold the data of an earlier Update.
 inline ConditionChange& StandingConditions::Impl::NextChange(ConditionId id, ConditionChange::Edge edge) {
-  if (told == changes.size()) changes.emplace_back();
-  ConditionChange& change = changes[told++];
+  if (reported == changes.size()) changes.emplace_back();
+  ConditionChange& change = changes[reported++];
   change.id = id;
   change.edge = edge;
   return change;
@@ -248,7 +248,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::Colle
                                                        : Edge::kFell);
       if (has_keys) {
         TellBindings(touch, change);
-        if (!edge && change.appeared.empty() && change.disappeared.empty()) --told;
+        if (!edge && change.appeared.empty() && change.disappeared.empty()) --reported;
       } else {
         change.appeared.clear();
         change.disappeared.clear();
@@ -277,18 +277,18 @@ absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(con
   if (status.ok()) status = impl.ProbeRises(run);
   if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
   impl.LinkEdits(begin);
-  impl.told = 0;
+  impl.reported = 0;
   if (impl.changes.size() > Impl::kMostKept) impl.changes.clear();
   for (const Impl::Touched& touch : impl.touched) {
     impl.Settle(touch, version);
     if (status.ok()) status = impl.CollectChanges(touch);
   }
   if (!status.ok()) return status;
-  const absl::Span<ConditionChange> told(impl.changes.data(), impl.told);
-  if (told.size() > 1)
-    std::sort(told.begin(), told.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  impl.counters.changes += told.size();
-  return absl::Span<const ConditionChange>(told);
+  const absl::Span<ConditionChange> reported(impl.changes.data(), impl.reported);
+  if (reported.size() > 1)
+    std::sort(reported.begin(), reported.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  impl.counters.changes += reported.size();
+  return absl::Span<const ConditionChange>(reported);
 }
 
 void StandingConditions::Commit() {

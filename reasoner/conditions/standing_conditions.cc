@@ -108,7 +108,7 @@ void StandingConditions::Impl::JoinTemplate(uint32_t number, const TemplateForm&
   Shared& shared = conditions[number];
   Alike& like = alike[shared.template_name];
   ++like.count;
-  if (like.hopeless || borrowed) return;
+  if (like.shares_nothing || borrowed) return;
   ConditionTemplate::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
   like.alone.emplace_back(number, std::move(constants));
@@ -118,13 +118,13 @@ void StandingConditions::Impl::JoinTemplate(uint32_t number, const TemplateForm&
     const auto place = static_cast<uint32_t>(free - templates.begin());
     auto condition_template =
         ConditionTemplate::Make(place, form, shared.body(), indexes, dictionary, functions);
-    like.hopeless = !condition_template.ok() || *condition_template == nullptr;
-    if (free == templates.end() && !like.hopeless) templates.emplace_back();
-    if (!like.hopeless) templates[place] = *std::move(condition_template);
-    if (!like.hopeless) like.template_number = place;
+    like.shares_nothing = !condition_template.ok() || *condition_template == nullptr;
+    if (free == templates.end() && !like.shares_nothing) templates.emplace_back();
+    if (!like.shares_nothing) templates[place] = *std::move(condition_template);
+    if (!like.shares_nothing) like.template_number = place;
   }
   for (auto& [alone, values] : std::exchange(like.alone, {})) {
-    if (like.hopeless) continue;
+    if (like.shares_nothing) continue;
     conditions[alone].SetTemplate(templates[*like.template_number].get(), std::move(values));
     if (alone == number) continue;  // its creator arms it
     conditions[alone].Arm(&now);

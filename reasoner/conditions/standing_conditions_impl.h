@@ -67,7 +67,7 @@ struct StandingConditions::Impl {
   // Conditions that differ only in constants. The first few do not get a template.
   struct Alike {
     int64_t count = 0;
-    bool hopeless = false;  // a template would share nothing
+    bool shares_nothing = false;  // a template would share nothing
     std::optional<uint32_t> template_number;
     std::vector<std::pair<uint32_t, ConditionTemplate::Constants>>
         alone;  // conditions that were registered before the template
@@ -160,9 +160,9 @@ struct StandingConditions::Impl {
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // number of kRemoved in it
 
-  // The first `told` are the changes of the last Update. The others keep their memory for the next one.
+  // The first `reported` are the changes of the last Update. The others keep their memory for the next one.
   std::vector<ConditionChange> changes;
-  size_t told = 0;
+  size_t reported = 0;
 
   // of the running Update
   std::vector<Touched> touched;  // a condition stores its place here

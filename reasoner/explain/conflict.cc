@@ -115,14 +115,14 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   }
   std::vector<AbsenceOf> absences;
   for (const Absence& inner : match.row.clause->absences) absences.push_back({&inner, match.row});
-  auto besides = parts_.prover->BesidesOf(match.row);
-  if (!besides.ok()) return besides.status();
-  if (!besides->whole) {
+  auto further = parts_.prover->FurtherSupportOf(match.row);
+  if (!further.ok()) return further.status();
+  if (!further->whole) {
     conflict.lasts = false;
     conflict.left_out = 1;
   }
   std::vector<Quad> facts = match.facts;
-  for (const Quad& fact : besides->facts) AddNew(fact, facts);
+  for (const Quad& fact : further->facts) AddNew(fact, facts);
   const auto inferred = parts_.dictionary->FindIri(kInferredGraph);
   for (const Quad& fact : facts) {
     if (!fact.graph.IsNone() && fact.graph != inferred) {
@@ -160,7 +160,7 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
   if (!itself && !parts_.telling.tell_schema &&
       rules::IsSchemaPattern(as_terms.predicate.lexical,
                              as_terms.object.IsIri() ? as_terms.object.lexical : "")) {
-    conflict.spared_schema = true;
+    conflict.schema_skipped = true;
     return;
   }
   Repair way;
@@ -200,8 +200,8 @@ absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absenc
             return solutions.size() < kFills;
           });
       if (!status.ok()) return status;
-      more = more || solver_.short_of_room();
-      if (solutions.size() == kFills || solver_.left_out_rules())
+      more = more || solver_.missing_limit_reached();
+      if (solutions.size() == kFills || solver_.rules_skipped())
         conflict.left_out = std::min(conflict.left_out, std::max(1, options.missing));
       if (solver_.missing_in_parts() > 0) conflict.left_out = 1;
       for (const Solution& solution : solutions) {

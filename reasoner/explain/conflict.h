@@ -29,10 +29,10 @@ namespace docent::explain {
 struct Conflict {
   static constexpr int kNothing = std::numeric_limits<int>::max();
 
-  std::vector<Repair> ways;    // the changes of each, and their display form
-  bool lasts = true;           // only one of the ways can break the match, whatever other changes are made
-  int left_out = kNothing;     // ways with this many changes, or more, were not searched
-  bool spared_schema = false;  // axioms in rule bodies were not used as ways
+  std::vector<Repair> ways;     // the changes of each, and their display form
+  bool lasts = true;            // only one of the ways can break the match, whatever other changes are made
+  int left_out = kNothing;      // ways with this many changes, or more, were not searched
+  bool schema_skipped = false;  // axioms in rule bodies were not used as ways
 
   // True if `repair` contains one of the ways.
   bool IsHitBy(const Repair& repair) const;

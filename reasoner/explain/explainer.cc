@@ -92,9 +92,9 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
     if (!status.ok()) return status;
     if (!first) continue;
     Proof proof;
-    auto besides = prover_->BesidesOf(first->row);
-    if (!besides.ok()) return besides.status();
-    first->facts.insert(first->facts.end(), besides->facts.begin(), besides->facts.end());
+    auto further = prover_->FurtherSupportOf(first->row);
+    if (!further.ok()) return further.status();
+    first->facts.insert(first->facts.end(), further->facts.begin(), further->facts.end());
     for (const Quad& quad : first->facts) {
       auto root = prover_->Add(quad, proof);
       if (!root.ok()) return root.status();
@@ -105,7 +105,7 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
       if (clause.written[v].empty() || first->row.values[v].IsNone()) continue;
       proof.bindings.emplace_back(clause.written[v], dictionary_.Decode(first->row.values[v]));
     }
-    proof.conditions = std::move(besides->conditions);
+    proof.conditions = std::move(further->conditions);
     if (absl::Status found = LookUpTellings(proof); !found.ok()) return found;
     return std::optional<Proof>(std::move(proof));
   }

@@ -112,10 +112,10 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
   for (size_t i = first; i < known.derivations.size(); ++i) {
     Derivation& derivation = known.derivations[i];
     if (derivation.row.clause->parts.empty()) continue;
-    auto besides = BesidesOf(derivation.row);
-    if (!besides.ok()) return besides.status();
-    derivation.whole = besides->whole;
-    for (const Quad& quad : besides->facts) {
+    auto further = FurtherSupportOf(derivation.row);
+    if (!further.ok()) return further.status();
+    derivation.whole = further->whole;
+    for (const Quad& quad : further->facts) {
       const Quad premise = WithoutGraph(quad);
       if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
         derivation.facts.push_back(premise);
@@ -184,9 +184,9 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
     if (rule.body.written[v].empty() || derivation.row.values[v].IsNone()) continue;
     step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row.values[v]));
   }
-  auto besides = BesidesOf(derivation.row);
-  if (!besides.ok()) return besides.status();
-  step.conditions = std::move(besides->conditions);
+  auto further = FurtherSupportOf(derivation.row);
+  if (!further.ok()) return further.status();
+  step.conditions = std::move(further->conditions);
   for (const Quad& premise : derivation.facts) {
     auto placed_at = Write(premise, proof, placed);
     if (!placed_at.ok()) return placed_at;
@@ -255,14 +255,14 @@ absl::StatusOr<Support> Prover::SupportOf(const Quad& quad) {
   return support;
 }
 
-absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
-  Besides besides;
+absl::StatusOr<Prover::FurtherSupport> Prover::FurtherSupportOf(const Row& row) {
+  FurtherSupport further;
   const Display display(prefixes_);
   const Values values = ValuesOf(row, dictionary_);
   for (const Test& test : row.clause->tests)
-    besides.conditions.push_back(display.Filter(*test.expression, values));
+    further.conditions.push_back(display.Filter(*test.expression, values));
   for (const Absence& absence : row.clause->absences) {
-    besides.conditions.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
+    further.conditions.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
   }
   for (const Part& part : row.clause->parts) {
     auto ground = part_facts_.Of(part, row);
@@ -279,15 +279,15 @@ absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
       if (!graph.IsNone())
         own.insert_or_assign(std::string(kGraphOfPart), sparql::PatternTerm::Of(dictionary_.Decode(graph)));
     }
-    std::string& text = besides.conditions.emplace_back(
+    std::string& text = further.conditions.emplace_back(
         display.Pattern(*InItsGraph(part, dictionary_, std::string(kGraphOfPart)), own));
     if (ground->more > 0)
       absl::StrAppend(&text, "   (by ", ground->facts.size(), " facts that are shown, and ", ground->more,
                       " more)");
-    besides.facts.insert(besides.facts.end(), ground->facts.begin(), ground->facts.end());
-    besides.whole = besides.whole && ground->whole;
+    further.facts.insert(further.facts.end(), ground->facts.begin(), ground->facts.end());
+    further.whole = further.whole && ground->whole;
   }
-  return besides;
+  return further;
 }
 
 }  // namespace docent::explain

@@ -74,12 +74,12 @@ class Prover {
   // The leaves of the fact's proof. Errors as of Add.
   absl::StatusOr<Support> SupportOf(const Quad& fact);
   // Further support of a solution, apart from the matches of its patterns.
-  struct Besides {
+  struct FurtherSupport {
     std::vector<Quad> facts;              // of paths, aggregates, LIMITs; graph: kNone if any will do
     std::vector<std::string> conditions;  // these parts, filters and absences, as SPARQL
     bool whole = true;                    // as Ground::whole, for each
   };
-  absl::StatusOr<Besides> BesidesOf(const Row& row);
+  absl::StatusOr<FurtherSupport> FurtherSupportOf(const Row& row);
   // Work done so far: matches, and places of paths.
   size_t steps() const { return solver_.steps() + part_facts_.steps(); }
 
@@ -94,7 +94,7 @@ class Prover {
     uint32_t clause;
     Row row;
     std::vector<Quad> facts;  // premises, also those of the parts of its body
-    bool whole = true;        // as Besides::whole
+    bool whole = true;        // as FurtherSupport::whole
   };
   struct Known {
     int proven = -1;       // minimum depth of a proof

@@ -38,7 +38,7 @@ absl::Status Solver::Solve(const Clause& clause, absl::Span<const TermId> seed, 
   pending_.clear();
   trail_.clear();
   missing_.clear();
-  short_of_room_ = left_out_rules_ = false;
+  missing_limit_reached_ = rules_skipped_ = false;
   missing_in_parts_ = 0;
   PushFrame(clause, -1, 0, 0);
   for (size_t i = 0; i < seed.size(); ++i) {
@@ -199,9 +199,9 @@ bool Solver::StepAtom(int goal) {
   if (go_on && !missing_.empty()) go_on = TryMissingAlready(goal);
   if (go_on && options_.abductive) {
     const bool room = missing_.size() < static_cast<size_t>(options_.missing);
-    short_of_room_ = short_of_room_ || !room;
+    missing_limit_reached_ = missing_limit_reached_ || !room;
     const bool given = IsGivenAxiom(goals_[goal]);
-    spared_schema_ = spared_schema_ || (given && room);
+    schema_skipped_ = schema_skipped_ || (given && room);
     if (room && !given && IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: rules may not end
     if (go_on && !given && options_.rules != nullptr) go_on = TryRules(goal, room);
   }

@@ -125,11 +125,11 @@ class Solver {
     exhausted_ = false;
   }
   // A fact of the schema was not taken as missing because SolveOptions::tell_schema is false.
-  bool spared_schema() const { return spared_schema_; }
+  bool schema_skipped() const { return schema_skipped_; }
   // The last Solve met patterns that it could not take as missing because of SolveOptions::missing.
-  bool short_of_room() const { return short_of_room_; }
+  bool missing_limit_reached() const { return missing_limit_reached_; }
   // A rule was not followed: it might use a fact already missing, or is deeper than SolveOptions::rule_depth.
-  bool left_out_rules() const { return left_out_rules_; }
+  bool rules_skipped() const { return rules_skipped_; }
   // The last Solve, in abductive mode, met a part: its facts were not taken as missing (0: no such part, 1),
   // or at most one of them (2: a path with a gap).
   int missing_in_parts() const { return missing_in_parts_; }
@@ -211,7 +211,7 @@ class Solver {
   const size_t step_limit_;
   size_t steps_ = 0;
   bool exhausted_ = false;
-  bool spared_schema_ = false;
+  bool schema_skipped_ = false;
   absl::Status status_;
   const Part* failed_part_ = nullptr;
   absl::flat_hash_map<const sparql::Expression*, std::unique_ptr<sparql::PreparedExpression>> expressions_;
@@ -228,8 +228,8 @@ class Solver {
   std::vector<Pending> pending_;
   std::vector<Undo> trail_;
   std::vector<int> missing_;  // goals
-  bool short_of_room_ = false;
-  bool left_out_rules_ = false;
+  bool missing_limit_reached_ = false;
+  bool rules_skipped_ = false;
   int missing_in_parts_ = 0;
 };
 

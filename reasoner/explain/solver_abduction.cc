@@ -26,7 +26,7 @@ bool Solver::MayServe(const RuleClause& rule) {
   for (const int goal : missing_) {
     const TermId predicate = PatternOf(goals_[goal]).predicate;
     if (rule.rests_on.contains(predicate)) return true;
-    left_out_rules_ = left_out_rules_ || rule.rests_on.contains(TermId());
+    rules_skipped_ = rules_skipped_ || rule.rests_on.contains(TermId());
   }
   return false;
 }
@@ -46,7 +46,7 @@ bool Solver::TryRules(int goal, bool room) {
     const RuleClause& rule = options_.rules->clauses()[head.clause];
     if (!rule.tells || (!room && !MayServe(rule))) continue;
     if (depth >= options_.rule_depth) {
-      left_out_rules_ = true;
+      rules_skipped_ = true;
       break;
     }
     const size_t mark = Mark();

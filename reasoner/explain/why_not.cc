@@ -248,8 +248,8 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int missing) {
     return solutions.size() < kCandidates;
   });
   if (!status.ok()) return status;
-  if (solutions.size() == kCandidates || solver_.left_out_rules()) LeaveOut(std::max(1, missing));
-  if (missing == parts_.limits.explain_changes && solver_.short_of_room()) LeaveOut(missing + 1);
+  if (solutions.size() == kCandidates || solver_.rules_skipped()) LeaveOut(std::max(1, missing));
+  if (missing == parts_.limits.explain_changes && solver_.missing_limit_reached()) LeaveOut(missing + 1);
   if (solver_.missing_in_parts() > 0) LeaveOut(solver_.missing_in_parts());
   for (const Solution& solution : solutions) {
     if (solver_.exhausted() || OutOfTime()) {
@@ -348,7 +348,7 @@ void WhyNotFinder::Expand(const Node& node, const std::vector<Conflict>& conflic
 
 // The sets with one of the ways added.
 void WhyNotFinder::Expand(const Node& node, const Conflict& conflict) {
-  spared_schema_ = spared_schema_ || conflict.spared_schema;
+  schema_skipped_ = schema_skipped_ || conflict.schema_skipped;
   if (conflict.left_out != Conflict::kNothing)
     LeaveOut(static_cast<int>(node.repair.size()) + conflict.left_out);
   for (const Repair& way : conflict.ways) {
@@ -429,7 +429,7 @@ absl::Status WhyNotFinder::Search(const Pass& pass, size_t sets, WhyNotAnswer& a
   for (int size = 0; size <= most && answer.repairs.empty() && !solver_.exhausted() && !OutOfTime(); ++size) {
     if (absl::Status status = SearchSize(size, sets, answer); !status.ok()) return status;
   }
-  spared_schema_ = spared_schema_ || solver_.spared_schema();
+  schema_skipped_ = schema_skipped_ || solver_.schema_skipped();
   return absl::OkStatus();
 }
 
@@ -451,7 +451,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   WhyNotAnswer answer;
   // Facts about things come before axioms, whatever the number: one axiom makes many facts true.
   for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{false, true}, Pass{true, true}}) {
-    if (!answer.repairs.empty() || (pass.tell_schema && !spared_schema_)) break;
+    if (!answer.repairs.empty() || (pass.tell_schema && !schema_skipped_)) break;
     if (OutOfTime()) {
       LeaveOut(0);
       break;

@@ -118,7 +118,7 @@ class WhyNotFinder {
   std::unique_ptr<sparql::PreparedQuery> ask_;
   std::vector<Clause> clauses_;
   int left_out_ = Conflict::kNothing;
-  bool spared_schema_ = false;
+  bool schema_skipped_ = false;
   absl::flat_hash_set<std::string> seen_;  // sets found
 
   // of the running pass

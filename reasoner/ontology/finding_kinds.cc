@@ -125,8 +125,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"workflow", "error or warning", "CAWL",
        "A workflow is not valid: an unknown word, a condition that does not compile.",
        "See the hint of the finding, and the reference of CAWL."},
-      {"wrong-kind", "error", "RDF, SPARQL, rules",
-       "A property stands where a class is needed, or the reverse.",
+      {"wrong-kind", "error", "RDF, SPARQL, rules", "A property is used in place of a class, or the reverse.",
        "Use the word that the hint names, or correct its declaration."},
   };
   return *kinds;

@@ -89,7 +89,7 @@ class MeaningCheck {
         vocabulary_.HasOntology(q.object.lexical))
       return;
     findings_.Warning("import", at.object,
-                      Concat(Show(q.object.lexical), " is imported, and is no ontology of these files"),
+                      Concat(Show(q.object.lexical), " is imported, but is not an ontology of these files"),
                       "imports are not fetched; name the file that has it, too");
   }
 

@@ -19,27 +19,27 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
                            const Context& context)
     : program_(program),
       before_(before),
-      told_delta_(told),
+      asserted_delta_(told),
       context_(context),
       proofs_(program, context.schema, context.classes, context.writer, context.inconsistencies,
               context.inferred_graph, marked_, context.cancellation),
       is_entering_(program.rules.size()) {}
 
 // Sorted, so that the lookups walk along the index.
-void Materialiser::ReadTold() {
+void Materialiser::ReadAsserted() {
   struct Change {
     Triple triple;
     int by;
   };
   std::vector<Change> changes;
-  changes.reserve(told_delta_.size());
-  for (const Quad& q : told_delta_.added) changes.push_back({{q.subject, q.predicate, q.object}, 1});
-  for (const Quad& q : told_delta_.removed) changes.push_back({{q.subject, q.predicate, q.object}, -1});
+  changes.reserve(asserted_delta_.size());
+  for (const Quad& q : asserted_delta_.added) changes.push_back({{q.subject, q.predicate, q.object}, 1});
+  for (const Quad& q : asserted_delta_.removed) changes.push_back({{q.subject, q.predicate, q.object}, -1});
   std::sort(changes.begin(), changes.end(),
             [](const Change& a, const Change& b) { return a.triple < b.triple; });
   QuadCursor cursor;
   for (size_t i = 0; i < changes.size();) {
-    ToldEntry entry{changes[i].triple};
+    AssertedEntry entry{changes[i].triple};
     int net = 0;
     for (; i < changes.size() && changes[i].triple == entry.triple; ++i) net += changes[i].by;
     int graphs = 0;
@@ -53,15 +53,15 @@ void Materialiser::ReadTold() {
     }
     entry.now = graphs > 0;
     entry.before = graphs - net > 0;
-    if (entry.now != entry.before) told_.push_back(entry);
+    if (entry.now != entry.before) asserted_.push_back(entry);
   }
 }
 
 // If an inferred triple is now asserted, the inferred copy is removed: no net change. If a triple is no
 // longer asserted but still follows from others, it becomes inferred: no net change either.
-absl::Status Materialiser::SettleTold() {
+absl::Status Materialiser::SettleAsserted() {
   std::vector<Quad> now_told;
-  for (const ToldEntry& entry : told_) {
+  for (const AssertedEntry& entry : asserted_) {
     if (entry.now && entry.inferred_before) {
       now_told.push_back(InferredQuad(entry.triple));
       removed_.insert(entry.triple);
@@ -78,7 +78,7 @@ absl::Status Materialiser::SettleTold() {
   context_.writer.RemoveAll(now_told);
   std::vector<Triple> unproven;
   bool any_proven = false;
-  for (const ToldEntry& entry : told_) {
+  for (const AssertedEntry& entry : asserted_) {
     if (entry.now || entry.inferred_before) continue;
     const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(entry.triple);
     if (!answer.ok()) return answer.status();
@@ -125,8 +125,8 @@ void Materialiser::ToOldState() {
   if (old_state_) return;
   old_state_ = true;
   GraphWriter& writer = context_.writer;
-  writer.RemoveAll(told_delta_.added);
-  writer.AddAll(told_delta_.removed);
+  writer.RemoveAll(asserted_delta_.added);
+  writer.AddAll(asserted_delta_.removed);
   for (const Triple& t : added_) writer.Remove(InferredQuad(t));
   for (const Triple& t : removed_) writer.Add(InferredQuad(t));
 }
@@ -135,8 +135,8 @@ void Materialiser::ToNewState() {
   if (!old_state_) return;
   old_state_ = false;
   GraphWriter& writer = context_.writer;
-  writer.RemoveAll(told_delta_.removed);
-  writer.AddAll(told_delta_.added);
+  writer.RemoveAll(asserted_delta_.removed);
+  writer.AddAll(asserted_delta_.added);
   for (const Triple& t : removed_) writer.Remove(InferredQuad(t));
   for (const Triple& t : added_) writer.Add(InferredQuad(t));
 }
@@ -149,15 +149,16 @@ void Materialiser::CollectChanges(int stratum) {
     if (!before && now) gained_.push_back(t);
   };
   if (stratum == 0 && added_.empty() && removed_.empty()) {
-    for (const ToldEntry& entry : told_) note(entry.triple, entry.before || entry.inferred_before, entry.now);
+    for (const AssertedEntry& entry : asserted_)
+      note(entry.triple, entry.before || entry.inferred_before, entry.now);
     return;
   }
-  const auto told = [&](const Triple& t) -> const ToldEntry* {
-    const auto place = std::lower_bound(told_.begin(), told_.end(), t,
-                                        [](const ToldEntry& e, const Triple& x) { return e.triple < x; });
-    return place != told_.end() && place->triple == t ? &*place : nullptr;
+  const auto told = [&](const Triple& t) -> const AssertedEntry* {
+    const auto place = std::lower_bound(asserted_.begin(), asserted_.end(), t,
+                                        [](const AssertedEntry& e, const Triple& x) { return e.triple < x; });
+    return place != asserted_.end() && place->triple == t ? &*place : nullptr;
   };
-  for (const ToldEntry& entry : told_) {
+  for (const AssertedEntry& entry : asserted_) {
     note(entry.triple, entry.before || entry.inferred_before, IsPresent(entry.triple));
   }
   for (const Triple& t : added_) {
@@ -184,8 +185,8 @@ absl::Status Materialiser::LimitError(const CompiledRule& rule, const char* limi
 
 absl::Status Materialiser::Maintain() {
   CompareRules();
-  ReadTold();
-  if (absl::Status status = SettleTold(); !status.ok()) return status;
+  ReadAsserted();
+  if (absl::Status status = SettleAsserted(); !status.ok()) return status;
   PlaceNegation(AskAxioms::kGraph)
       .status()
       .IgnoreError();  // by the current axioms; below by the remaining ones
@@ -231,7 +232,7 @@ absl::StatusOr<bool> Materialiser::PlaceNegation(AskAxioms ask) {
 // follow.
 void Materialiser::TakeBackEarly() {
   absl::flat_hash_set<Triple> early;
-  for (const Triple& t : came_) {
+  for (const Triple& t : new_facts_) {
     if (program_.StratumOf(t) > stratum_ && IsInferred(t)) early.insert(t);
   }
   std::vector<Quad> quads;

@@ -67,7 +67,7 @@ class Materialiser {
 
  private:
   // A triple in the change of asserted facts.
-  struct ToldEntry {
+  struct AssertedEntry {
     Triple triple;
     bool before = false;  // was asserted before
     bool now = false;
@@ -97,8 +97,8 @@ class Materialiser {
     return graph().ContainsMatch({t.subject, t.predicate, t.object, TermId()});
   }
 
-  void ReadTold();
-  absl::Status SettleTold();
+  void ReadAsserted();
+  absl::Status SettleAsserted();
   absl::StatusOr<bool> PlaceNegation(AskAxioms ask);  // true if the order has changed
   absl::Status MaintainStratum();
   void TakeBackEarly();
@@ -142,7 +142,7 @@ class Materialiser {
   void AskAboutEqual(const Triple& fact);
   absl::Status Doubt(const EqualityClasses::Class& doubted);
   void CollectFactsAbout(const EqualityClasses::Class& doubted);
-  void SplitDoubted();
+  void SplitShrunk();
   absl::Status RederivePairs(int stratum);
   bool RederivePairsByName();
   absl::Status RederivePairsOf(const CompiledRule& rule, const HeadTriple& head,
@@ -196,14 +196,14 @@ class Materialiser {
 
   RuleProgram& program_;
   RuleProgram& before_;
-  const Delta& told_delta_;
+  const Delta& asserted_delta_;
   const Context context_;
   ProofSearch proofs_;
 
-  int stratum_ = -1;                // the running one
-  bool of_report_ = false;          // the consequences of lost report facts are being tested
-  std::vector<ToldEntry> told_;     // by triple
-  std::vector<uint32_t> entering_;  // rules of program_ that are not in before_
+  int stratum_ = -1;                     // the running one
+  bool of_report_ = false;               // the consequences of lost report facts are being tested
+  std::vector<AssertedEntry> asserted_;  // by triple
+  std::vector<uint32_t> entering_;       // rules of program_ that are not in before_
   std::vector<bool> is_entering_;
   std::vector<uint32_t> leaving_;  // rules of before_ that are not in program_
   bool old_state_ = false;
@@ -218,9 +218,9 @@ class Materialiser {
   std::vector<Triple> queue_;           // marked_, in order
   size_t ghosts_ = 0;                   // the first of queue_, which were removed before
   bool ghosts_in_graph_ = false;
-  std::vector<Triple> rederivable_;      // in the running stratum and all later ones
-  std::vector<Triple> unproven_;         // removed, but other facts may prove them again
-  absl::flat_hash_set<Triple> put_off_;  // of rederivable_: removed, made again, and of a later stratum
+  std::vector<Triple> rederivable_;        // in the running stratum and all later ones
+  std::vector<Triple> unproven_;           // removed, but other facts may prove them again
+  absl::flat_hash_set<Triple> postponed_;  // of rederivable_: removed, made again, and of a later stratum
   struct CheckRow {
     uint32_t rule;
     std::vector<TermId> row;
@@ -228,19 +228,19 @@ class Materialiser {
   std::vector<CheckRow> check_rows_;  // solutions of checks that may no longer hold
 
   // Equality, if ClosesEquality(stratum_).
-  std::vector<Triple> unwritten_;                // facts not yet written out under all names
-  absl::flat_hash_set<Triple> unwritten_set_;    // those with other names
-  bool are_unsettled_ = false;                   // equality is new: the existing classes are not written out
-  std::vector<TermId> joined_;                   // members of classes that grew in this turn
-  std::vector<EqualityClasses::Class> doubted_;  // classes that lost a pair, before the loss
-  absl::flat_hash_set<TermId> doubted_terms_;    // their members
-  std::vector<TermId> reopened_;                 // terms whose pairs must be derived again
+  std::vector<Triple> unwritten_;              // facts not yet written out under all names
+  absl::flat_hash_set<Triple> unwritten_set_;  // those with other names
+  bool are_unsettled_ = false;                 // equality is new: the existing classes are not written out
+  std::vector<TermId> joined_;                 // members of classes that grew in this turn
+  std::vector<EqualityClasses::Class> shrunk_classes_;  // classes that lost a pair, before the loss
+  absl::flat_hash_set<TermId> shrunk_terms_;            // their members
+  std::vector<TermId> reopened_;                        // terms whose pairs must be derived again
   absl::flat_hash_set<Triple> lost_names_;  // facts, under representatives, whose other names were tested
   absl::flat_hash_map<Triple, bool>
       is_written_out_;  // by the same key: true if the graph holds it under some name
 
   AxiomAnswers asked_;                // of all orders since the axioms exist
-  std::vector<Triple> came_;          // new in all rounds
+  std::vector<Triple> new_facts_;     // new in all rounds
   std::vector<Triple> round_;         // new in the last round
   std::vector<Triple> candidates_;    // for the next round
   absl::flat_hash_set<Triple> seen_;  // candidates of this stratum
@@ -248,7 +248,8 @@ class Materialiser {
   absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round
   Scope scope_ = Scope::kAll;
   uint32_t last_rule_ = 0;
-  std::array<std::pair<Triple, const CompiledRule*>, 16> made_now_;  // by rules, in kAdd; not examined yet
+  std::array<std::pair<Triple, const CompiledRule*>, 16>
+      made_in_batch_;  // by rules, in kAdd; not examined yet
   size_t made_count_ = 0;
   std::vector<Triple> made_;  // likewise, in kTakeAway
   std::vector<Triple> scratch_;

@@ -117,7 +117,7 @@ absl::Status Materialiser::EndRound() {
     quads.push_back(InferredQuad(t));
   }
   candidates_.clear();
-  if (!program_.ordered.empty()) came_.insert(came_.end(), round_.begin(), round_.end());
+  if (!program_.ordered.empty()) new_facts_.insert(new_facts_.end(), round_.begin(), round_.end());
   for (const Triple& t : round_) {
     if (removed_.erase(t) != 0) continue;
     added_.push_back(t);
@@ -268,7 +268,7 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
 bool Materialiser::MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase) {
   if (MayMake(rule, triple, phase)) return true;
   // Its premises may be as before the turn, so that a later stratum would see no change.
-  if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second)
+  if (phase == Phase::kAdd && removed_.contains(triple) && postponed_.insert(triple).second)
     rederivable_.push_back(triple);
   return false;
 }
@@ -285,8 +285,8 @@ bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase
     return true;
   }
   seen_.prefetch(triple);
-  made_now_[made_count_++] = {triple, &rule};
-  return made_count_ < made_now_.size() || TakeMade();
+  made_in_batch_[made_count_++] = {triple, &rule};
+  return made_count_ < made_in_batch_.size() || TakeMade();
 }
 
 // Makes candidates of the new ones among the made facts. In batches, since most of the time goes into waiting
@@ -294,7 +294,7 @@ bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase
 bool Materialiser::TakeMade() {
   const size_t count = std::exchange(made_count_, 0);
   for (size_t i = 0; i < count; ++i) {
-    const auto& [triple, rule] = made_now_[i];
+    const auto& [triple, rule] = made_in_batch_[i];
     if (!seen_.insert(triple).second) continue;
     Spend(kStepsOfCandidate);
     candidates_.push_back(triple);

@@ -194,7 +194,7 @@ absl::Status Materialiser::LoseEquals(const Triple& lost) {
                     classes.AreEqual(lost.subject, lost.object);
   if (pair) {
     const EqualityClasses::Class& of_pair = *classes.Find(lost.subject);
-    if (doubted_terms_.contains(of_pair.representative())) return absl::OkStatus();
+    if (shrunk_terms_.contains(of_pair.representative())) return absl::OkStatus();
     return Doubt(of_pair);
   }
   if (!lost_names_.insert(UnderRepresentatives(classes, lost)).second) return absl::OkStatus();
@@ -215,8 +215,8 @@ void Materialiser::AskAboutEqual(const Triple& fact) {
 
 // A class that lost a pair: its other pairs and all facts about its terms are tested.
 absl::Status Materialiser::Doubt(const EqualityClasses::Class& doubted) {
-  doubted_.push_back(doubted);
-  doubted_terms_.insert(doubted.members.begin(), doubted.members.end());
+  shrunk_classes_.push_back(doubted);
+  shrunk_terms_.insert(doubted.members.begin(), doubted.members.end());
   CertainEquality& certain = proofs_.certain();
   size_t asked = 0;
   std::vector<Triple> pairs;
@@ -251,8 +251,8 @@ void Materialiser::CollectFactsAbout(const EqualityClasses::Class& doubted) {
          {QuadPattern{term, TermId(), TermId(), inferred}, QuadPattern{TermId(), term, TermId(), inferred},
           QuadPattern{TermId(), TermId(), term, inferred}}) {
       graph().ForEach(about, [&](const Quad& q) {
-        const bool pair = q.predicate == program_.equality.same_as && doubted_terms_.contains(q.subject) &&
-                          doubted_terms_.contains(q.object);
+        const bool pair = q.predicate == program_.equality.same_as && shrunk_terms_.contains(q.subject) &&
+                          shrunk_terms_.contains(q.object);
         const Triple t = {q.subject, q.predicate, q.object};
         if (!pair) AskAboutEqual(t);
         return true;
@@ -268,14 +268,14 @@ void Materialiser::CollectFactsAbout(const EqualityClasses::Class& doubted) {
 
 // Splits classes that lost a pair into certainly equal parts; other rules may join these again
 // (RederivePairs).
-void Materialiser::SplitDoubted() {
-  if (doubted_.empty()) return;
+void Materialiser::SplitShrunk() {
+  if (shrunk_classes_.empty()) return;
   CertainEquality& certain = proofs_.certain();
   std::vector<EqualityClasses::Class> parts;
-  for (const EqualityClasses::Class& doubted : doubted_) {
+  for (const EqualityClasses::Class& doubted : shrunk_classes_) {
     for (EqualityClasses::Class& part : certain.PartsOf(doubted.members[0])) parts.push_back(std::move(part));
   }
-  for (const EqualityClasses::Class& doubted : doubted_) {
+  for (const EqualityClasses::Class& doubted : shrunk_classes_) {
     context_.classes.Dissolve(doubted.members[0]);
     reopened_.insert(reopened_.end(), doubted.members.begin(), doubted.members.end());
   }
@@ -291,8 +291,8 @@ void Materialiser::SplitDoubted() {
     if (t.predicate == program_.equality.same_as && context_.classes.AreEqual(t.subject, t.object))
       rederivable_.push_back(t);
   }
-  doubted_.clear();
-  doubted_terms_.clear();
+  shrunk_classes_.clear();
+  shrunk_terms_.clear();
 }
 
 // True if equality makes the fact from one that the graph holds.

@@ -144,7 +144,7 @@ absl::Status Materialiser::Consider(const Triple& triple) {
   if (context_.cancellation != nullptr) {
     if (absl::Status status = context_.cancellation->Check(); !status.ok()) {
       return absl::Status(status.code(),
-                          absl::StrCat("taking away what rested on facts that go: ", status.message()));
+                          absl::StrCat("retracting the consequences of withdrawn facts: ", status.message()));
     }
   }
   if (marked_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
@@ -185,7 +185,7 @@ void Materialiser::RemoveMarked() {
       std::erase_if(*added, [&](const Triple& t) { return not_added.contains(t); });
     }
   }
-  SplitDoubted();
+  SplitShrunk();
   queue_.clear();
   marked_.clear();
   ghosts_ = 0;

@@ -453,19 +453,19 @@ class Order {
 
   void RefuseAxioms(uint32_t number, uint32_t rule) {
     if (!status_.ok()) return;
-    status_ = absl::FailedPreconditionError(absl::StrCat(
-        program_.rules[program_.ordered[number]].label,
-        " negates or aggregates, and what it makes may be an axiom for ", program_.rules[rule].label,
-        ", on which the order of rules with negation depends; the batch was not applied"));
+    status_ = absl::FailedPreconditionError(
+        absl::StrCat(program_.rules[program_.ordered[number]].label,
+                     " negates or aggregates, and its results may be axioms for ", program_.rules[rule].label,
+                     ", on which the order of rules with negation depends; the batch was not applied"));
   }
 
   absl::Status Refusal(const std::vector<uint32_t>& cycle) const {
-    std::string text = "negation through recursion, by the axioms that are there: ";
+    std::string text = "negation through recursion, by the existing axioms: ";
     for (size_t i = 0; i < cycle.size(); ++i) {
       const uint32_t next = cycle[(i + 1) % cycle.size()];
       absl::StrAppend(&text, i > 0 ? "; " : "", program_.rules[program_.ordered[cycle[i]]].label);
       const auto way = ways_.find({cycle[i], next});
-      absl::StrAppend(&text, way == ways_.end() ? " needs what follows from " : " negates what follows from ",
+      absl::StrAppend(&text, way == ways_.end() ? " needs consequences of " : " negates consequences of ",
                       next == cycle[i] ? "itself" : program_.rules[program_.ordered[next]].label);
       if (way == ways_.end()) continue;
       for (size_t k = 0; k < way->second.size(); ++k) {

@@ -34,7 +34,7 @@ struct RuleEngine::Impl {
         if (quad.graph != inferred_graph) continue;
         return absl::InvalidArgumentError(
             absl::StrCat("the graph <", std::string(kInferredGraph),
-                         "> holds what rules derive; write the fact to another graph (subject ",
+                         "> holds facts derived by rules; write the fact to another graph (subject ",
                          ToNTriples(dictionary.Decode(quad.subject)), ")"));
       }
     }

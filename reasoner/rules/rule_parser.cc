@@ -136,7 +136,7 @@ class Checker {
   void CheckHeadTerm(const PatternTerm& term, const Rule& rule, const Names& bound, const Names& in_scope) {
     if (!term.IsVariable()) {
       if (term.term().IsBlank()) {
-        Report(term.span, rule, "a blank node in a rule head would be made anew without end",
+        Report(term.span, rule, "a blank node in a rule head would give new facts without end",
                "name the thing by an IRI, or bind one: BIND(IRI(CONCAT(…)) AS ?new)");
       }
       return;
@@ -144,7 +144,7 @@ class Checker {
     const std::string& name = term.variable().name;
     if (bound.contains(name)) return;
     if (term.variable().IsHidden()) {
-      Report(term.span, rule, "a blank node in a rule head would be made anew without end",
+      Report(term.span, rule, "a blank node in a rule head would give new facts without end",
              "name the thing by an IRI");
     } else if (in_scope.contains(name)) {
       Report(term.span, rule,
@@ -383,7 +383,7 @@ class RulesReader {
         // one of several: a list is many triples at one place
         parser_.Error(term->span,
                       blank ? "DATA of rules takes no blank nodes, nor lists, which are made of them"
-                            : "a variable stands in DATA",
+                            : "a variable is not allowed in DATA",
                       blank ? "name the thing by an IRI, or tell it as a fact"
                             : "DATA holds facts; a rule has variables");
         return;

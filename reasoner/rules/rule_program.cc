@@ -95,8 +95,8 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
   for (size_t i = 0; i < cycle.size(); ++i) {
     absl::StrAppend(&message, rules[cycle[i]].label,
                     i > 0               ? ", which needs "
-                    : Aggregates(first) ? " aggregates what is derived by "
-                                        : " negates what is derived by ");
+                    : Aggregates(first) ? " aggregates the results of "
+                                        : " negates the results of ");
   }
   absl::StrAppend(&message, cycle.size() == 1 ? "itself" : first.label);
   return {first.set, first.span, std::move(message),
@@ -117,7 +117,7 @@ bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rul
       const std::vector<uint32_t> cycle = CycleThrough(r, static_cast<uint32_t>(rules.size()), dependencies);
       if (cycle.empty()) continue;
       std::string message = absl::StrCat("may never end: ?", rule.growing[0],
-                                         " is computed anew from what the rule itself leads to: ");
+                                         " is computed from the results of the rule itself: ");
       for (const uint32_t each : cycle) absl::StrAppend(&message, rules[each].label, " needs ");
       absl::StrAppend(&message, cycle.size() == 1 ? "itself" : rules[r].label);
       diagnostics.push_back(

@@ -143,7 +143,7 @@ class Importer {
       return;
     }
     if (parsed.query.form != sparql::Query::Form::kConstruct)
-      return Error("its sh:construct is no CONSTRUCT", "");
+      return Error("its sh:construct is not a CONSTRUCT", "");
     const std::vector<std::string> targets = Targets();
     if (targets.empty())
       return Error("the shape has no target", "give it a sh:targetClass, or make it a class");

@@ -108,7 +108,8 @@ void Evaluation::CheckValueType(const Place& place) {
   for (const TermId value : place.values) {
     if (!Poll() || place.sink.done()) return;
     if (place.constraint.component == Component::kClass) {
-      if (!IsInstance(value, wanted)) Report(place, value, absl::StrCat("is no instance of ", Show(wanted)));
+      if (!IsInstance(value, wanted))
+        Report(place, value, absl::StrCat("is not an instance of ", Show(wanted)));
     } else if (place.constraint.component == Component::kDatatype) {
       if (!value.IsLiteral() || dictionary_.Datatype(value) != name) {
         Report(place, value, absl::StrCat("is not of datatype ", Show(wanted)));
@@ -257,7 +258,7 @@ void Evaluation::CheckEquals(const Place& place) {
   for (const TermId value : place.values) {
     if (!Poll()) return;
     if (!has(others, value))
-      Report(place, value, Concat("is no value of ", Show(other), ", which should have the same"));
+      Report(place, value, Concat("is not a value of ", Show(other), ", which should have the same"));
   }
   for (const TermId value : others) {
     if (!Poll()) return;

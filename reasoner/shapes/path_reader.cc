@@ -47,8 +47,9 @@ std::optional<std::vector<TermId>> PathReader::ReadList(TermId head) {
     if (!seen.insert(cell).second) return Fail("the list goes in a circle");
     const std::vector<TermId> values = graph_.Objects(cell, first_), rests = graph_.Objects(cell, rest_);
     if (values.size() != 1 || rests.size() != 1) {
-      return Fail(absl::StrCat(ToDisplay(dictionary_.Decode(cell)), " is no RDF list: it has ", values.size(),
-                               " rdf:first and ", rests.size(), " rdf:rest where there should be one each"));
+      return Fail(absl::StrCat(ToDisplay(dictionary_.Decode(cell)), " is not an RDF list: it has ",
+                               values.size(), " rdf:first and ", rests.size(),
+                               " rdf:rest where there should be one each"));
     }
     members.push_back(values[0]);
     cell = rests[0];
@@ -88,7 +89,7 @@ std::optional<Path> PathReader::ReadNested(TermId node, int depth) {
     return path;
   }
   if (!node.IsBlank()) {
-    return Fail(absl::StrCat(ToDisplay(dictionary_.Decode(node)), " is no property path"));
+    return Fail(absl::StrCat(ToDisplay(dictionary_.Decode(node)), " is not a property path"));
   }
   // A blank node that is a list is a sequence, whatever other triples it has (tests path-strange-001 and -002
   // of the suite).

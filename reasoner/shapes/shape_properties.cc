@@ -27,7 +27,8 @@ void CollectProperties(const Dictionary& dictionary, ShapeSet* set) {
       found.insert(targets->begin(), targets->end());
     }
     for (const Constraint& c : shape.constraints) {
-      if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals) found.insert(c.value);
+      if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals)
+        found.insert(c.value);
       if (c.component == Component::kClosed || c.query != nullptr) set->any_property = true;
     }
   }

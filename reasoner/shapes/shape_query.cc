@@ -89,7 +89,7 @@ class GivenCheck {
                                          [&](const sparql::Variable& v) { return v.name == name; });
       if (projected) continue;
       return Error(node, absl::StrCat("a sub-SELECT does not return ?", name, ", which is given before"),
-                   absl::StrCat("add ?", name, " to what it selects"));
+                   absl::StrCat("add ?", name, " to its SELECT clause"));
     }
   }
 
@@ -192,7 +192,7 @@ std::vector<std::string> VariablesOf(const sparql::Query& query) {
 Diagnostics SubstitutePath(const Path& path, const Dictionary& dictionary, sparql::Query* query) {
   Diagnostics found;
   const auto error = [&found](const SourceSpan& at) {
-    found.push_back({"", at, "$PATH stands only in the place of a predicate", "write $this $PATH ?value"});
+    found.push_back({"", at, "$PATH is only allowed as a predicate", "write $this $PATH ?value"});
   };
   ForEachNode(*query->algebra, [&](const Algebra& node) {
     ForEachTerm(node, [&](const PatternTerm& term, bool predicate) {

@@ -162,7 +162,7 @@ class ShapeReader {
     Shape shape;
     shape.node = parsed_.shapes.shapes[index].node;
     if (shape.node.IsLiteral()) {
-      return Report(shape.node, "", "a literal is no shape", "name the shape by an IRI or a blank node");
+      return Report(shape.node, "", "a literal is not a shape", "name the shape by an IRI or a blank node");
     }
     roles_.Add(shape.node, NodeRole::kShape);
     for (const TermId rule : Values(shape.node, "rule")) roles_.Add(rule, NodeRole::kRule);
@@ -201,7 +201,7 @@ class ShapeReader {
     shape->target_nodes = Values(shape->node, "targetNode");
     for (const TermId node : shape->target_nodes) {
       if (node.IsBlank())
-        Report(shape->node, "targetNode", "a blank node is no target", "target an IRI or a literal");
+        Report(shape->node, "targetNode", "a blank node is not a target", "target an IRI or a literal");
     }
     shape->target_classes = IriValues(shape->node, "targetClass");
     shape->target_subjects_of = IriValues(shape->node, "targetSubjectsOf");
@@ -224,7 +224,7 @@ class ShapeReader {
       if (value.IsIri()) {
         iris.push_back(value);
       } else {
-        Report(node, local, Concat("sh:", local, " is ", Show(value), ", which is no IRI"),
+        Report(node, local, Concat("sh:", local, " is ", Show(value), ", which is not an IRI"),
                "name it by its IRI");
       }
     }
@@ -242,7 +242,7 @@ class ShapeReader {
       if (message.IsLiteral() && (datatype == kXsdString || datatype == kRdfLangString)) {
         shape->messages.push_back(message);
       } else {
-        Report(shape->node, "message", Concat("sh:message is ", Show(message), ", which is no text"),
+        Report(shape->node, "message", Concat("sh:message is ", Show(message), ", which is not a text"),
                "write \"text\"");
       }
     }
@@ -496,7 +496,7 @@ class ShapeReader {
         return parsed_.diagnostics.size() < limits_.check_diagnostics;
       });
     }
-    for (const TermId node : strays_) {
+    for (const TermId node : unused_nodes_) {
       Report(node, "", "is never used: it has no target, and no shape refers to it",
              "give it a target such as sh:targetClass, or the type sh:NodeShape or sh:PropertyShape",
              Diagnostic::Severity::kWarning);
@@ -517,7 +517,7 @@ class ShapeReader {
         return;
       case WordUse::kElsewhere:
         if (roles == 0 && MakesAShape(word)) {
-          strays_.insert(node);
+          unused_nodes_.insert(node);
           return;
         }
         message = Concat("sh:", word, " says nothing here");
@@ -565,7 +565,7 @@ class ShapeReader {
   const TermId type_;
   NodeRoles roles_;
   SparqlReader sparql_;
-  absl::btree_set<TermId> strays_;  // nodes that look like shapes and are not used
+  absl::btree_set<TermId> unused_nodes_;  // nodes that look like shapes and are not used
   absl::flat_hash_map<TermId, ShapeIndex> index_;
   std::deque<ShapeIndex> waiting_;
   ParsedShapes parsed_;

@@ -103,7 +103,7 @@ void SparqlReader::ReadParameters(Declared* declared) {
     }
     Parameter parameter{paths[0], LocalName(dictionary_.Lexical(paths[0])), IsTrue(node, "optional")};
     if (!IsVariableName(parameter.variable)) {
-      wrong(node, "path", Concat("the local name of ", Show(paths[0]), " is no name of a variable"),
+      wrong(node, "path", Concat("the local name of ", Show(paths[0]), " is not a valid variable name"),
             "choose an IRI that ends in letters and digits");
     } else if (std::find(kReserved.begin(), kReserved.end(), parameter.variable) != kReserved.end()) {
       wrong(node, "path", Concat("a parameter cannot be called ", parameter.variable),
@@ -132,7 +132,8 @@ std::vector<TermId> SparqlReader::Messages(TermId node) {
     if (datatype == kXsdString || datatype == kRdfLangString) {
       messages.push_back(message);
     } else {
-      Error(node, "message", Concat("sh:message is ", Show(message), ", which is no text"), "write \"text\"");
+      Error(node, "message", Concat("sh:message is ", Show(message), ", which is not a text"),
+            "write \"text\"");
     }
   }
   return messages;
@@ -226,7 +227,7 @@ std::shared_ptr<ShapeQuery> SparqlReader::ReadQuery(TermId node, std::string_vie
   read->messages = Messages(node);
   read->node = node;
   if (Mentions(read->variables, "shapesGraph") && graph_.graphs().size() != 1) {
-    Warn(node, word, "$shapesGraph has no value: the shapes stand in several graphs", "use $currentShape");
+    Warn(node, word, "$shapesGraph has no value: the shapes are in several graphs", "use $currentShape");
   }
   return read;
 }

@@ -165,7 +165,7 @@ absl::StatusOr<std::vector<Point2>> PathPlanner::Plan(const Point2& from, const 
   Search search{*this, clearance, from, goal};
   if (!search.Run(start)) {
     return absl::NotFoundError(
-        absl::StrFormat("there is no way from (%.2f, %.2f) to (%.2f, %.2f) for a robot of radius %.2f m",
+        absl::StrFormat("there is no path from (%.2f, %.2f) to (%.2f, %.2f) for a robot of radius %.2f m",
                         from.x_m, from.y_m, to.x_m, to.y_m, settings_.robot_radius_m));
   }
   std::vector<Point2> way = {to};

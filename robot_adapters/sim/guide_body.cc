@@ -108,7 +108,7 @@ void GuideBody::Steer() {
       break;
     case PathFollower::State::kBlocked:
       standing_s_ += settings_.tick_s;
-      drive_.message = "something stands in the way";
+      drive_.message = "an obstacle is in the way";
       if (standing_s_ > settings_.give_up_after_s) {
         Fail(absl::StrFormat("something stood in the way at (%.1f, %.1f) for %.0f s", estimate_.x_m,
                              estimate_.y_m, settings_.give_up_after_s));

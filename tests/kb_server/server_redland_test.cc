@@ -92,7 +92,7 @@ TEST_F(ServerRedlandTest, AChangeIsMadeWholeOrRefusedWithItsReason) {
   reserved.graph = Term::Iri(std::string(kRunsGraph));
   absl::Status refused = store_->Apply({{kAdd, Quad("a", Term::Integer(1))}, {kAdd, reserved}});
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(refused.message()), HasSubstr("the server alone writes"));
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("only the server writes"));
   EXPECT_EQ(*store_->Size(), 0u);
 
   Limits small;

@@ -127,7 +127,7 @@ bool SortAttributes(const XmlElement& element, const ReportAttribute& report, Rd
       }
     }
     if (const XmlAttribute** place = PlaceOf(known, out); place != nullptr) {
-      if (*place != nullptr) refuse(name, Concat("rdf:", name.local, " stands twice"), "");
+      if (*place != nullptr) refuse(name, Concat("rdf:", name.local, " is given twice"), "");
       *place = &attribute;
     } else if (IsOld(known)) {
       refuse(name, Concat("rdf:", name.local, " is not part of RDF/XML any more"),

@@ -119,9 +119,10 @@ void RdfXmlReader::StartRdf(const XmlElement& element) {
     const XmlName& name = attribute.name;
     if (name.prefix == "xml" || name.iri == kSchemaInstanceNs) continue;
     if (name.iri == kRdfNs && name.local == "version") continue;  // CheckVersion
-    return ErrorAt(name,
-                   Concat(WrittenName(name), " stands on rdf:RDF, which is no node and has no properties"),
-                   "write it on the node that it describes");
+    return ErrorAt(
+        name,
+        Concat(WrittenName(name), " is an attribute of rdf:RDF, which is not a node and has no properties"),
+        "write it on the node that it describes");
   }
   frames_.back().kind = Kind::kRdf;
 }
@@ -131,7 +132,7 @@ void RdfXmlReader::StartNode(const XmlElement& element, const RdfXmlAttributes& 
   const size_t at = frames_.back().at;
   if (!MayBeNode(name)) {
     return Error(at, Concat(WrittenName(element.name), " may not be a node element"),
-                 name == RdfName::kRdf ? "rdf:RDF stands around the whole document" : "");
+                 name == RdfName::kRdf ? "rdf:RDF encloses the whole document" : "");
   }
   Term type, node;
   if (!ReadName(element.name, &type) || !ReadSubject(attributes, &node)) return;
@@ -186,7 +187,7 @@ void RdfXmlReader::StartProperty(const XmlElement& element, const RdfXmlAttribut
   Frame& frame = frames_.back();
   if (!ReadPredicate(element, &frame.predicate)) return;
   if (attributes.about != nullptr) {
-    return ErrorAt(attributes.about->name, "rdf:about stands on a property element, and goes with a node",
+    return ErrorAt(attributes.about->name, "rdf:about is an attribute of nodes, not of property elements",
                    "did you mean rdf:resource?");
   }
   if (attributes.id != nullptr && !ReadId(*attributes.id, &frame.statement)) return;
@@ -211,7 +212,7 @@ void RdfXmlReader::StartParseType(const XmlElement& element, const RdfXmlAttribu
   for (const XmlAttribute* other : others) odd = other != nullptr ? other : odd;
   if (odd != nullptr) {
     return ErrorAt(odd->name, Concat(WrittenName(odd->name), " and rdf:parseType on one property element"),
-                   "rdf:ID alone may stand beside rdf:parseType");
+                   "only rdf:ID is allowed together with rdf:parseType");
   }
   const std::string_view type = attributes.parse_type->value;
   if (type == "Triple") {
@@ -243,7 +244,7 @@ void RdfXmlReader::StartParseType(const XmlElement& element, const RdfXmlAttribu
 void RdfXmlReader::StartEmpty(const RdfXmlAttributes& attributes) {
   if (attributes.datatype != nullptr) {
     return ErrorAt(attributes.datatype->name,
-                   "rdf:datatype stands beside attributes that make the value a resource",
+                   "rdf:datatype is not allowed together with attributes that make the value a resource",
                    "write the value as the text of the element");
   }
   if (attributes.resource != nullptr && attributes.node_id != nullptr) {
@@ -329,7 +330,7 @@ void RdfXmlReader::RefuseText(std::string_view text) {
   frames_.back().text_refused = true;
   const Kind kind = frames_.back().kind;
   std::string message =
-      Concat("the text '", Beginning(text.substr(first)), "' stands where no text may be: ");
+      Concat("the text '", Beginning(text.substr(first)), "' is at a place where no text is allowed: ");
   if (kind == Kind::kEmpty) {
     Error(xml_.EventOffset() + first, message + "the attributes of this property give its value",
           "take the text away, or write the value as the text alone");

@@ -40,7 +40,8 @@ bool RdfXmlReader::EnterScope(const RdfXmlAttributes& attributes) {
   if (attributes.language != nullptr) {
     const XmlAttribute& language = *attributes.language;
     if (!language.value.empty() && !IsLanguageTag(language.value)) {
-      ErrorAt(language.name, Concat("'", language.value, "' is no language tag"), "as en or en-GB");
+      ErrorAt(language.name, Concat("'", language.value, "' is not a language tag"),
+              "write, for example, en or en-GB");
       return false;
     }
     languages_.emplace_back(language.value);
@@ -78,7 +79,7 @@ bool RdfXmlReader::ReadName(const XmlName& name, Term* iri) {
   }
   std::string whole = Concat(name.iri, name.local);
   if (!IsValidTermIri(whole)) {
-    Error(at, Concat("the name ", WrittenName(name), " is <", whole, ">, which is no absolute IRI"),
+    Error(at, Concat("the name ", WrittenName(name), " is <", whole, ">, which is not an absolute IRI"),
           "correct the declaration of its prefix");
     return false;
   }
@@ -108,7 +109,7 @@ bool RdfXmlReader::ReadReference(const XmlAttribute& attribute, Term* iri) {
 bool RdfXmlReader::ReadId(const XmlAttribute& attribute, std::string* iri) {
   if (!IsNcName(attribute.value)) {
     ErrorAt(
-        attribute.name, Concat("rdf:ID is '", attribute.value, "', which is no XML name"),
+        attribute.name, Concat("rdf:ID is '", attribute.value, "', which is not an XML name"),
         "a letter or '_', and then letters, digits, '.', '-' and '_'; use rdf:about=\"#…\" for any other");
     return false;
   }
@@ -127,7 +128,7 @@ bool RdfXmlReader::ReadId(const XmlAttribute& attribute, std::string* iri) {
     return false;
   }
   if (!ids_.insert(named.lexical).second) {
-    ErrorAt(attribute.name, Concat("rdf:ID='", attribute.value, "' stands twice in this document"),
+    ErrorAt(attribute.name, Concat("rdf:ID='", attribute.value, "' occurs twice in this document"),
             "an ID names one thing once; say rdf:about=\"#…\" the second time");
     return false;
   }
@@ -137,7 +138,7 @@ bool RdfXmlReader::ReadId(const XmlAttribute& attribute, std::string* iri) {
 
 bool RdfXmlReader::ReadNodeId(const XmlAttribute& attribute, Term* node) {
   if (!IsNcName(attribute.value)) {
-    ErrorAt(attribute.name, Concat("rdf:nodeID is '", attribute.value, "', which is no XML name"),
+    ErrorAt(attribute.name, Concat("rdf:nodeID is '", attribute.value, "', which is not an XML name"),
             "a letter or '_', and then letters, digits, '.', '-' and '_'");
     return false;
   }
@@ -162,7 +163,7 @@ bool RdfXmlReader::ReadSubject(const RdfXmlAttributes& attributes, Term* subject
   }
   for (const XmlAttribute* odd : {attributes.resource, attributes.datatype, attributes.parse_type}) {
     if (odd == nullptr) continue;
-    ErrorAt(odd->name, Concat(WrittenName(odd->name), " stands on a node element, and goes with a property"),
+    ErrorAt(odd->name, Concat(WrittenName(odd->name), " is an attribute of property elements, not of nodes"),
             odd == attributes.resource ? "did you mean rdf:about?" : "");
     return false;
   }
@@ -182,7 +183,7 @@ bool RdfXmlReader::ReadPredicate(const XmlElement& element, Term* predicate) {
   if (!MayBeProperty(name)) {
     Error(at, Concat(WrittenName(element.name), " may not be a property element"),
           name == RdfName::kDescription
-              ? "a node stands inside of a property: nodes and properties take turns"
+              ? "a node stands inside of a property: nodes and properties must alternate"
               : "");
     return false;
   }

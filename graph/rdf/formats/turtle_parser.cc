@@ -95,7 +95,7 @@ class TurtleParser {
     scan_.SkipSpace();
     char next = scan_.Peek();
     if (!scan_.AtEnd() && next != '\n' && next != '\r' && next != '#') {
-      return scan_.Fail("expected the end of the line after '.'", "each statement stands on its own line",
+      return scan_.Fail("expected the end of the line after '.'", "write each statement on its own line",
                         true);
     }
     if (visit_ == nullptr) {

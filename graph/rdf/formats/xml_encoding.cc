@@ -51,9 +51,9 @@ std::optional<Diagnostic> DecodeUtf16(std::string_view bytes, Order order, std::
     if (c >= 0xD800 && c < 0xE000) {
       const char32_t low = c < 0xDC00 && at + 3 < bytes.size() ? unit(at + 2) : 0;
       if (low < 0xDC00 || low >= 0xE000) {
-        return Mistake(*out, out->size(),
-                       absl::StrFormat("half of a surrogate pair, 0x%04X, stands alone in UTF-16",
-                                       static_cast<uint32_t>(c)));
+        return Mistake(
+            *out, out->size(),
+            absl::StrFormat("half of a surrogate pair, 0x%04X is alone in UTF-16", static_cast<uint32_t>(c)));
       }
       c = 0x10000 + ((c - 0xD800) << 10) + (low - 0xDC00);
       at += 2;
@@ -91,7 +91,7 @@ std::optional<Diagnostic> DecodeBytes(std::string_view bytes, const CodePage& pa
     const unsigned char byte = static_cast<unsigned char>(c);
     if (page[byte] == 0 && byte != 0) {
       return Mistake(*out, out->size(),
-                     absl::StrFormat("the byte 0x%02X here is no character of %s", byte, ToAbsl(name)));
+                     absl::StrFormat("the byte 0x%02X here is not a character of %s", byte, ToAbsl(name)));
     }
     AppendUtf8(page[byte], out);
   }

@@ -115,7 +115,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       return LowerProject(a, scope, graph, top);
     case Kind::kService:
       Fail(absl::StatusCode::kUnimplemented, a.span,
-           "SERVICE cannot stand here: other endpoints are asked for queries and updates alone");
+           "SERVICE is not allowed here: only queries and updates may use other endpoints");
       return Node(Plan::kBgp);
     case Kind::kUnion: {
       PlanNodePtr node = Node(Plan::kUnion);

@@ -106,7 +106,7 @@ CharacterSet ClassParser::Subtracted() {
   CharacterSet set = ReadClass(&scanner_, inner);
   if (scanner_.ok() && scanner_.Peek() != ']') {
     scanner_.Fail(scanner_.offset(), "expected ']' behind the class that is subtracted",
-                  "what is subtracted comes last: [a-z-[aeiou]]");
+                  "write the subtracted class last: [a-z-[aeiou]]");
   }
   scanner_.Take();
   return set;

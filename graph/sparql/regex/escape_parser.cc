@@ -35,7 +35,7 @@ std::string HintFor(char32_t letter) {
     default:
       break;
   }
-  if (letter >= '0' && letter <= '9') return "a back-reference is \\1 to \\9 and stands outside of classes";
+  if (letter >= '0' && letter <= '9') return "a back-reference is \\1 to \\9, outside of classes";
   if ((letter | 0x20) >= 'a' && (letter | 0x20) <= 'z') {
     return "the escapes are \\n \\r \\t \\s \\d \\w \\i \\c, their opposites in capitals, \\p{…}, \\P{…}, "
            "\\1 to \\9, and a "
@@ -67,11 +67,11 @@ CharacterSetPtr ReadProperty(PatternScanner* scanner, size_t start) {
   if (is_block) {
     const std::string near = Nearest(name.substr(2), BlockNames());
     scanner->Fail(
-        start, Concat({"'", name.substr(2), "' is no block of Unicode"}),
+        start, Concat({"'", name.substr(2), "' is not a block of Unicode"}),
         near.empty() ? "a block's name is written without its spaces" : "did you mean Is" + near + "?");
   } else {
     scanner->Fail(
-        start, Concat({"'", name, "' is no category of Unicode"}),
+        start, Concat({"'", name, "' is not a category of Unicode"}),
         "categories are L, Lu, Ll, Lt, Lm, Lo, M…, N…, P…, Z…, S…, C…; a block is written \\p{IsGreek}");
   }
   return nullptr;
@@ -110,7 +110,7 @@ std::optional<Escape> ReadEscape(PatternScanner* scanner) {
   if (letter != '.') {
     if (CharacterSetPtr set = EscapeSet(letter)) return Escape{0, std::move(set)};
   }
-  scanner->Fail(start, Concat({scanner->Quoted(start), " is no escape of XPath's regular expressions"}),
+  scanner->Fail(start, Concat({scanner->Quoted(start), " is not an escape of XPath's regular expressions"}),
                 HintFor(letter));
   return std::nullopt;
 }

@@ -255,7 +255,7 @@ RegexNode RegexParser::Atom() {
     case '{':
     case '}':
     case ']':
-      scanner_.Fail(start, Concat({scanner_.Quoted(start), " cannot stand here"}),
+      scanner_.Fail(start, Concat({scanner_.Quoted(start), " is not allowed here"}),
                     Concat({"write \\", std::string(1, static_cast<char>(c)), " for the character itself"}));
       return {};
     default:
@@ -272,7 +272,7 @@ std::string HintForGroup(char32_t next) {
     case '<':
     case 'P':
     case '\'':
-      return "there is no look-behind, and groups have numbers, no names";
+      return "there is no look-behind, and groups have numbers, not names";
     case '>':
       return "there are no atomic groups";
     case '#':
@@ -289,7 +289,7 @@ RegexNode RegexParser::Group() {
   if (scanner_.Accept('?')) {
     const char32_t next = scanner_.Take();
     if (next != ':') {
-      scanner_.Fail(start, Concat({scanner_.Quoted(start), " is no group of XPath's regular expressions"}),
+      scanner_.Fail(start, Concat({scanner_.Quoted(start), " is not a group of XPath's regular expressions"}),
                     HintForGroup(next));
     }
   } else {
@@ -330,10 +330,10 @@ RegexNode RegexParser::BackReference(size_t start) {
   }
   tree_.has_back_references = true;
   if (static_cast<size_t>(node.number) > closed_.size()) {
-    scanner_.Fail(start, Concat({scanner_.Quoted(start), " refers to a group that does not stand before it"}),
+    scanner_.Fail(start, Concat({scanner_.Quoted(start), " refers to a group that is not before it"}),
                   "there are " + std::to_string(closed_.size()) + " groups before it");
   } else if (!closed_[static_cast<size_t>(node.number) - 1]) {
-    scanner_.Fail(start, Concat({scanner_.Quoted(start), " stands inside the group that it refers to"}),
+    scanner_.Fail(start, Concat({scanner_.Quoted(start), " is inside the group that it refers to"}),
                   "a back-reference comes behind the ')' of its group");
   }
   return node;
@@ -370,7 +370,7 @@ std::optional<RegexMistake> FindFlagMistake(std::string_view flags) {
     const char32_t flag = NextCodePoint(flags, &at);
     if (flag < 128 && std::string_view("smixq").find(static_cast<char>(flag)) != std::string_view::npos)
       continue;
-    return RegexMistake{Concat({"'", flags.substr(start, at - start), "' is no flag"}),
+    return RegexMistake{Concat({"'", flags.substr(start, at - start), "' is not a flag"}),
                         "flags are s, m, i, x and q", RegexMistake::Where::kFlags, start, at - start};
   }
   return std::nullopt;

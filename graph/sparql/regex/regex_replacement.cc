@@ -21,13 +21,13 @@ std::optional<RegexMistake> ReadReplacement(std::string_view replacement, int gr
       out->texts.back().push_back(c);
     } else if (c == '\\') {
       if (++i >= replacement.size() || (replacement[i] != '\\' && replacement[i] != '$')) {
-        return Mistake("a backslash stands before neither '\\' nor '$'",
-                       "write \\\\ for the backslash itself", i - 1);
+        return Mistake("a backslash must be followed by '\\' or '$'", "write \\\\ for the backslash itself",
+                       i - 1);
       }
       out->texts.back().push_back(replacement[i]);
     } else {
       if (!digit(++i))
-        return Mistake("'$' stands before no digit", "write \\$ for the character itself", i - 1);
+        return Mistake("'$' must be followed by a digit", "write \\$ for the character itself", i - 1);
       int group = replacement[i] - '0';
       while (digit(i + 1) && group * 10 + (replacement[i + 1] - '0') <= groups)
         group = group * 10 + (replacement[++i] - '0');

@@ -153,7 +153,7 @@ class Evaluation {
     if (IsServerGraph(quad.graph.lexical)) {
       return absl::InvalidArgumentError(
           "it would write to " + Quoted(quad.graph) +
-          ", which the server alone writes; exclude it, as by FILTER(?g != " + Quoted(quad.graph) + ")");
+          ", which only the server writes; exclude it, as by FILTER(?g != " + Quoted(quad.graph) + ")");
     }
     effect_.operations.push_back({kind, std::move(quad)});
     return absl::OkStatus();
@@ -353,7 +353,7 @@ class Evaluation {
 
   static absl::Status CheckWritable(const Term& graph) {
     if (!IsServerGraph(graph.lexical)) return absl::OkStatus();
-    return absl::InvalidArgumentError(Quoted(graph) + " is a graph that the server alone writes");
+    return absl::InvalidArgumentError(Quoted(graph) + " is a graph that only the server writes");
   }
 
   // CLEAR and DROP: a graph without triples does not exist. ALL and NAMED skip the graphs that only the

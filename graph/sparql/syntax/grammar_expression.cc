@@ -169,13 +169,13 @@ ExpressionPtr Grammar::BuiltinCall() {
   if (const auto aggregate = FindAggregate(word.text)) return AggregateCall(*aggregate);
   const BuiltinInfo* info = FindBuiltin(word.text);
   if (info == nullptr && word.IsWord("NOT")) {
-    Error(word.span, Concat({"'", word.text, "' stands before EXISTS and IN alone"}),
+    Error(word.span, Concat({"'", word.text, "' is only allowed before EXISTS and IN"}),
           "the opposite of an expression is written with '!'");
     return nullptr;
   }
   if (info == nullptr) {
     const std::string near = Nearest(word.text, BuiltinNames());
-    Error(word.span, Concat({"'", word.text, "' is no function of SPARQL"}),
+    Error(word.span, Concat({"'", word.text, "' is not a function of SPARQL"}),
           near.empty() ? "a variable begins with '?', a name needs a prefix and ':'"
                        : "did you mean " + near + "?");
     return nullptr;
@@ -213,9 +213,9 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   const Token word = Take();
   if (aggregates_ == nullptr || in_aggregate_) {
     Error(word.span,
-          in_aggregate_ ? "an aggregate cannot stand inside another"
-                        : Concat({word.text, " cannot stand here"}),
-          "aggregates stand in SELECT, HAVING and ORDER BY");
+          in_aggregate_ ? "an aggregate is not allowed inside another"
+                        : Concat({word.text, " is not allowed here"}),
+          "aggregates are allowed in SELECT, HAVING and ORDER BY");
     return nullptr;
   }
   Aggregate a;
@@ -287,12 +287,12 @@ ExpressionPtr Grammar::Constraint() {
   if (token.kind == TokenKind::kIri || token.kind == TokenKind::kPrefixedName) {
     ExpressionPtr e = IriOrFunction();
     if (e && e->kind != Kind::kFunction) {
-      Error(e->span, "an IRI is no condition", "call it as a function, or write (?x = <iri>)");
+      Error(e->span, "an IRI is not a condition", "call it as a function, or write (?x = <iri>)");
       return nullptr;
     }
     return e;
   }
-  Expected("'(' or a function", "a condition stands in parentheses: FILTER (?x > 5)");
+  Expected("'(' or a function", "write a condition in parentheses: FILTER (?x > 5)");
   return nullptr;
 }
 

@@ -329,7 +329,7 @@ AlgebraPtr Grammar::DataBlock() {
     while (Peek().kind == TokenKind::kVariable) {
       const Token token = Take();
       for (const Variable& v : values->variables) {
-        if (v.name == token.text) Error(token.span, "?" + v.name + " stands twice in VALUES");
+        if (v.name == token.text) Error(token.span, "?" + v.name + " occurs twice in VALUES");
       }
       values->variables.push_back(Variable{std::string(token.text)});
     }

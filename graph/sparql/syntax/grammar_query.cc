@@ -383,7 +383,7 @@ bool Grammar::LimitOffsetClauses(Modifiers* out) {
     const Token word = Take();
     const bool limit = word.IsWord("LIMIT");
     if (limit ? out->limit.has_value() : std::exchange(has_offset, true)) {
-      Error(word.span, Concat({word.text, " stands twice"}));
+      Error(word.span, Concat({word.text, " is given twice"}));
       return false;
     }
     const Token number = Peek();
@@ -434,7 +434,7 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
   for (const ExpressionPtr& having : modifiers->having) CheckGrouped(*having, allowed);
   if (select != nullptr) {
     if (select->all)
-      Error(select->span, "SELECT * cannot stand with GROUP BY", "name the keys and aggregates");
+      Error(select->span, "SELECT * is not allowed with GROUP BY", "name the keys and aggregates");
     for (const SelectItem& item : select->items) {
       if (item.expression) {
         CheckGrouped(*item.expression, allowed);

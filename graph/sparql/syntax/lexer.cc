@@ -430,7 +430,7 @@ void Lexer::LexWideName(Token* out, size_t end) {
     word.push_back(static_cast<char>(c->code));
     end += c->length;
   }
-  if (end == at_) return Error(out, 1, "'\\' cannot stand here");
+  if (end == at_) return Error(out, 1, "'\\' is not allowed here");
   Put(out, TokenKind::kWord, end - at_, Keep(std::move(word)));
   out->code = Keyword::CodeOf(out->text);
 }
@@ -526,7 +526,7 @@ void Lexer::LexPunctuation(Token* out) {
 // An error: no token begins with this character.
 void Lexer::Misplaced(Token* out) {
   const size_t length = CodePointAt(text_, at_).second;
-  return Error(out, length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+  return Error(out, length, "'" + std::string(text_.substr(at_, length)) + "' is not allowed here");
 }
 
 }  // namespace docent::sparql

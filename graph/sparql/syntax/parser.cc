@@ -22,7 +22,7 @@ std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& opti
   SourceSpan span;  // built by hand, because SpanAt counts code points and this is not UTF-8
   span = SpanAt(text.substr(0, bad), bad);
   return Diagnostic{options.file, span,
-                    text[bad] == '\0' ? "U+0000 cannot stand in a query" : "this byte is not UTF-8",
+                    text[bad] == '\0' ? "U+0000 is not allowed in a query" : "this byte is not UTF-8",
                     "save the text as UTF-8"};
 }
 

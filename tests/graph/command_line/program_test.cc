@@ -81,7 +81,7 @@ TEST(ProgramTest, AWordThatNothingIsNearToLeadsToTheHelp) {
   EXPECT_EQ(Program().Fails({"query", "x", "--zzzzzz"}),
             "docent query: there is no option --zzzzzz; `docent query --help` lists them\n");
   EXPECT_EQ(Program().Fails({"query", "a", "b"}),
-            "docent query: one argument too many: b; `docent query --help` tells what it takes\n");
+            "docent query: one argument too many: b; `docent query --help` shows its arguments\n");
 }
 
 TEST(ProgramTest, AnUnknownWordIsToldAlsoWhereHelpIsAskedFor) {

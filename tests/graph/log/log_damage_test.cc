@@ -182,7 +182,7 @@ TEST(LogDamageTest, ADamagedMarkIsNotPassedOver) {
   TestFolder folder;
   Fill(folder.path());
   Replace(folder.File("head"), "damaged");
-  ExpectRefused(folder, "/head: the mark of the log's end is damaged, so nobody can tell");
+  ExpectRefused(folder, "/head: the mark of the log's end is damaged, so it is unknown");
   std::filesystem::remove(folder.File("head"));
   EXPECT_TRUE(ReadBack(folder.path()).ok());
   Replace(folder.File("head"), std::string(16, '\0'));  // as some file systems leave it after a power cut

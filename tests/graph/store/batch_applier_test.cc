@@ -307,7 +307,7 @@ TEST_F(BatchApplierTest, BadTermsAreNamedAndNothingIsApplied) {
   EXPECT_THAT(Refusal(batch), HasSubstr("add[0]: graph")) << "as the client numbers what it adds";
   for (std::string_view graph : {kInferredGraph, kRunsGraph}) {
     batch.operations[1].quad.graph = Term::Iri(std::string(graph));
-    EXPECT_THAT(Refusal(batch), HasSubstr("the server alone writes"));
+    EXPECT_THAT(Refusal(batch), HasSubstr("only the server writes"));
     WriteBatch source = Batch("e:new e:p 1 .");
     source.source = std::string(graph);
     EXPECT_THAT(Refusal(source), HasSubstr("source: graph"));

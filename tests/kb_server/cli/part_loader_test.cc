@@ -81,7 +81,7 @@ TEST_F(PartLoaderTest, APartThatIsRefusedEndsTheLoad) {
   const auto document = CutDocument(text, RdfFormat::kNTriples, "f", 500);
   v1::LoadRequest request;
   request.set_name("f");
-  request.set_graph(std::string(kInferredGraph));  // which the server alone writes
+  request.set_graph(std::string(kInferredGraph));  // which only the server writes
   const PartsOutcome outcome = LoadParts(channel_, *document, request, [](size_t) {});
   EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(outcome.status.error_message(), HasSubstr("graph"));

@@ -321,7 +321,7 @@ TEST_F(FailingTurnTest, ARuleWithAPatternThatCannotBeEvaluated) {
   const WriteBatch batch =
       Put(Document::Kind::kRules, "pattern.rules",
           "RULE { ?a <urn:w:r> ?b } WHERE { ?a <urn:w:in> ?b FILTER(REGEX(STR(?b), \"(?i)hall\")) }");
-  Fail(batch, absl::StatusCode::kInvalidArgument, "'(?i' is no group of XPath's regular expressions");
+  Fail(batch, absl::StatusCode::kInvalidArgument, "'(?i' is not a group of XPath's regular expressions");
   GoOn();
   twin_.Must(batch);
 }
@@ -355,7 +355,7 @@ TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
   Fail(Put(Document::Kind::kRules, "b.rules",
            "# busy\n\nRULE { ?x a <urn:w:Busy> } WHERE { ?x a <urn:w:Free> }"),
        absl::StatusCode::kInvalidArgument,
-       "w.rules:2:1: error: negation through recursion: w.rules rule 1 (line 2) negates what is derived by "
+       "w.rules:2:1: error: negation through recursion: w.rules rule 1 (line 2) negates the results of "
        "b.rules rule 1 (line 3), "
        "which needs w.rules rule 1 (line 2)\n  RULE { ?x a <urn:w:Free> }");
   GoOn();

@@ -104,7 +104,7 @@ TEST_F(OntologyCheckTest, ImportsThatNoDocumentHas) {
   EXPECT_EQ(Check("<http://e> a owl:Ontology ; owl:imports <http://one> , <http://two> , <http://two/1.0> ."),
             "");
   EXPECT_EQ(Check("<http://e> owl:imports <http://two> , <http://three> ."),
-            "import f.ttl:2:39: warning: <http://three> is imported, and is no ontology of these files\n"
+            "import f.ttl:2:39: warning: <http://three> is imported, but is not an ontology of these files\n"
             "  hint: imports are not fetched; name the file that has it, too\n");
 }
 

@@ -119,14 +119,14 @@ TEST_F(NegationBesideRdfsTest, TheOrderIsThatOfTheAxioms) {
   Turn({"late rdfs:subPropertyOf m"}, {"sooner rdfs:subPropertyOf early", "a m b"});
   EXPECT_THAT(With("a sooner"), IsEmpty());
   EXPECT_THAT(Refusal({"sooner rdfs:subPropertyOf early"}),
-              HasSubstr("negation through recursion, by the axioms that are there"));
+              HasSubstr("negation through recursion, by the existing axioms"));
 }
 
 TEST_F(NegationBesideRdfsTest, ACircleIsRefused) {
   Put(kFreeRobots);
   Turn({"r1 a Robot"});
   const std::string message = Refusal({"free rdfs:subPropertyOf busy"});
-  EXPECT_THAT(message, HasSubstr("test.rules free (line 2) negates what follows from itself by rdfs rdfs7"));
+  EXPECT_THAT(message, HasSubstr("test.rules free (line 2) negates consequences of itself by rdfs rdfs7"));
   EXPECT_THAT(message, HasSubstr("(<http://example.org/free> rdfs:subPropertyOf <http://example.org/busy>)"));
   Turn({"r2 a Robot"});
   EXPECT_THAT(With(" free "), ElementsAre("r1 free yes", "r2 free yes"));
@@ -149,7 +149,7 @@ TEST_F(NegationBesideRdfsTest, RealAxiomsAreRefused) {
     const std::string message = Refusal({"a k b"});
     EXPECT_THAT(
         message,
-        HasSubstr("test.rules r (line 2) negates or aggregates, and what it makes may be an axiom for rdfs "))
+        HasSubstr("test.rules r (line 2) negates or aggregates, and its results may be axioms for rdfs "))
         << head;
   }
   Put("RULE { ?x rdfs:subClassOf ?x } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
@@ -160,7 +160,7 @@ TEST_F(NegationBesideRdfsTest, RealAxiomsAreRefused) {
 TEST_F(NegationBesideRdfsTest, WhatUsersAxiomsMakeAxiomsIsRefused) {
   Put("RULE :r { ?x :k2 ?y . ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
   Turn({"a k b"});
-  const std::string axiom = "what it makes may be an axiom for rdfs ";
+  const std::string axiom = "its results may be axioms for rdfs ";
   for (const char* fact :
        {"k2 rdfs:subPropertyOf rdfs:subClassOf", "k2 rdfs:subPropertyOf rdfs:domain",
         "C rdfs:subClassOf rdfs:Datatype", "C rdfs:subClassOf rdfs:ContainerMembershipProperty",
@@ -182,7 +182,7 @@ TEST_F(NegationBesideRdfsTest, AnAxiomAboutResourceIsSeenThatMakesNoOther) {
   Put("RULE :r { ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }\nRULE { rdfs:Resource rdfs:subClassOf ?c } "
       "WHERE { ?c :above :all }");
   Turn({"a k b"});
-  EXPECT_THAT(Refusal({"Odd above all"}), HasSubstr("may be an axiom for rdfs rdfs9"));
+  EXPECT_THAT(Refusal({"Odd above all"}), HasSubstr("may be axioms for rdfs rdfs9"));
   Turn({"b k c"});
   EXPECT_THAT(With(" a C"), ElementsAre("a a C", "b a C"));
 }
@@ -202,7 +202,7 @@ TEST_F(NegationBesideRdfsTest, BesideOwl2RlAsWellItIsRefused) {
   ASSERT_THAT(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")), IsEmpty());
   Turn({});
   Put(kFreeRobots);
-  EXPECT_THAT(Refusal({"r1 a Robot"}), HasSubstr("may be an axiom for owl2rl"));
+  EXPECT_THAT(Refusal({"r1 a Robot"}), HasSubstr("may be axioms for owl2rl"));
 }
 
 // Here superclasses of :Top matter if :Top is a part of :Odd, which itself matters to no rule.
@@ -222,13 +222,13 @@ TEST_F(NegationOrderTest, AnAxiomThatMattersToAxiomsAloneIsSeenWhenItComes) {
   EXPECT_THAT(world_.Inferred(), IsEmpty());
   const absl::Status status =
       engine_.Update(world_.writer, world_.Apply({"Top rdfs:subClassOf Odd"})).status();
-  EXPECT_THAT(std::string(status.message()), HasSubstr("what it makes may be an axiom for test.rules odd"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("its results may be axioms for test.rules odd"));
 }
 
 TEST_F(NegationOrderTest, AxiomsThatTwoRulesWithNegationMakeAreSeenTogether) {
   Put(absl::StrCat(kPartsOfTop, "RULE { :Top rdfs:subClassOf :Odd } WHERE { ?x :k2 ?y NOT { ?x :m2 ?y } }"));
   const absl::Status status = engine_.Update(world_.writer, world_.Apply({"a k b"})).status();
-  EXPECT_THAT(std::string(status.message()), HasSubstr("what it makes may be an axiom for test.rules odd"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("its results may be axioms for test.rules odd"));
 }
 
 }  // namespace

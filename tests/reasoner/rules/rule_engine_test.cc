@@ -376,7 +376,7 @@ TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
   const Diagnostics diagnostics = engine_.PutRules("bad.rules", text);
   ASSERT_EQ(diagnostics.size(), 1u);
   EXPECT_EQ(diagnostics[0].message,
-            "negation through recursion: bad.rules rule 1 (line 2) negates what is derived by bad.rules rule "
+            "negation through recursion: bad.rules rule 1 (line 2) negates the results of bad.rules rule "
             "2 (line 3), "
             "which needs bad.rules rule 3 (line 4), which needs bad.rules rule 1 (line 2)");
   EXPECT_EQ(diagnostics[0].span.line, 2);
@@ -389,7 +389,7 @@ TEST_F(RuleEngineTest, CountingWhatTheCountMakesIsRefusedAsSuch) {
                        "PREFIX : <http://example.org/>\nRULE { ?x :n ?c } WHERE { { SELECT ?x (COUNT(?y) AS "
                        "?c) { ?x :n ?y } GROUP BY ?x } }");
   ASSERT_EQ(diagnostics.size(), 1u);
-  EXPECT_THAT(diagnostics[0].message, ::testing::HasSubstr("aggregates what is derived by itself"));
+  EXPECT_THAT(diagnostics[0].message, ::testing::HasSubstr("aggregates the results of itself"));
   EXPECT_THAT(diagnostics[0].hint, ::testing::HasSubstr("take the aggregate out of the cycle"));
 }
 
@@ -402,7 +402,7 @@ TEST_F(RuleEngineTest, ARuleThatNeverEndsIsRefusedWithItsCycle) {
   const Diagnostics diagnostics = engine_.PutRules("bad.rules", text);
   ASSERT_EQ(diagnostics.size(), 1u) << Render(diagnostics, text);
   EXPECT_EQ(diagnostics[0].message,
-            "may never end: ?m is computed anew from what the rule itself leads to: bad.rules rule 1 (line "
+            "may never end: ?m is computed from the results of the rule itself: bad.rules rule 1 (line "
             "2) needs "
             "bad.rules rule 2 (line 3) needs bad.rules rule 1 (line 2)");
   EXPECT_EQ(diagnostics[0].span.line, 2);
@@ -439,7 +439,7 @@ TEST_F(RuleEngineTest, ACycleByAxiomsNamesTheAxioms) {
       world_.writer, world_.Apply({"Available rdfs:subClassOf Odd", "Odd rdfs:subClassOf Broken"}));
   EXPECT_EQ(delta.status().code(), absl::StatusCode::kFailedPrecondition);
   const std::string message(delta.status().message());
-  EXPECT_THAT(message, HasSubstr("avail (line 2) negates what follows from itself by owl2rl cax-sco"));
+  EXPECT_THAT(message, HasSubstr("avail (line 2) negates consequences of itself by owl2rl cax-sco"));
   EXPECT_THAT(message,
               ::testing::ContainsRegex(
                   "\\(<http://example.org/Available> rdfs:subClassOf <http://example.org/(Odd|Broken)>\\)"));

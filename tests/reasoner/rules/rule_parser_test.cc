@@ -113,7 +113,7 @@ TEST(RuleParser, HeadsMustBeTriples) {
 }
 
 TEST(RuleParser, DataHoldsNoVariables) {
-  EXPECT_THAT(Errors("DATA { ?a :p :b }"), HasSubstr("a variable stands in DATA"));
+  EXPECT_THAT(Errors("DATA { ?a :p :b }"), HasSubstr("a variable is not allowed in DATA"));
   const ParsedRules list = ParseRules(std::string(kPrefix) + "DATA { :a :p (1 2 3) }", "t.rules");
   ASSERT_EQ(list.diagnostics.size(), 1u) << "a list is six triples, and one mistake";
   EXPECT_THAT(list.diagnostics[0].message, HasSubstr("no blank nodes, nor lists"));

@@ -69,7 +69,7 @@ TEST(ShaclRulesImport, WhatIsNotSupportedIsSaid) {
       Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"CONSTRUCT { $this nope:p 1 } WHERE { }\" ] ."),
       HasSubstr("not SPARQL"));
   EXPECT_THAT(Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"ASK { }\" ] ."),
-              HasSubstr("no CONSTRUCT"));
+              HasSubstr("not a CONSTRUCT"));
   EXPECT_THAT(Errors(":S sh:rule [ sh:construct \"CONSTRUCT { $this a $this } WHERE { $this ?p ?o }\" ] ."),
               HasSubstr("no target"));
 }

@@ -43,7 +43,7 @@ TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
       ":C a sh:NodeShape ; sh:property [ sh:path ( :p ) ; sh:maxCount \"many\" ] ; sh:in ( 1 2 ) , ( 3 ) .\n"
       ":D a sh:NodeShape ; sh:or \"x\" ; sh:datatype xsd:int , xsd:byte ; sh:mincount 4 ; sh:sparql [ ] .");
   for (const char* part :
-       {"shapes.ttl:3:36: error: shape <http://e/A>: sh:targetClass is \"Robot\", which is no IRI",
+       {"shapes.ttl:3:36: error: shape <http://e/A>: sh:targetClass is \"Robot\", which is not an IRI",
         "sh:minCount at a node shape", "sh:nodeKind is <http://e/Iri>", "sh:pattern \"[a\"",
         "<http://e/B>: a property shape without sh:path", "needs at least two members, this list has 1",
         "sh:maxCount is \"many\", not an xsd:integer", "has 2 sh:in; one is allowed", "ill-formed sh:or",
@@ -72,9 +72,9 @@ TEST_F(ShapesTest, APatternThatCannotBeEvaluatedIsRefusedWithItsMistake) {
       ":C sh:targetNode :x ; sh:pattern \"a\" ; sh:flags \"iz\" .\n"
       ":D sh:targetNode :x ; sh:pattern \"a\" ; sh:flags 5 .");
   for (const char* part :
-       {"sh:pattern \"(?i)a\" cannot be evaluated: '(?i' is no group", "third argument of REGEX",
+       {"sh:pattern \"(?i)a\" cannot be evaluated: '(?i' is not a group", "third argument of REGEX",
         "sh:pattern \"[[:alpha:]]\" cannot be evaluated: '[' inside a class",
-        "sh:flags \"iz\" cannot be evaluated: 'z' is no flag", "sh:flags is 5, not a plain text"}) {
+        "sh:flags \"iz\" cannot be evaluated: 'z' is not a flag", "sh:flags is 5, not a plain text"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }

@@ -174,10 +174,10 @@ TEST_F(SparqlShapesTest, MistakesOfQueriesAreSaidWithTheirPlaces) {
   for (const char* part :
        {"shapes.ttl:3:", "sh:select, line 1, column ", "prefix", "sh:select is no SELECT",
         "sh:select does not select ?this", "$PATH has no meaning here",
-        "$PATH stands only in the place of a predicate", "sh:select has FROM",
-        "a sub-SELECT does not return ?this", "MINUS is not allowed", "VALUES is not allowed",
-        "SERVICE is not allowed", "?this is given before and must not be assigned",
-        "?currentShape is given before", "the prefix e: stands for <http://e/> and for <http://f/>"}) {
+        "$PATH is only allowed as a predicate", "sh:select has FROM", "a sub-SELECT does not return ?this",
+        "MINUS is not allowed", "VALUES is not allowed", "SERVICE is not allowed",
+        "?this is given before and must not be assigned", "?currentShape is given before",
+        "the prefix e: stands for <http://e/> and for <http://f/>"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }

@@ -95,7 +95,7 @@ TEST(RdfXmlTest, LanguageOfPropertyAttributesAndTexts) {
       ElementsAre("<e:s> <e:p> \"x\"@fr", "<e:s> <e:q> <e:b>", "<e:b> <e:r> \"y\"@de", "<e:s> <e:p> \"x\"@fr",
                   "<e:s> <e:p> \"x\"", "<e:s> <e:p> \"x\"^^<e:d>", "<e:s> <e:p> \"x\"^^<rdf:XMLLiteral>",
                   "<e:s> <e:p> _:b1", "_:b1 <rdf:type> <e:T>", "_:b1 <e:a> \"1\"@en"));
-  EXPECT_THAT(Mistakes(Node("", "xml:lang='en_GB'")), HasSubstr("'en_GB' is no language tag"));
+  EXPECT_THAT(Mistakes(Node("", "xml:lang='en_GB'")), HasSubstr("'en_GB' is not a language tag"));
 }
 
 TEST(RdfXmlTest, BasesFollowRfc3986) {
@@ -171,12 +171,15 @@ TEST(RdfXmlTest, XmlLiteralsAreExclusiveCanonicalXml) {
 TEST(RdfXmlTest, TextWhereNoneMayBeIsAnError) {
   EXPECT_THAT(Mistakes(Node("\n <e:p>before<rdf:Description rdf:about='http://e/b'/>after</e:p>")),
               HasSubstr("3:13: error: an element after the text 'before'"));
-  EXPECT_THAT(Mistakes(Node("<e:p><rdf:Description rdf:about='http://e/b'/>\n  after</e:p>")),
-              HasSubstr("3:3: error: the text 'after' stands where no text may be: after the node"));
-  EXPECT_THAT(Mistakes(Node("\n stray<e:p/> more")),
-              HasSubstr("3:2: error: the text 'stray' stands where no text may be: between the properties"));
+  EXPECT_THAT(
+      Mistakes(Node("<e:p><rdf:Description rdf:about='http://e/b'/>\n  after</e:p>")),
+      HasSubstr("3:3: error: the text 'after' is at a place where no text is allowed: after the node"));
+  EXPECT_THAT(
+      Mistakes(Node("\n stray<e:p/> more")),
+      HasSubstr(
+          "3:2: error: the text 'stray' is at a place where no text is allowed: between the properties"));
   EXPECT_THAT(Mistakes(Document("\n<e:T/>x")),
-              HasSubstr("3:7: error: the text 'x' stands where no text may be: between nodes"));
+              HasSubstr("3:7: error: the text 'x' is at a place where no text is allowed: between nodes"));
   EXPECT_THAT(Mistakes(Node("<e:p rdf:parseType='Collection'>x</e:p>")), HasSubstr("the text 'x'"));
   EXPECT_THAT(Mistakes(Node("<e:p rdf:parseType='Resource'>x</e:p>")), HasSubstr("the text 'x'"));
   EXPECT_THAT(Mistakes(Node("<e:p rdf:resource='http://e/o'>x</e:p>")),
@@ -203,7 +206,7 @@ TEST(RdfXmlTest, WhatIsNoRdfXmlIsAnError) {
   EXPECT_THAT(Mistakes(Node("<p>1</p>")), HasSubstr("the element <p> has no namespace"));
   EXPECT_THAT(Mistakes(Node("<e:p a='1'/>")), HasSubstr("the attribute a has no namespace"));
   EXPECT_THAT(Mistakes(Node("<f:p/>")), HasSubstr("prefix f on p is not defined"));
-  EXPECT_THAT(Mistakes(Node("<e:p xmlns:e='rel#'/>")), HasSubstr("which is no absolute IRI"));
+  EXPECT_THAT(Mistakes(Node("<e:p xmlns:e='rel#'/>")), HasSubstr("which is not an absolute IRI"));
   EXPECT_THAT(Mistakes(Document("<e:T rdf:about='http://e/a b'/>")), HasSubstr("not allowed in an IRI"));
   EXPECT_THAT(Triples(Node("<e:p xsi:type='x' xmlns:xsi='http://x/'/>", "xml:space='preserve' xmlfoo='1'")),
               SizeIs(2))
@@ -230,10 +233,10 @@ TEST(RdfXmlTest, NamesThatMayNotStandThere) {
     EXPECT_THAT(Mistakes(Node("", absl::StrCat("rdf:", name, "='x'"))), HasSubstr(absl::StrCat("rdf:", name)))
         << name;
   }
-  EXPECT_THAT(Mistakes(Document("<e:T/>", "e:x='1'")), HasSubstr("e:x stands on rdf:RDF"));
+  EXPECT_THAT(Mistakes(Document("<e:T/>", "e:x='1'")), HasSubstr("e:x is an attribute of rdf:RDF"));
   EXPECT_THAT(Mistakes(Node("", "rdf:nodeID='x'")),
               HasSubstr("more than one of rdf:about, rdf:ID and rdf:nodeID"));
-  EXPECT_THAT(Mistakes(Node("", "about='http://e/s'")), HasSubstr("rdf:about stands twice"));
+  EXPECT_THAT(Mistakes(Node("", "about='http://e/s'")), HasSubstr("rdf:about is given twice"));
   EXPECT_THAT(Mistakes(Node("", "rdf:resource='http://e/o'")), HasSubstr("did you mean rdf:about?"));
   EXPECT_THAT(Mistakes(Node("<e:p rdf:about='http://e/o'/>")), HasSubstr("did you mean rdf:resource?"));
   EXPECT_THAT(Mistakes(Node("<e:p rdf:resource='http://e/o' rdf:nodeID='n'/>")),
@@ -264,16 +267,16 @@ TEST(RdfXmlTest, IdsAndNodeIdsAreNames) {
               SizeIs(3))
       << "an ID is named once against one base";
   EXPECT_THAT(Mistakes(Document("<e:T rdf:ID='a'/>\n<e:T><e:p rdf:ID='a'>1</e:p></e:T>"), options),
-              HasSubstr("3:11: error: rdf:ID='a' stands twice"));
+              HasSubstr("3:11: error: rdf:ID='a' occurs twice"));
   for (const char* odd : {"", "1a", "a:b", "a b", "-a", "a/b"}) {
     EXPECT_THAT(Mistakes(Document(absl::StrCat("<e:T rdf:ID='", odd, "'/>")), options),
-                HasSubstr("which is no XML name"))
+                HasSubstr("which is not an XML name"))
         << odd;
     EXPECT_THAT(Mistakes(Document(absl::StrCat("<e:T rdf:nodeID='", odd, "'/>")), options),
-                HasSubstr("which is no XML name"))
+                HasSubstr("which is not an XML name"))
         << odd;
     EXPECT_THAT(Mistakes(Node(absl::StrCat("<e:p rdf:nodeID='", odd, "'/>")), options),
-                HasSubstr("which is no XML name"))
+                HasSubstr("which is not an XML name"))
         << odd;
   }
   const std::vector<std::string> dots =

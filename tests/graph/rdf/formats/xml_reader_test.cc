@@ -228,7 +228,7 @@ TEST(XmlReaderTest, Encodings) {
   EXPECT_THAT(Triples("<?xml version='1.0' encoding='windows-1252'?>" + Node("<e:p>\x80</e:p>")),
               ElementsAre("<e:s> <e:p> \"€\""));
   EXPECT_THAT(Mistakes("<?xml version='1.0' encoding='windows-1252'?>\n" + Node("<e:p>\x81</e:p>")),
-              HasSubstr("3:47: error: the byte 0x81 here is no character of windows-1252"));
+              HasSubstr("3:47: error: the byte 0x81 here is not a character of windows-1252"));
   EXPECT_THAT(Mistakes(latin), HasSubstr("the byte 0xE9 here is not UTF-8"));
   EXPECT_THAT(Mistakes("<?xml version='1.0' encoding='UTF-7'?>" + Node("")),
               HasSubstr("1:31: error: the encoding \"utf-7\" is not read"));

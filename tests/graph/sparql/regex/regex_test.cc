@@ -315,9 +315,9 @@ TEST(Regex, FlagsXAndQ) {
          {"a b", "a b", true, "qx"},
          {"", "a", true, "q"},
          {"a", "b\na", true, "qsm"}});
-  EXPECT_EQ(Mistake("a", "z"), "'z' is no flag");
-  EXPECT_EQ(Mistake("a", "I"), "'I' is no flag");
-  EXPECT_EQ(Mistake("a", " "), "' ' is no flag");
+  EXPECT_EQ(Mistake("a", "z"), "'z' is not a flag");
+  EXPECT_EQ(Mistake("a", "I"), "'I' is not a flag");
+  EXPECT_EQ(Mistake("a", " "), "' ' is not a flag");
   EXPECT_EQ(Mistake("a", "ii"), "");
   EXPECT_NE(Mistake("a\\ b", "x"), "");  // \b
 }
@@ -484,7 +484,7 @@ TEST(Regex, AMistakeSaysWhatAndWhere) {
     return *Regex::Compile(pattern, flags, false, &regex);
   };
   EXPECT_EQ(mistake("ab(?i)").offset, 2u);
-  EXPECT_EQ(mistake("ab(?i)").message, "'(?i' is no group of XPath's regular expressions");
+  EXPECT_EQ(mistake("ab(?i)").message, "'(?i' is not a group of XPath's regular expressions");
   EXPECT_NE(mistake("ab(?i)").hint.find("third argument of REGEX"), std::string::npos);
   EXPECT_EQ(mistake("é\\b").offset, 2u);
   EXPECT_EQ(mistake("é\\b").length, 2u);
