@@ -63,7 +63,8 @@ void IriNames::Add(std::string_view prefix, std::string_view name_space) {
 std::string IriNames::Iri(std::string_view iri) const {
   const std::pair<std::string, std::string>* best = nullptr;
   for (const auto& known : prefixes_) {
-    if (iri.starts_with(known.second) && (best == nullptr || known.second.size() > best->second.size()) &&
+    if (iri.size() > known.second.size() && iri.starts_with(known.second) &&
+        (best == nullptr || known.second.size() > best->second.size()) &&
         IsPrefixedName(known.first, iri.substr(known.second.size())))
       best = &known;
   }

@@ -217,13 +217,15 @@ class Loader {
                      {"inferred", reply.inferred()},
                      {"revision", revision}});
     }
-    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
-              << " removed, " << reply.inferred() << " inferred, revision " << revision << "\n";
+    std::cout << (file == "-" ? NameOf(file) : file) << ": " << kind << ", " << reply.added() << " added, "
+              << reply.removed() << " removed, " << reply.inferred() << " inferred, revision " << revision
+              << "\n";
     return kExitOk;
   }
 
   static std::string NameOf(const std::string& file) {
-    return file == "-" ? "stdin" : std::filesystem::path(file).filename().string();
+    return file == "-" ? "stdin"
+                       : std::string(NameWithoutGz(std::filesystem::path(file).filename().string()));
   }
 
   static std::string ProgressBar(size_t done, size_t all) {

@@ -33,7 +33,8 @@ struct OntologyArguments {
 };
 
 std::string NameOf(const OntologyArguments& arguments, const std::string& file) {
-  return arguments.name.empty() ? std::filesystem::path(file).filename().string() : arguments.name;
+  if (!arguments.name.empty()) return arguments.name;
+  return std::string(NameWithoutGz(std::filesystem::path(file).filename().string()));
 }
 
 std::string VersionText(const std::string& info, const std::string& iri) {

@@ -337,7 +337,7 @@ void AddRunCommand(CLI::App* app, int* exit_code) {
       "Examples:\n"
       "  docent run BoothGuide --var booth=https://w3id.org/docent/expo#B03\n"
       "  docent run BoothGuide --prefix expo=https://w3id.org/docent/expo# --var user=expo:John\n"
-      "  docent run BoothGuide --var 'greeting=\"Hello, John\"@en'"));
+      "  docent run Tour --var 'greeting=\"Hello, John\"@en'"));
   command->callback([arguments, exit_code] { *exit_code = StartRun(*arguments); });
 }
 

@@ -105,7 +105,7 @@ void AddServicesCommand(CLI::App* app, int* exit_code) {
                    "Exit code 1: the invoked service failed or was cancelled.\n"
                    "Examples:\n"
                    "  docent services\n"
-                   "  docent services --invoke Move2Booth --arg booth=https://w3id.org/docent/expo#B03"));
+                   "  docent services --invoke moveToBooth --arg booth=https://w3id.org/docent/expo#B03"));
   command->callback([arguments, exit_code] {
     *exit_code = arguments->invoke.empty() ? ListServices(arguments->client) : InvokeService(*arguments);
   });

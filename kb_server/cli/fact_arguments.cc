@@ -9,6 +9,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
+#include "graph/rdf/iri.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/wire/term_proto.h"
 #include "kb_server/cli/client.h"
@@ -23,6 +24,10 @@ absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::strin
     return absl::InvalidArgumentError(
         absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
   if (parts.first.back() == ':') parts.first.pop_back();
+  if (!IsValidTermIri(parts.second)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--prefix \"", given, "\": \"", parts.second, "\" is not an absolute IRI"));
+  }
   return parts;
 }
 

@@ -70,7 +70,12 @@ Address ReadAddress(const HttpRequest& http) {
       }
     }
     if (address.refusal) return address;
-    if (name != "default" && name != "graph") continue;
+    if (name == "as-of" || name == "min-revision") continue;
+    if (name != "default" && name != "graph") {
+      address.refusal = MisspeltParameter(name, {"default", "graph", "as-of", "min-revision"});
+      if (address.refusal) return address;
+      continue;
+    }
     ++named;
     address.is_default = name == "default";
     address.graph = Term::Iri(address.is_default ? std::string(kDefaultGraph) : value);

@@ -55,6 +55,10 @@ std::optional<HttpResponse> ReadOption(const std::string& name, const std::strin
     if (!query) return TextResponse(400, "as-of does not go with an update: the past stays as it was");
     if (value.empty()) return TextResponse(400, "as-of is empty; give a revision number or an xsd:dateTime");
     request->as_of = value;
+  } else if (name != "query" && name != "update") {
+    return MisspeltParameter(name,
+                             {"query", "update", "default-graph-uri", "named-graph-uri", "using-graph-uri",
+                              "using-named-graph-uri", "timeout", "min-revision", "as-of", "request-id"});
   }
   return std::nullopt;
 }

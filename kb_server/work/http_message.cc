@@ -5,6 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/diagnostic.h"
 #include "graph/base/overload.h"
 #include "graph/base/text.h"
 
@@ -79,6 +80,13 @@ HttpResponse TextResponse(int status, std::string text) {
   response.body = std::move(text);
   if (!response.body.ends_with('\n')) response.body += '\n';
   return response;
+}
+
+std::optional<HttpResponse> MisspeltParameter(const std::string& name,
+                                              const std::vector<std::string>& known) {
+  const std::string nearest = Nearest(name, known);
+  if (nearest.empty()) return std::nullopt;
+  return TextResponse(400, absl::StrCat("there is no parameter ", name, "; did you mean ", nearest, "?"));
 }
 
 HttpResponse ErrorResponse(const absl::Status& status) {

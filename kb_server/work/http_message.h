@@ -39,6 +39,10 @@ struct HttpResponse {
 // A plain-text response: `text` ends with a line break.
 HttpResponse TextResponse(int status, std::string text);
 
+// 400 for a parameter that is nearly one of `known` (asof, as-of): it was meant, and would be passed over. nullopt for one
+// of another name, which clients may send for others.
+std::optional<HttpResponse> MisspeltParameter(const std::string& name, const std::vector<std::string>& known);
+
 // The HTTP status that fits a status code (INVALID_ARGUMENT 400, NOT_FOUND 404, RESOURCE_EXHAUSTED 413 for a limit of the
 // request itself and 503 for an overload, DEADLINE_EXCEEDED 504, …), its message as the text.
 HttpResponse ErrorResponse(const absl::Status& status);

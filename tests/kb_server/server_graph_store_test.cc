@@ -324,6 +324,10 @@ TEST_F(GraphStoreTest, AGraphAsItWas) {
   EXPECT_THAT(Ask("GET", graph, "Accept: application/n-triples\r\n").body, HasSubstr("\"2\""));
   EXPECT_EQ(Ask("GET", graph + "&as-of=0").status, 404);
   EXPECT_EQ(Ask("GET", graph + "&as-of=yesterday").status, 400);
+  const HttpReply misspelt = Ask("GET", graph + "&asof=1");
+  EXPECT_EQ(misspelt.status, 400);
+  EXPECT_THAT(misspelt.body, HasSubstr("there is no parameter asof; did you mean as-of?"));
+  EXPECT_EQ(Ask("GET", graph + "&cache-buster=17").status, 200) << "meant for others";
   EXPECT_EQ(Ask("GET", graph + absl::StrCat("&min-revision=", Revision())).status, 200);
   EXPECT_EQ(Ask("DELETE", graph + "&as-of=" + then).status, 400);
 }

@@ -175,6 +175,7 @@ TEST_F(HttpSparqlTest, BadParameters) {
   EXPECT_EQ(Get(ask, "", "&default-graph-uri=g").status, 400);
   EXPECT_EQ(Get(ask, "", "&default-graph-uri=urn:g%201").status, 400);
   EXPECT_EQ(Get(ask, "", "&as-of=3").status, 501);
+  EXPECT_EQ(Get(ask, "", "&asof=3").status, 400);
   EXPECT_EQ(Get(ask, "", "&unknown=1").status, 200);
   // counted when it is sent to its end, which its client can see first
   const char* counted = "docent_sparql_requests_total{outcome=\"answered\"} 1\n";
