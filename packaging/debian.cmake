@@ -59,7 +59,7 @@ set(CPACK_DEBIAN_DOCENT_PACKAGE_SUGGESTS "docent-robot, docent-doc, redland-util
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_DEPENDS "docent (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_RECOMMENDS "espeak-ng")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_SUGGESTS "mrpt-common")
-set(CPACK_DEBIAN_DOCENT-DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, protobuf-compiler-grpc, libabsl-dev, libspdlog-dev, libraptor2-dev, libxml2-dev, zlib1g-dev, libssl-dev, pkg-config")
+set(CPACK_DEBIAN_DOCENT-DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, protobuf-compiler-grpc, libabsl-dev, libspdlog-dev, zlib1g-dev, libssl-dev")
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DOCENT-DEV_PACKAGE_SHLIBDEPS OFF)

@@ -29,12 +29,20 @@ RULE rl:eq-rep-s { ?s2 ?p ?o } WHERE { ?s owl:sameAs ?s2 . ?s ?p ?o FILTER(?s !=
 RULE rl:eq-rep-p { ?s ?p2 ?o } WHERE { ?p owl:sameAs ?p2 . ?s ?p ?o FILTER(?p != ?p2) }
 RULE rl:eq-rep-o { ?s ?p ?o2 } WHERE { ?o owl:sameAs ?o2 . ?s ?p ?o FILTER(?o != ?o2) }
 RULE rl:eq-diff1 { } WHERE { ?x owl:sameAs ?y . ?x owl:differentFrom ?y }
+RULE rl:eq-diff1 { } WHERE { ?x owl:differentFrom ?x }
 RULE rl:eq-diff2 { } WHERE {
   ?x a owl:AllDifferent . ?x owl:members ?l . ?l docent:listNode ?n1 . ?l docent:listNode ?n2 .
   ?n1 rdf:first ?z1 . ?n2 rdf:first ?z2 . ?z1 owl:sameAs ?z2 FILTER(?n1 != ?n2) }
 RULE rl:eq-diff3 { } WHERE {
   ?x a owl:AllDifferent . ?x owl:distinctMembers ?l . ?l docent:listNode ?n1 . ?l docent:listNode ?n2 .
   ?n1 rdf:first ?z1 . ?n2 rdf:first ?z2 . ?z1 owl:sameAs ?z2 FILTER(?n1 != ?n2) }
+# eq-ref is left out, so what is stated to be different from itself is looked for as it stands
+RULE rl:eq-diff2 { } WHERE {
+  ?x a owl:AllDifferent . ?x owl:members ?l . ?l docent:listNode ?n1 . ?l docent:listNode ?n2 .
+  ?n1 rdf:first ?z . ?n2 rdf:first ?z FILTER(?n1 != ?n2) }
+RULE rl:eq-diff3 { } WHERE {
+  ?x a owl:AllDifferent . ?x owl:distinctMembers ?l . ?l docent:listNode ?n1 . ?l docent:listNode ?n2 .
+  ?n1 rdf:first ?z . ?n2 rdf:first ?z FILTER(?n1 != ?n2) }
 )rules";
 
 constexpr char kProperties[] = R"rules(

@@ -20,6 +20,12 @@ namespace {
 
 constexpr int kPiece = 4096;  // bytes passed to libxml2 at a time
 
+// libxml2 gives some remarks the level of an error: in XML, namespaces and languages may be any text.
+bool IsRemark(int code) {
+  return code == XML_WAR_NS_URI || code == XML_WAR_NS_URI_RELATIVE || code == XML_WAR_LANG_VALUE ||
+         code == XML_WAR_SPACE_VALUE || code == XML_WAR_ENTITY_REDEFINED;
+}
+
 struct ContextDeleter {
   void operator()(xmlParserCtxtPtr context) const { xmlFreeParserCtxt(context); }
 };
@@ -306,7 +312,7 @@ void XmlReader::Parser::OnError(void* context, xmlErrorPtr error) {
   Parser& parser = Of(context);
   const bool undeclared =
       error->code == XML_ERR_UNDECLARED_ENTITY || error->code == XML_WAR_UNDECLARED_ENTITY;
-  if (parser.stopped_ || (error->level < XML_ERR_ERROR && !undeclared)) return;
+  if (parser.stopped_ || (error->level < XML_ERR_ERROR && !undeclared) || IsRemark(error->code)) return;
   if (undeclared && error->str1 != nullptr) {
     parser.ReportUndeclared(error->str1);
   } else {

@@ -150,7 +150,9 @@ class Grammar {
                             std::vector<Aggregate> aggregates, std::vector<Variable>* projection);
   AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                         std::vector<Aggregate> aggregates);
+  void SampleUngrouped(const std::set<std::string>& allowed, Algebra* group, Expression* expression);
   void CheckGrouped(const Expression& expression, const std::set<std::string>& allowed);
+  void CheckAliases(const Expression& expression, const std::set<std::string>& given);
   AlgebraPtr SubSelect();  // [8]
 
   // grammar_pattern.cc

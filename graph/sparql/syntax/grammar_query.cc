@@ -414,13 +414,36 @@ bool Grammar::ValuesClause(Modifiers* out) {
   return out->values != nullptr;
 }
 
-// An expression above a group may use keys and aggregates only (section 18.2.4.1).
+// In HAVING and ORDER BY, a variable that is neither key nor aggregate stands for one of its values (section 18.2.4.1).
+void Grammar::SampleUngrouped(const std::set<std::string>& allowed, Algebra* group, Expression* e) {
+  if (e->kind == Expression::Kind::kVariable && !e->variable.IsHidden() &&
+      !allowed.contains(e->variable.name)) {
+    Aggregate sample;
+    sample.function = Aggregate::Function::kSample;
+    sample.expression = e->Clone();
+    sample.result = Variable{".a" + std::to_string(counter_++)};
+    sample.span = e->span;
+    e->variable = sample.result;
+    group->aggregates.push_back(std::move(sample));
+  }
+  for (const ExpressionPtr& argument : e->arguments) SampleUngrouped(allowed, group, argument.get());
+}
+
+// An expression of SELECT above a group may use keys and aggregates only (section 11.4).
 void Grammar::CheckGrouped(const Expression& e, const std::set<std::string>& allowed) {
   if (e.kind == Expression::Kind::kVariable && !e.variable.IsHidden() && !allowed.contains(e.variable.name)) {
     Error(e.span, "?" + e.variable.name + " is neither a key of GROUP BY nor inside an aggregate",
           "add it to GROUP BY, or write SAMPLE(?" + e.variable.name + ")");
   }
   for (const ExpressionPtr& argument : e.arguments) CheckGrouped(*argument, allowed);
+}
+
+void Grammar::CheckAliases(const Expression& e, const std::set<std::string>& given) {
+  if (e.kind == Expression::Kind::kVariable && given.contains(e.variable.name)) {
+    Error(e.span, "?" + e.variable.name + " gets its value in SELECT, after HAVING",
+          "write its expression in HAVING");
+  }
+  for (const ExpressionPtr& argument : e.arguments) CheckAliases(*argument, given);
 }
 
 AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
@@ -431,7 +454,16 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
   for (const Aggregate& a : aggregates) allowed.insert(a.result.name);
   group->group_keys = std::move(modifiers->group_keys);
   group->aggregates = std::move(aggregates);
-  for (const ExpressionPtr& having : modifiers->having) CheckGrouped(*having, allowed);
+  // A name that SELECT gives is not there yet for HAVING, and SAMPLE of it would have no value.
+  std::set<std::string> given;
+  for (size_t i = 0; select != nullptr && i < select->items.size(); ++i) {
+    const SelectItem& item = select->items[i];
+    if (item.expression && !allowed.contains(item.variable.name)) given.insert(item.variable.name);
+  }
+  for (const ExpressionPtr& having : modifiers->having) {
+    CheckAliases(*having, given);
+    SampleUngrouped(allowed, group.get(), having.get());
+  }
   if (select != nullptr) {
     if (select->all)
       Error(select->span, "SELECT * is not allowed with GROUP BY", "name the keys and aggregates");
@@ -445,7 +477,9 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
       }
     }
   }
-  for (const OrderCondition& order : modifiers->order) CheckGrouped(*order.expression, allowed);
+  for (const OrderCondition& order : modifiers->order) {
+    SampleUngrouped(allowed, group.get(), order.expression.get());
+  }
   return group;
 }
 

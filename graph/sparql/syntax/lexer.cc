@@ -332,7 +332,11 @@ void Lexer::LexString(Token* out) {
     }
     value.append(text_.substr(rest, i - rest));
     if (const auto escape = CodePointEscape(text_, i)) {
-      if (!AppendUtf8(escape->first, &value) && !bad_escape) bad_escape = {i, "is not a Unicode character"};
+      if (escape->first == 0) {
+        value.push_back('\0');  // section 19.2: from U+0 on
+      } else if (!AppendUtf8(escape->first, &value) && !bad_escape) {
+        bad_escape = {i, "is not a Unicode character"};
+      }
       i += escape->second;
     } else if (i + 1 < text_.size() && SimpleEscape(text_[i + 1])) {
       value.push_back(*SimpleEscape(text_[i + 1]));

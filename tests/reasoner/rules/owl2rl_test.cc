@@ -38,6 +38,14 @@ const Case kCases[] = {
     {"eq-rep-p", ":p owl:sameAs :q . :s :p :o .", ":s :q :o ."},
     {"eq-rep-o", ":a owl:sameAs :b . :s :p :a .", ":s :p :b ."},
     {"eq-diff1", ":a owl:sameAs :b . :a owl:differentFrom :b .", ""},
+    {"eq-diff1", ":a owl:differentFrom :a .", ""},
+    {"eq-diff2",
+     ":x a owl:AllDifferent . :x owl:members :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 rdf:first :a .",
+     ""},
+    {"eq-diff3",
+     ":x a owl:AllDifferent . :x owl:distinctMembers :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 "
+     "rdf:first :a .",
+     ""},
     {"eq-diff2",
      ":x a owl:AllDifferent . :x owl:members :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 rdf:first :b . "
      ":a "

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
@@ -87,6 +88,46 @@ TEST(SerializerTest, WhatRdfXmlCannotSay) {
       std::string(
           SerializeRdf({{E("s"), E("p"), Term::Literal("\x01"), {}}}, RdfFormat::kRdfXml).status().message()),
       HasSubstr("U+0001"));
+}
+
+TEST(SerializerTest, RdfXmlDoesNotSayWordsOfItsSyntaxAsProperties) {
+  for (const std::string& predicate :
+       {Concat(kRdfNs, "li"), Concat(kRdfNs, "Description"), Concat(kRdfNs, "about"), Concat(kRdfNs, "bagID"),
+        std::string("http://www.w3.org/2000/xmlns/foo"), std::string("http://e/"), std::string("tag")}) {
+    const auto written = SerializeRdf({{E("s"), Term::Iri(predicate), E("o"), {}}}, RdfFormat::kRdfXml);
+    EXPECT_THAT(std::string(written.status().message()), HasSubstr(Concat("<", predicate, ">")));
+  }
+}
+
+TEST(SerializerTest, WhatRdfXmlWritesIsReadBack) {
+  const std::vector<std::string> predicates = {"http://e/p",
+                                               "http://e/x#a\xE2\x80\x93"
+                                               "b",
+                                               "http://example.org/gr\xC3\xB6\xC3\x9F"
+                                               "e#\xC3\xA4",
+                                               "urn:a:b.c",
+                                               "http://ex:port/p",
+                                               "http://e/a?x=1&y",
+                                               Concat(kRdfNs, "_1"),
+                                               Concat(kRdfNs, "type"),
+                                               "http://e/1a-b"};
+  std::vector<TermQuad> quads;
+  for (const std::string& predicate : predicates) {
+    quads.push_back({E("s"), Term::Iri(predicate), Term::Literal("a\x7F]]>\r\n\t b"), {}});
+    quads.push_back({E("s"), Term::Iri(predicate), Term::Iri("http://e/o?a=1&b='2'"), {}});
+  }
+  for (const auto& prefixes :
+       std::vector<std::vector<std::pair<std::string, std::string>>>{{},
+                                                                     {{"", "http://e/"},
+                                                                      {"rdf", "http://e/x#"},
+                                                                      {"1", "urn:a:"},
+                                                                      {"xmlfoo", "urn:a:"},
+                                                                      {"ns0", "urn:x:"}}}) {
+    const auto written = SerializeRdf(quads, RdfFormat::kRdfXml, prefixes);
+    ASSERT_TRUE(written.ok()) << written.status();
+    const ParsedRdf again = ParseRdf(*written, RdfFormat::kRdfXml);
+    EXPECT_EQ(again.quads, quads) << *written << Render(again.diagnostics, *written);
+  }
 }
 
 TEST(SerializerTest, RdfXmlKeepsTextExactly) {

@@ -129,6 +129,8 @@ TEST(SparqlParser, ScopesAreChecked) {
               HasSubstr("?o already has a value"));
   EXPECT_THAT(ErrorsOf("SELECT ?o { ?s ex:p ?o } GROUP BY ?s")[0].message,
               HasSubstr("neither a key of GROUP BY"));
+  EXPECT_THAT(ErrorsOf("SELECT (COUNT(?o) AS ?n) { ?s ex:p ?o } GROUP BY ?s HAVING (?n > 1)")[0].message,
+              HasSubstr("?n gets its value in SELECT, after HAVING"));
   EXPECT_THAT(ErrorsOf("SELECT (SUM(COUNT(?o)) AS ?n) { ?s ex:p ?o }")[0].message,
               HasSubstr("inside another"));
   EXPECT_THAT(ErrorsOf("ASK { _:a ex:p ?o OPTIONAL { _:a ex:q ?z } }")[0].message,
