@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/formats/text_input.h"
