@@ -51,10 +51,8 @@ absl::Status LoadAndWait(const RunPorts& ports, WriteBatch batch, const std::str
     for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", what, warning.message);
     answer.set_value(outcome.status());
   };
-  if (!ports.workers->Submit([&ports, &job] { ports.loads->Run(std::move(job)); })) {
-    return absl::ResourceExhaustedError(absl::StrCat(what, ": too much work waits"));
-  }
-  absl::Status status = answer.get_future().get();
+  absl::Status status = ports.workers->Submit([&ports, &job] { ports.loads->Run(std::move(job)); });
+  if (status.ok()) status = answer.get_future().get();
   return status.ok() ? status : WithMessage(status, absl::StrCat(what, ": ", status.message()));
 }
 

@@ -151,11 +151,4 @@ absl::StatusOr<Polygon> ReadWktPolygon(std::string_view text) {
   return Checked(std::move(ring));
 }
 
-std::string WriteWkt(const Polygon& polygon) {
-  std::string text = "POLYGON((";
-  for (const Point2& p : polygon) absl::StrAppendFormat(&text, "%.3f %.3f, ", p.x_m, p.y_m);
-  if (!polygon.empty()) absl::StrAppendFormat(&text, "%.3f %.3f", polygon[0].x_m, polygon[0].y_m);
-  return text + "))";
-}
-
 }  // namespace docent::maps

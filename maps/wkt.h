@@ -22,9 +22,6 @@ absl::StatusOr<Point2> ReadWktPoint(std::string_view text);
 // 0.
 absl::StatusOr<Polygon> ReadWktPolygon(std::string_view text);
 
-// The text of a polygon, with three decimals (millimetres).
-std::string WriteWkt(const Polygon& polygon);
-
 }  // namespace docent::maps
 
 #endif  // DOCENT_MAPS_WKT_H_

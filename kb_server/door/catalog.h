@@ -28,7 +28,6 @@ struct ModuleEntry {
   std::string name;
   Document::Kind kind = Document::Kind::kOntology;
   uint64_t size = 0;                        // triples, or rules
-  uint64_t fingerprint = 0;                 // of the text; equal texts have equal ones within one process
   Revision revision;                        // that put it
   std::shared_ptr<const std::string> text;  // of a rule set; of an ontology its prefix declarations (Turtle)
 };

@@ -82,13 +82,6 @@ Counter& Metrics::AddCounter(const std::string& name, const std::string& help, c
   return *series.counter;
 }
 
-Gauge& Metrics::AddGauge(const std::string& name, const std::string& help, const Labels& labels) {
-  absl::MutexLock lock(&mutex_);
-  Series& series = Find(name, help, "gauge", labels);
-  if (!series.gauge) series.gauge = std::make_unique<Gauge>();
-  return *series.gauge;
-}
-
 Histogram& Metrics::AddHistogram(const std::string& name, const std::string& help, std::vector<double> bounds,
                                  const Labels& labels) {
   absl::MutexLock lock(&mutex_);
@@ -124,7 +117,6 @@ void Metrics::RenderSeries(const std::string& name, const Series& series, std::s
   }
   std::string value;
   if (series.counter) value = absl::StrCat(series.counter->value());
-  if (series.gauge) value = Number(series.gauge->value());
   if (series.read) value = Number(series.read());
   absl::StrAppend(out, name, series.labels, " ", value, "\n");
 }

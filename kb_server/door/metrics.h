@@ -29,15 +29,6 @@ class Counter {
   std::atomic<uint64_t> value_{0};
 };
 
-class Gauge {
- public:
-  void Set(double value) { value_.store(value, std::memory_order_relaxed); }
-  double value() const { return value_.load(std::memory_order_relaxed); }
-
- private:
-  std::atomic<double> value_{0};
-};
-
 // How often values fell up to each bound, their number and their sum.
 class Histogram {
  public:
@@ -64,7 +55,6 @@ class Metrics {
   // Adding the same name with other labels makes another series of that metric; with the same labels it gives
   // the same one.
   Counter& AddCounter(const std::string& name, const std::string& help, const Labels& labels = {});
-  Gauge& AddGauge(const std::string& name, const std::string& help, const Labels& labels = {});
   Histogram& AddHistogram(const std::string& name, const std::string& help, std::vector<double> bounds,
                           const Labels& labels = {});
   // A value that is read when the page is asked for. `read` is called from any thread and must outlive the
@@ -87,7 +77,6 @@ class Metrics {
   struct Series {
     std::string labels;  // "{code=\"200\"}" or empty
     std::unique_ptr<Counter> counter;
-    std::unique_ptr<Gauge> gauge;
     std::unique_ptr<Histogram> histogram;
     std::function<double()> read;
   };

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/overload.h"
 
 namespace docent::server {
 namespace {
@@ -48,15 +49,18 @@ WorkerPool::~WorkerPool() {
   }
 }
 
-bool WorkerPool::Submit(std::function<void()> work, Patience patience) {
+absl::Status WorkerPool::Submit(std::function<void()> work, Patience patience) {
   absl::MutexLock lock(&mutex_);
-  if (closed_ || queue_.size() >= limits_.queue) return false;
+  if (closed_ || queue_.size() >= limits_.queue) {
+    return OverloadError(absl::StrCat("too much work waits: the limit queries_waiting is ", limits_.queue,
+                                      "; nothing was done, try again"));
+  }
   if ((patience.over || limits_.short_running > 0) && !watch_.joinable()) {
     watch_ = std::thread([this] { WatchQueue(); });
   }
   queue_.push_back({std::move(work), std::move(patience), absl::Now()});
   StartThreadIfNeeded();
-  return true;
+  return absl::OkStatus();
 }
 
 void WorkerPool::WatchQueue() {

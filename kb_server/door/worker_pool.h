@@ -50,8 +50,8 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // False: the queue is full; neither `work` nor `patience.over` will run.
-  bool Submit(std::function<void()> work, Patience patience = {});
+  // RESOURCE_EXHAUSTED (an overload): the queue is full; neither `work` nor `patience.over` will run.
+  absl::Status Submit(std::function<void()> work, Patience patience = {});
 
   // On the stack of a piece of work while it waits. It goes on when a place is free again.
   class Waiting {

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <deque>
 
-#include "graph/base/overload.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -49,13 +48,13 @@ class AssertStreamReactor final : public AssertStreamPump {
       return ReadOn(link(), this);
     }
     auto request = std::make_shared<v1::AssertRequest>(std::move(request_));
-    const bool accepted =
+    const absl::Status accepted =
         ports_.workers->Submit([stream = link(), self = this, &ports = ports_, slot, request] {
           Push(stream, self, ports, slot, *request);
           ReadOn(stream, self);  // the next one is read after it
         });
-    if (accepted) return;
-    Answer(link(), this, slot, OverloadError("too much work waits; try again"));
+    if (accepted.ok()) return;
+    Answer(link(), this, slot, accepted);
     ReadOn(link(), this);
   }
 

@@ -174,16 +174,12 @@ grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*,
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   auto* reactor = new CancellableReactor(cancellation);
   const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const bool accepted = ports_.workers->Submit(
+  const absl::Status accepted = ports_.workers->Submit(
       [this, reactor, cancellation, deadline, request, reply] {
         reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), deadline, reply)));
       },
       {deadline, [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
-  if (!accepted) {
-    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                                 absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                                              ports_.limits.queries_waiting, "; try again")));
-  }
+  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
   return reactor;
 }
 

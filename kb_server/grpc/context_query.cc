@@ -118,16 +118,12 @@ grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackSe
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   stream->OnGone([cancellation] { cancellation->Cancel(); });
   Output out{stream, ports_.workers, absl::Now() + absl::Milliseconds(timeout_ms)};
-  const bool accepted = ports_.workers->Submit(
+  const absl::Status accepted = ports_.workers->Submit(
       [this, out, cancellation, request = *request] {
         out.stream->End(ToGrpc(Answer(ports_, request, cancellation.get(), out)));
       },
       {out.deadline, [stream, timeout_ms] { stream->End(ToGrpc(NotBegun(timeout_ms))); }});
-  if (!accepted) {
-    stream->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                             absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                                          ports_.limits.queries_waiting, "; try again")));
-  }
+  if (!accepted.ok()) stream->End(ToGrpc(accepted));
   return reactor;
 }
 

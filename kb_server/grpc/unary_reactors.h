@@ -10,6 +10,7 @@
 
 #include "graph/base/cancellation.h"
 #include "kb_server/door/worker_pool.h"
+#include "kb_server/grpc/convert.h"
 
 namespace docent::server {
 
@@ -24,9 +25,8 @@ inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context,
 // finishes the reactor, runs on a worker. RESOURCE_EXHAUSTED if too much waits.
 inline grpc::ServerUnaryReactor* OnWorker(grpc::ServerUnaryReactor* reactor, WorkerPool* workers,
                                           std::function<void(grpc::ServerUnaryReactor*)> work) {
-  if (!workers->Submit([reactor, work = std::move(work)] { work(reactor); })) {
-    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
-  }
+  const absl::Status accepted = workers->Submit([reactor, work = std::move(work)] { work(reactor); });
+  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
   return reactor;
 }
 

@@ -126,7 +126,6 @@ class WritePump : public Reactor {
     if (!writing_) return FinishNow();
     if (!gone_) CancelCall(status_);
   }
-  bool writing() const { return writing_; }
   bool ended() const { return ended_; }
   bool gone() const { return gone_; }
   // What else the stream holds for its client, beside the message on its way.

@@ -408,14 +408,11 @@ void Handle(const WritePorts& ports, Exchange exchange) {
                                            ports.clock->Now(), "n", ports.updates->NextNumber()));
   }
   const int timeout_ms = ports.limits.query_timeout_ms;
-  const bool accepted = ports.workers->Submit(
+  const absl::Status accepted = ports.workers->Submit(
       [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
       {absl::Now() + absl::Milliseconds(timeout_ms),
        [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
-  if (accepted) return;
-  HttpResponse busy = TextResponse(503, "too much work waits; try again");
-  busy.headers.emplace_back("Retry-After", "1");
-  exchange->Respond(std::move(busy));
+  if (!accepted.ok()) exchange->Respond(ErrorResponse(accepted));
 }
 
 }  // namespace

@@ -54,12 +54,6 @@ void Respond(const std::shared_ptr<HttpExchange>& exchange, const Measured& meas
   exchange->Respond(std::move(response));
 }
 
-HttpResponse Busy() {
-  HttpResponse busy = TextResponse(503, "too much work waits; try again");
-  busy.headers.emplace_back("Retry-After", "1");
-  return busy;
-}
-
 // The data set that the protocol's parameters give (protocol, section 2.2.3).
 absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
   if (request.default_graphs.empty() && request.named_graphs.empty()) return absl::OkStatus();
@@ -105,7 +99,7 @@ void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_p
   exchange->OnGone([cancellation] { cancellation->Cancel(); });
   const int timeout_ms = read.request.timeout_ms;
   const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
-  const bool accepted = ports.workers->Submit(
+  const absl::Status accepted = ports.workers->Submit(
       [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
         switch (request.kind) {
           case Kind::kQuery:
@@ -120,7 +114,7 @@ void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_p
       {until, [measured, exchange, timeout_ms] {
          Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
        }});
-  if (!accepted) Respond(exchange, measured, Busy());
+  if (!accepted.ok()) Respond(exchange, measured, ErrorResponse(accepted));
 }
 
 }  // namespace

@@ -193,8 +193,7 @@ absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& ba
     std::shared_ptr<const std::string> text;
     if (document.kind == Document::Kind::kRules || document.kind == Document::Kind::kOntology)
       text = std::make_shared<const std::string>(document.text);
-    entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision,
-                                       std::move(text)};
+    entries_[{document.kind, name}] = {size, revision, std::move(text)};
   }
   return operations;
 }
@@ -202,7 +201,6 @@ absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& ba
 absl::Status Documents::Restore(std::map<Key, Entry> entries, rules::RuleEngine* rules) {
   for (auto& [key, entry] : entries) {
     if (key.first != Document::Kind::kRules) continue;
-    entry.fingerprint = std::hash<std::string>()(*entry.text);
     const Diagnostics diagnostics =
         rules->PutRules(key.second, *entry.text, rules::RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *entry.text);
@@ -220,8 +218,7 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const engine::Engine& engi
   auto catalog = std::make_shared<Catalog>();
   for (const auto& [key, entry] : entries_) {
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
-      catalog->modules.push_back(
-          {key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
+      catalog->modules.push_back({key.second, key.first, entry.size, entry.revision, entry.text});
     }
     if (key.first == Document::Kind::kRules) catalog->rules.push_back({key.second, entry.text});
   }

@@ -44,7 +44,6 @@ class Documents {
   using Key = std::pair<Document::Kind, std::string>;
   struct Entry {
     uint64_t size = 0;
-    uint64_t fingerprint = 0;
     Revision revision;
     std::shared_ptr<const std::string>
         text;  // of rules and ontologies; other stages keep their documents themselves

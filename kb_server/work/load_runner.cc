@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "graph/base/overload.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/work/load_judge.h"
@@ -103,9 +102,8 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
                            "again")),
                        {});
     }
-    if (!ports_.workers->Submit([self = shared_from_this()] { self->Judge(); })) {
-      job_.done(OverloadError("too much work waits; nothing was changed, try again"), {});
-    }
+    const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Judge(); });
+    if (!accepted.ok()) job_.done(accepted, {});
   }
 
   const WritePorts& ports_;

@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
@@ -130,9 +129,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
 
   void Again() {
     deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
-    if (!ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); })) {
-      done_(OverloadError("too much work waits; nothing was changed, try again"));
-    }
+    const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); });
+    if (!accepted.ok()) done_(accepted);
   }
 
   // Whatever else is written, this version stays until the update is done.
@@ -176,12 +174,11 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
   const absl::Duration timeout = request.timeout;
   auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
-  if (ports_.workers->Submit([job] { job->Attempt(); },
-                             {absl::Now() + timeout, [done, timeout] {
-                                done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
-                              }}))
-    return;
-  done(OverloadError("too much work waits; try again"));
+  const absl::Status accepted = ports_.workers->Submit(
+      [job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
+                                    done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
+                                  }});
+  if (!accepted.ok()) done(accepted);
 }
 
 }  // namespace docent::server

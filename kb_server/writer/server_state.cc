@@ -152,10 +152,12 @@ bool ReadLifetimes(ByteReader* in, const TermMap& map, BatchApplier* applier) {
   return true;
 }
 
+constexpr uint64_t kNoFingerprint = 0;  // of a text; nothing reads it, but the format has it
+
 void WriteDocuments(const std::map<Documents::Key, Documents::Entry>& documents, ByteWriter* out) {
   out->Varint(documents.size());
   for (const auto& [key, entry] : documents) {
-    (*out)(key, entry.size, entry.fingerprint, entry.revision);
+    (*out)(key, entry.size, kNoFingerprint, entry.revision);
     out->Text(entry.text != nullptr ? *entry.text : "");
   }
 }
@@ -164,7 +166,8 @@ bool ReadDocuments(ByteReader* in, std::map<Documents::Key, Documents::Entry>* d
   for (size_t left = in->Count(); left > 0 && in->ok(); --left) {
     Documents::Key key;
     Documents::Entry entry;
-    (*in)(key, entry.size, entry.fingerprint, entry.revision);
+    uint64_t fingerprint = 0;
+    (*in)(key, entry.size, fingerprint, entry.revision);
     entry.text = std::make_shared<const std::string>(in->Text());
     (*documents)[key] = std::move(entry);
   }

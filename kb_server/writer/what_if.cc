@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
-#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
@@ -173,10 +172,8 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
       },
       [this, evaluate, cancellation, answered](absl::Status status) {
         if (status.ok()) status = cancellation->CheckNow();
-        if (!status.ok()) return answered(status);
-        if (ports_.workers->Submit(evaluate)) return;
-        answered(OverloadError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                                            ports_.limits.queries_waiting, "; try again")));
+        if (status.ok()) status = ports_.workers->Submit(evaluate);
+        if (!status.ok()) answered(status);
       });
 }
 

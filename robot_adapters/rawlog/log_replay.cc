@@ -26,14 +26,4 @@ absl::StatusOr<ReplayedStep> LogReplay::Next() {
   return step;
 }
 
-absl::StatusOr<std::vector<ReplayedStep>> ReplayAll(LogReplay& replay) {
-  std::vector<ReplayedStep> steps;
-  while (!replay.Done()) {
-    absl::StatusOr<ReplayedStep> step = replay.Next();
-    if (!step.ok()) return step.status();
-    steps.push_back(*step);
-  }
-  return steps;
-}
-
 }  // namespace docent::robot

@@ -43,9 +43,6 @@ class LogReplay {
   size_t next_ = 0;
 };
 
-// All steps at once.
-absl::StatusOr<std::vector<ReplayedStep>> ReplayAll(LogReplay& replay);
-
 }  // namespace docent::robot
 
 #endif  // DOCENT_ROBOT_ADAPTERS_RAWLOG_LOG_REPLAY_H_

@@ -179,7 +179,6 @@ bool FactSender::SendUntilAnswered(const v1::AssertRequest& request) {
     absl::Status status = call_(request, &reply);
     absl::MutexLock lock(&mutex_);
     if (status.ok()) {
-      revision_ = std::max(revision_, reply.offset());
       if (said) spdlog::info("the server takes facts again");
       return true;
     }
@@ -213,11 +212,6 @@ void FactSender::Stop(absl::Duration linger) {
 uint64_t FactSender::refused() const {
   absl::MutexLock lock(&mutex_);
   return refused_;
-}
-
-uint64_t FactSender::acknowledged_revision() const {
-  absl::MutexLock lock(&mutex_);
-  return revision_;
 }
 
 }  // namespace docent::robot

@@ -80,7 +80,6 @@ class FactSender {
 
   // Batches that the server refused for good, and states that were no measures (mistakes of this program); logged.
   uint64_t refused() const;
-  uint64_t acknowledged_revision() const;  // newest revision that holds facts of this sender
 
  private:
   using StateKey = std::pair<std::string, std::string>;  // subject, predicate
@@ -110,7 +109,6 @@ class FactSender {
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t requests_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t refused_ ABSL_GUARDED_BY(mutex_) = 0;
-  uint64_t revision_ ABSL_GUARDED_BY(mutex_) = 0;
   std::thread thread_;
 };
 

@@ -42,10 +42,5 @@ TEST(Wkt, RefusesPolygonsWithoutMeaning) {
             std::string::npos);
 }
 
-TEST(Wkt, WritesWhatItReads) {
-  const std::string text = "POLYGON((0.000 0.000, 2.500 0.000, 2.500 1.125, 0.000 0.000))";
-  EXPECT_EQ(WriteWkt(*ReadWktPolygon(text)), text);
-}
-
 }  // namespace
 }  // namespace docent::maps

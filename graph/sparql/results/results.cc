@@ -269,27 +269,7 @@ class TsvWriter final : public ResultWriter {
   std::string& out_;
 };
 
-constexpr std::pair<std::string_view, ResultFormat> kMediaTypes[] = {
-    {"application/sparql-results+json", ResultFormat::kJson},
-    {"application/json", ResultFormat::kJson},
-    {"application/sparql-results+xml", ResultFormat::kXml},
-    {"application/xml", ResultFormat::kXml},
-    {"text/xml", ResultFormat::kXml},
-    {"text/csv", ResultFormat::kCsv},
-    {"text/tab-separated-values", ResultFormat::kTsv},
-};
-
 }  // namespace
-
-std::optional<ResultFormat> ResultFormatOfMediaType(std::string_view media_type) {
-  media_type = media_type.substr(0, media_type.find(';'));
-  while (!media_type.empty() && media_type.back() == ' ') media_type.remove_suffix(1);
-  while (!media_type.empty() && media_type.front() == ' ') media_type.remove_prefix(1);
-  for (const auto& [name, format] : kMediaTypes) {
-    if (EqualsIgnoreCase(name, media_type)) return format;
-  }
-  return std::nullopt;
-}
 
 std::optional<ResultFormat> ResultFormatOfName(std::string_view name) {
   if (name == "json") return ResultFormat::kJson;
@@ -297,20 +277,6 @@ std::optional<ResultFormat> ResultFormatOfName(std::string_view name) {
   if (name == "csv") return ResultFormat::kCsv;
   if (name == "tsv") return ResultFormat::kTsv;
   return std::nullopt;
-}
-
-std::string_view MediaTypeOf(ResultFormat format) {
-  switch (format) {
-    case ResultFormat::kJson:
-      return "application/sparql-results+json";
-    case ResultFormat::kXml:
-      return "application/sparql-results+xml";
-    case ResultFormat::kCsv:
-      return "text/csv; charset=utf-8";
-    case ResultFormat::kTsv:
-      return "text/tab-separated-values; charset=utf-8";
-  }
-  return "";
 }
 
 std::unique_ptr<ResultWriter> ResultWriter::Make(ResultFormat format, std::string* out) {

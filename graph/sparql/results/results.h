@@ -16,12 +16,8 @@ namespace docent::sparql {
 
 enum class ResultFormat { kJson, kXml, kCsv, kTsv };
 
-// "application/sparql-results+json" and so on; also the plain forms (application/json, text/csv, …);
-// parameters are ignored. nullopt: not a result format.
-std::optional<ResultFormat> ResultFormatOfMediaType(std::string_view media_type);
 // "json", "xml", "csv", "tsv".
 std::optional<ResultFormat> ResultFormatOfName(std::string_view name);
-std::string_view MediaTypeOf(ResultFormat format);
 
 // Usage: writer.Begin(names); writer.Row(terms) …; writer.End(). Each appends to *out, which the caller may
 // send and clear between calls.

@@ -28,18 +28,6 @@ void ForgetExpression(PlanExpression& e) {
   if (e.exists_operator) e.exists_operator->Forget();
 }
 
-bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out) {
-  for (const int slot : slots) {
-    if (b[slot].IsNone()) continue;
-    if (a[slot].IsNone()) {
-      out[slot] = b[slot];
-    } else if (a[slot] != b[slot]) {
-      return false;
-    }
-  }
-  return true;
-}
-
 namespace {
 
 class FilterOperator final : public Operator {

@@ -57,10 +57,6 @@ void PrepareExpression(PlanExpression& e, const BuildContext& build);
 // A new run begins: drops rows kept from the run before, which may have been on another version.
 void ForgetExpression(PlanExpression& e);
 
-// True if the two rows agree wherever both are bound at `slots`; `out` (a copy of `a`) then also gets the
-// bindings of `b`.
-bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out);
-
 }  // namespace docent::sparql
 
 #endif  // DOCENT_GRAPH_SPARQL_RUN_OPERATORS_H_

@@ -131,9 +131,6 @@ bool ProductionParser::AcceptKeyword(std::string_view keyword) {
 bool ProductionParser::AtKeyword(std::string_view keyword) const {
   return impl_->grammar.AtWord(Keyword(keyword));
 }
-bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
-  return impl_->grammar.Accept(punctuation);
-}
 bool ProductionParser::AtPunctuation(std::string_view punctuation) const {
   return impl_->grammar.At(punctuation);
 }

@@ -103,7 +103,6 @@ class ProductionParser {
   // If the next token is the keyword (any case) or punctuation: moves past it.
   bool AcceptKeyword(std::string_view keyword);
   bool AtKeyword(std::string_view keyword) const;
-  bool AcceptPunctuation(std::string_view punctuation);
   bool AtPunctuation(std::string_view punctuation) const;
   bool AtWord() const;  // a keyword, or other letters
   bool AtEnd() const;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/graph/base/gzip.h"
+
 namespace docent {
 namespace {
 

@@ -7,6 +7,7 @@
 #include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "graph/base/overload.h"
 #include "gtest/gtest.h"
 
 namespace docent::server {
@@ -18,13 +19,14 @@ TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
     WorkerPool pool({2, 8, 100});
     for (int i = 0; i < 50; ++i) {
       ASSERT_TRUE(pool.Submit([&] {
-        int now = ++running;
-        int seen = most;
-        while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
-        std::this_thread::yield();
-        --running;
-        ++done;
-      }));
+                        int now = ++running;
+                        int seen = most;
+                        while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
+                        std::this_thread::yield();
+                        --running;
+                        ++done;
+                      })
+                      .ok());
     }
   }
   EXPECT_EQ(done, 50) << "what was queued is finished";
@@ -37,17 +39,18 @@ TEST(WorkerPoolTest, WorkThatWaitsLetsOthersRun) {
   absl::BlockingCounter waiting(7), ended(7);
   for (int i = 0; i < 7; ++i) {
     ASSERT_TRUE(pool.Submit([&] {
-      {
-        WorkerPool::Waiting wait(&pool);
-        waiting.DecrementCount();
-        go.WaitForNotification();
-      }
-      ended.DecrementCount();
-    }));
+                      {
+                        WorkerPool::Waiting wait(&pool);
+                        waiting.DecrementCount();
+                        go.WaitForNotification();
+                      }
+                      ended.DecrementCount();
+                    })
+                    .ok());
   }
   waiting.Wait();
   absl::Notification ran;
-  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }));
+  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }).ok());
   EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
   go.Notify();
   ended.Wait();
@@ -58,10 +61,12 @@ TEST(WorkerPoolTest, WhoIsNotServedInTimeIsTold) {
   std::atomic<bool> begun = false;
   {
     WorkerPool pool({1, 2, 10});
-    ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
+    ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }).ok());
     ASSERT_TRUE(
-        pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }}));
-    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }, {absl::Now() + absl::Seconds(60), [] { FAIL(); }}));
+        pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }})
+            .ok());
+    ASSERT_TRUE(
+        pool.Submit([&] { served.Notify(); }, {absl::Now() + absl::Seconds(60), [] { FAIL(); }}).ok());
     EXPECT_TRUE(told.WaitForNotificationWithTimeout(absl::Seconds(20)));
     go.Notify();
     served.WaitForNotification();
@@ -81,11 +86,13 @@ TEST(WorkerPoolTest, BeyondTheOpenOnesWorkIsQueuedAndBeyondTheQueueItIsRefused) 
       go.WaitForNotification();
       ++done;
     };
-    ASSERT_TRUE(pool.Submit(work));
-    while (!pool.Submit(work)) std::this_thread::yield();  // the first has left the queue
+    ASSERT_TRUE(pool.Submit(work).ok());
+    while (!pool.Submit(work).ok()) std::this_thread::yield();  // the first has left the queue
     waiting.Wait();
-    EXPECT_TRUE(pool.Submit([&] { ++done; })) << "at the limit";
-    EXPECT_FALSE(pool.Submit([&] { ++done; })) << "one past it";
+    EXPECT_TRUE(pool.Submit([&] { ++done; }).ok()) << "at the limit";
+    const absl::Status refused = pool.Submit([&] { ++done; });
+    EXPECT_TRUE(IsOverload(refused)) << "one past it";
+    EXPECT_NE(refused.message().find("the limit queries_waiting is 1"), absl::string_view::npos);
     EXPECT_EQ(done, 0) << "both threads wait";
     go.Notify();
   }
@@ -108,15 +115,16 @@ TEST(WorkerPoolTest, ShortWorkPassesLongWork) {
     WorkerPool pool(limits);
     for (int i = 0; i < 30; ++i) {
       ASSERT_TRUE(pool.Submit([&] {
-        Cancellation cancellation;
-        WorkerPool::SharedWork shared(&pool, &cancellation);
-        while (!stop) Compute(&cancellation, absl::Milliseconds(1));
-        ++ended;
-      }));
+                        Cancellation cancellation;
+                        WorkerPool::SharedWork shared(&pool, &cancellation);
+                        while (!stop) Compute(&cancellation, absl::Milliseconds(1));
+                        ++ended;
+                      })
+                      .ok());
     }
     for (int i = 0; i < 20; ++i) {
       absl::Notification done;
-      ASSERT_TRUE(pool.Submit([&] { done.Notify(); }));
+      ASSERT_TRUE(pool.Submit([&] { done.Notify(); }).ok());
       EXPECT_TRUE(done.WaitForNotificationWithTimeout(absl::Seconds(60)));
       EXPECT_EQ(ended, 0);
     }
@@ -133,15 +141,16 @@ TEST(WorkerPoolTest, LongWorkRunsInItsPlacesAlone) {
   WorkerPool pool(limits);
   for (int i = 0; i < 12; ++i) {
     ASSERT_TRUE(pool.Submit([&] {
-      Cancellation cancellation;
-      WorkerPool::SharedWork shared(&pool, &cancellation);
-      Compute(&cancellation, absl::Milliseconds(30));  // it is among the others then
-      const int now = ++running;
-      int seen = most;
-      while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
-      Compute(&cancellation, absl::Milliseconds(20));
-      --running;
-    }));
+                      Cancellation cancellation;
+                      WorkerPool::SharedWork shared(&pool, &cancellation);
+                      Compute(&cancellation, absl::Milliseconds(30));  // it is among the others then
+                      const int now = ++running;
+                      int seen = most;
+                      while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
+                      Compute(&cancellation, absl::Milliseconds(20));
+                      --running;
+                    })
+                    .ok());
   }
   absl::SleepFor(absl::Milliseconds(300));
   EXPECT_LE(most, 3);
@@ -153,8 +162,8 @@ TEST(WorkerPoolTest, WorkThatNeverLooksDoesNotHoldAShortPlaceForLong) {
   limits.short_time = absl::Milliseconds(5);
   absl::Notification go, served;
   WorkerPool pool(limits);
-  ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
-  ASSERT_TRUE(pool.Submit([&] { served.Notify(); }));
+  ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }).ok());
+  ASSERT_TRUE(pool.Submit([&] { served.Notify(); }).ok());
   EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
   go.Notify();
 }
@@ -167,15 +176,17 @@ TEST(WorkerPoolTest, WorkThatIsHeldUpEndsWhenItIsCancelled) {
   Cancellation second;
   WorkerPool pool(limits);
   ASSERT_TRUE(pool.Submit([&] {
-    Cancellation cancellation;
-    WorkerPool::SharedWork shared(&pool, &cancellation);
-    while (!go.HasBeenNotified()) Compute(&cancellation, absl::Milliseconds(1));
-  }));
+                    Cancellation cancellation;
+                    WorkerPool::SharedWork shared(&pool, &cancellation);
+                    while (!go.HasBeenNotified()) Compute(&cancellation, absl::Milliseconds(1));
+                  })
+                  .ok());
   ASSERT_TRUE(pool.Submit([&] {
-    WorkerPool::SharedWork shared(&pool, &second);
-    Compute(&second, absl::InfiniteDuration());
-    ended.Notify();
-  }));
+                    WorkerPool::SharedWork shared(&pool, &second);
+                    Compute(&second, absl::InfiniteDuration());
+                    ended.Notify();
+                  })
+                  .ok());
   absl::SleepFor(absl::Milliseconds(50));
   EXPECT_FALSE(ended.HasBeenNotified());
   second.Cancel();
@@ -201,13 +212,13 @@ TEST(WorkerPoolTest, TheClientThatIsWaitedForTheLongestIsCrowdedOut) {
         return;
       }
     };
-    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&first); }));
+    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&first); }).ok());
     first_waits.WaitForNotification();
     absl::SleepFor(absl::Milliseconds(50));
-    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&second); }));
+    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&second); }).ok());
     absl::SleepFor(absl::Milliseconds(100));
     EXPECT_EQ(first + second, 0) << "nobody else wants their threads";
-    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }));
+    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }).ok());
     EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
     EXPECT_EQ(first, 1);
     EXPECT_EQ(second, 0);
@@ -220,8 +231,8 @@ TEST(WorkerPoolTest, WhatWorkHoldsIsGoneWhenItEnds) {
   auto held = std::make_shared<int>(7);
   std::weak_ptr<int> watch = held;
   absl::Notification next;
-  ASSERT_TRUE(pool.Submit([held = std::move(held)] {}));
-  ASSERT_TRUE(pool.Submit([&] { next.Notify(); }));
+  ASSERT_TRUE(pool.Submit([held = std::move(held)] {}).ok());
+  ASSERT_TRUE(pool.Submit([&] { next.Notify(); }).ok());
   next.WaitForNotification();
   EXPECT_TRUE(watch.expired());
 }

@@ -20,7 +20,7 @@ TEST(MetricsTest, WholePage) {
   metrics.AddCounter("docent_turns_total", "Turns.").Add(3);
   metrics.AddCounter("docent_answers_total", "Answers.", {{"code", "200"}}).Add();
   metrics.AddCounter("docent_answers_total", "Answers.", {{"code", "4\"\\\n"}}).Add(2);
-  metrics.AddGauge("docent_load", "Load\nnow.").Set(0.1);
+  metrics.AddGaugeFunction("docent_load", "Load\nnow.", [] { return 0.1; });
   metrics.AddGaugeFunction("docent_quads", "Quads.", [] { return 1e6; });
   for (const double value : {0.25, 0.5, 0.75, 7.0}) seconds.Observe(value);
   EXPECT_EQ(metrics.Render(),

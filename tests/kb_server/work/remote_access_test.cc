@@ -171,13 +171,15 @@ TEST_F(RemoteAccessHttpTest, WhoWaitsForAnotherServerLetsOthersRun) {
   RemoteAccess slow({base_}, Limits{}, &pool);
   Cancellation cancellation;
   ASSERT_TRUE(pool.Submit([&] {
-    EXPECT_EQ(slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(),
-              absl::StatusCode::kCancelled);
-    go.Notify();
-  }));
+                    EXPECT_EQ(
+                        slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(),
+                        absl::StatusCode::kCancelled);
+                    go.Notify();
+                  })
+                  .ok());
   asked.WaitForNotification();
   absl::Notification ran;
-  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }));
+  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }).ok());
   EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
   cancellation.Cancel();
   go.WaitForNotification();

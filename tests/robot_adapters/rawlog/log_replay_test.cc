@@ -13,6 +13,17 @@
 namespace docent::robot {
 namespace {
 
+// All steps at once.
+absl::StatusOr<std::vector<ReplayedStep>> ReplayAll(LogReplay& replay) {
+  std::vector<ReplayedStep> steps;
+  while (!replay.Done()) {
+    absl::StatusOr<ReplayedStep> step = replay.Next();
+    if (!step.ok()) return step.status();
+    steps.push_back(*step);
+  }
+  return steps;
+}
+
 constexpr char kEastDoors[] = "https://w3id.org/docent/s02#EastDoors";
 
 std::optional<size_t> EntryInReplay(const maps::RegionIndex& regions, const std::string& region,

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "graph/base/gzip.h"
+#include "tests/graph/base/gzip.h"
 
 namespace docent {
 namespace {
