@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_sets.h"
-#include "tests/reasoner/test_world.h"
+#include "tests/reasoner/rules/rule_engine_fixture.h"
 
 namespace docent::rules {
 namespace {
@@ -18,26 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class NegationOrderTest : public ::testing::Test {
- protected:
-  void Put(const std::string& text, const std::string& name = "test.rules") {
-    const std::string document = "PREFIX : <http://example.org/>\n" + text;
-    const Diagnostics diagnostics = engine_.PutRules(name, document);
-    ASSERT_THAT(diagnostics, IsEmpty()) << Render(diagnostics, document);
-  }
-  Delta Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {}) {
-    absl::StatusOr<Delta> delta = engine_.Update(world_.writer, world_.Apply(add, remove));
-    EXPECT_TRUE(delta.ok()) << delta.status();
-    if (!delta.ok()) return {};
-    engine_.Commit();
-    world_.writer.Freeze(Revision(++revision_));
-    return *delta;
-  }
-
-  TestWorld world_;
-  RuleEngine engine_{world_.dictionary};
-  uint64_t revision_ = 0;
-};
+class NegationOrderTest : public RuleEngineTest {};
 
 // With the rule set rdfs: its results for each word are axioms, but irrelevant ones.
 class NegationBesideRdfsTest : public NegationOrderTest {

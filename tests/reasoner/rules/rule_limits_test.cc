@@ -1,0 +1,118 @@
+// Rules that never end or infer too much.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/match.h"
+#include "tests/reasoner/rules/rule_engine_fixture.h"
+
+namespace docent::rules {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RuleLimitsTest : public ::testing::Test {
+ protected:
+  absl::Status Run(const Limits& limits, const std::string& rules, const std::vector<std::string>& add,
+                   const std::vector<std::string>& base = {}) {
+    TestWorld world;
+    RuleEngine engine(world.dictionary, limits);
+    EXPECT_THAT(engine.PutRules("loop.rules", "PREFIX : <http://example.org/>\n" + rules), IsEmpty());
+    if (!engine.Update(world.writer, world.Apply(base)).ok()) return absl::InternalError("the base facts");
+    engine.Commit();
+    world.writer.Freeze(Revision(1));
+    const absl::Status status = engine.Update(world.writer, world.Apply(add)).status();
+    if (!status.ok()) {
+      engine.Rollback();
+      world.writer.Rollback();
+      EXPECT_THAT(world.Inferred(), IsEmpty());
+      EXPECT_TRUE(engine.Update(world.writer, world.Apply({"other fact x"})).ok()) << "the engine goes on";
+    }
+    return status;
+  }
+  TestWorld world_;
+};
+
+TEST_F(RuleLimitsTest, ARuleThatFeedsItselfIsStoppedAndNamed) {
+  Limits limits;
+  limits.rule_rounds = 50;
+  const absl::Status status =
+      Run(limits, "RULE { ?x :n ?m } WHERE { ?x :n ?n BIND(?n + 1 AS ?m) FILTER(?n < 100000) }", {"a n 1"});
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("loop.rules rule 1 (line 2) goes beyond the limit rule_rounds = 50"));
+}
+
+TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
+  Limits limits;
+  limits.inferred_per_turn = 4;
+  const std::string rule = "RULE { ?y :of ?x } WHERE { ?x :p ?y }";
+  EXPECT_TRUE(Run(limits, rule, {"a p b1", "a p b2", "a p b3", "a p b4"}).ok());
+  const absl::Status status = Run(limits, rule, {"a p b1", "a p b2", "a p b3", "a p b4", "a p b5"});
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
+}
+
+// It had no result, so the time limit was never checked.
+TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
+  std::vector<std::string> facts;
+  for (int i = 0; i < 200; ++i) facts.push_back(absl::StrCat("k", i, " p ", i));
+  Turn(facts);
+  for (
+      const char* body : {
+          "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",              // leaves
+          "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?f < ?b && ?f < ?d && ?b < ?f)",  // on ids
+          "?a :p ?b . ?c :p ?d . ?e :p ?f . ?a :q ?f",  // a pattern without a match
+          "{ ?a :p ?b } UNION { ?b :p ?a } ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",  // the SPARQL evaluator
+          "?a :p ?b . ?c :p ?d . ?e :p ?f BIND(?b + ?d + ?f AS ?g) FILTER(?g = -1)",
+      }) {
+    const std::string document =
+        absl::StrCat("PREFIX : <http://example.org/>\nRULE :cross { ?a :r ?d } WHERE { ", body, " }");
+    ASSERT_THAT(engine_.PutRules("cross.rules", document), IsEmpty()) << body;
+    Cancellation cancellation;
+    cancellation.AllowSteps(100000);
+    const absl::StatusOr<Delta> delta = engine_.Update(world_.writer, {}, &cancellation);
+    if (std::string_view(body).find(":q") != std::string_view::npos) {
+      EXPECT_TRUE(delta.ok()) << "the pattern without a match is asked first";
+    } else {
+      EXPECT_EQ(delta.status().code(), absl::StatusCode::kResourceExhausted) << body;
+      EXPECT_THAT(std::string(delta.status().message()),
+                  HasSubstr("cross.rules cross (line 2): evaluation stopped after 100000"));
+      EXPECT_THAT(std::string(delta.status().message()), HasSubstr("steps_per_turn"));
+    }
+    engine_.Rollback();
+    world_.writer.Rollback();
+  }
+  Turn({"x p y"});
+  EXPECT_THAT(world_.Inferred(), IsEmpty()) << "the rule set was not taken";
+}
+
+// Inferred facts cost steps like any other work: the inferences of a turn do not raise its limit.
+TEST_F(RuleEngineTest, WhatIsInferredCostsSteps) {
+  Put("RULE { ?y a :Hot } WHERE { ?x a :Hot . ?x :next ?y }");
+  std::vector<std::string> facts;
+  for (int i = 0; i < 5000; ++i) facts.push_back(absl::StrCat("a", i, " next a", i + 1));
+  Turn(facts);
+  for (const bool enough : {false, true}) {
+    Cancellation cancellation;
+    cancellation.AllowSteps(enough ? 2000000 : 200000);
+    const absl::StatusOr<Delta> delta =
+        engine_.Update(world_.writer, world_.Apply({"a0 a Hot"}), &cancellation);
+    EXPECT_EQ(delta.ok(), enough) << delta.status();
+    EXPECT_THAT(std::string(delta.status().message()), HasSubstr(enough ? "" : "steps_per_turn"));
+    engine_.Rollback();
+    world_.writer.Rollback();
+  }
+}
+
+TEST_F(RuleLimitsTest, RoundsAreAllowedUpToTheLimit) {
+  Limits limits;
+  limits.rule_rounds = 3;
+  const std::string rule = "RULE { ?y a :Hot } WHERE { ?x a :Hot . ?x :next ?y }";
+  EXPECT_TRUE(Run(limits, rule, {"a1 a Hot"}, {"a1 next a2", "a2 next a3"}).ok());
+  EXPECT_EQ(Run(limits, rule, {"a1 a Hot"}, {"a1 next a2", "a2 next a3", "a3 next a4"}).code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
+}  // namespace
+}  // namespace docent::rules
