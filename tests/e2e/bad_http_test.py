@@ -142,7 +142,7 @@ class OverHttp(StageTest):
 
     def test_the_character_zero(self):
         self.assert_refused(self.send("/sparql", b'ASK { ?a ?b "\x00" }'), "U+0000", codes=[400])
-        self.assert_refused(self.send("/sparql", b'ASK { ?a ?b "\\u0000" }'), "\\u", codes=[400])
+        self.assertEqual(self.send("/sparql", b'ASK { ?a ?b "\\u0000" }')[0], 200)  # an escape of it is a character of a string
         self.assert_refused(self.send("/sparql", b'INSERT DATA { <urn:a> <urn:b> "\x00" }', "application/sparql-update"), "U+0000",
                             codes=[400])
         self.assert_refused(self.send("/rdf-graphs", b"<urn:a\x00> <urn:b> <urn:c> .", "text/turtle", "POST", graph="urn:g"),

@@ -26,9 +26,9 @@ TEST(TermCheckTest, BadTermsSayWhatIsWrong) {
   EXPECT_THAT(Message(CheckTerm(Term::Iri("booths/B03"), 100)), HasSubstr("<booths/B03> is relative"));
   EXPECT_THAT(Message(CheckTerm(Term::Iri("http://a b"), 100)), HasSubstr("percent-encoded"));
   EXPECT_THAT(Message(CheckTerm(Term::Iri(""), 100)), HasSubstr("empty"));
-  EXPECT_THAT(Message(CheckTerm(Term::Blank("a b"), 100)), HasSubstr("no blank node label"));
-  EXPECT_THAT(Message(CheckTerm(Term::Blank("a."), 100)), HasSubstr("no blank node label"));
-  EXPECT_THAT(Message(CheckTerm(Term::LangString("x", "e n"), 100)), HasSubstr("no language tag"));
+  EXPECT_THAT(Message(CheckTerm(Term::Blank("a b"), 100)), HasSubstr("is not a blank node label"));
+  EXPECT_THAT(Message(CheckTerm(Term::Blank("a."), 100)), HasSubstr("is not a blank node label"));
+  EXPECT_THAT(Message(CheckTerm(Term::LangString("x", "e n"), 100)), HasSubstr("is not a language tag"));
   EXPECT_THAT(Message(CheckTerm(Term::Literal("a\xFF"), 100)), HasSubstr("0xFF"));
   EXPECT_THAT(Message(CheckTerm(Term::Literal("x", "t"), 100)),
               HasSubstr("datatype: the IRI <t> is relative"));

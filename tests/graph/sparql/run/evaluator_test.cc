@@ -91,20 +91,6 @@ TEST_F(SparqlEvaluator, GroupsAndAggregates) {
               ElementsAre("Mary+John"));
 }
 
-TEST_F(SparqlEvaluator, HavingAndOrderByTakeAnyValueOfTheirGroup) {
-  EXPECT_THAT(g_.Rows("SELECT ?s { VALUES (?s ?o) { (2 20) (1 10) (2 20) (3 5) } } GROUP BY ?s ORDER BY ?o",
-                      {}, true),
-              ElementsAre("3", "1", "2"));
-  EXPECT_THAT(
-      g_.Rows("SELECT ?s { VALUES (?s ?o) { (2 20) (1 10) (3 5) } } GROUP BY ?s HAVING (?o > 5) ORDER BY ?s"),
-      ElementsAre("1", "2"));
-  EXPECT_THAT(g_.Rows("SELECT (COUNT(*) AS ?n) { VALUES ?o { 1 2 } } ORDER BY (?o + 1)"), ElementsAre("2"));
-}
-
-TEST_F(SparqlEvaluator, AStringMayHoldTheCharacterZero) {
-  EXPECT_THAT(g_.Rows("SELECT (STRLEN(\"a\\u0000b\") AS ?n) {}"), ElementsAre("3"));
-}
-
 TEST_F(SparqlEvaluator, OrderSliceDistinct) {
   EXPECT_THAT(g_.Rows("SELECT ?r { ?r ex:x ?x } ORDER BY DESC(?x)", {}, true), ElementsAre("R02", "R01"));
   EXPECT_THAT(g_.Rows("SELECT ?s { ?s ex:at ?p } ORDER BY ?s LIMIT 2 OFFSET 1", {}, true),
