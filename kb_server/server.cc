@@ -50,7 +50,7 @@ absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
 
 Server::Server(const ServerSettings& settings)
     : settings_(settings),
-      clock_(settings.clock != nullptr ? *settings.clock : system_clock_),
+      clock_(settings.clock),
       inbox_(&clock_, settings.limits),
       feed_(settings.limits.run_events_kept),
       leases_(&clock_),
@@ -114,7 +114,9 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports.functions = &functions_;
   ports.limits = settings_.limits;
   writer_ = std::make_unique<Writer>(ports);
-  return writer_->Recover(progress);
+  const absl::Status recovered = writer_->Recover(progress);
+  if (recovered.ok()) clock_.NotBefore(writer_->newest_time_us());
+  return recovered;
 }
 
 // What works for clients beside the writer, and the ports by which handlers reach it.
@@ -200,10 +202,10 @@ absl::Status Server::StartGrpc(size_t connections) {
 absl::Status Server::StartHttp(size_t connections) {
   auto address = ParseAddress(settings_.http_address, settings_.insecure);
   if (!address.ok()) return address.status();
-  AddServerMetrics(
-      {writer_.get(), proxies_.get(), &inbox_, &queries_, snapshots_.get(), log_.get(), history_.get(),
-       &query_memory_, &dictionary_, &grpc_server_->listener(), &send_budget_, subscriptions_.get()},
-      &metrics_);
+  AddServerMetrics({writer_.get(), proxies_.get(), &leases_, &inbox_, &queries_, snapshots_.get(), log_.get(),
+                    history_.get(), &query_memory_, &dictionary_, &grpc_server_->listener(), &send_budget_,
+                    subscriptions_.get()},
+                   &metrics_);
   HttpRoutes routes;
   AddHealthRoute(&routes, [this] { return Health(); });
   AddMetricsRoute(&routes, &metrics_);

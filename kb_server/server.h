@@ -13,6 +13,7 @@
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
 #include "graph/base/memory_budget.h"
+#include "kb_server/door/door_clock.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/door/send_budget.h"
@@ -44,7 +45,7 @@ struct ServerSettings {
   Limits limits;
   ExplainLimits explain_limits;
   SubscriptionLimits subscription_limits;
-  const Clock* clock = nullptr;  // null: the system's; must outlive the server
+  const Clock* clock = nullptr;  // null: steady time since the start; must outlive the server
 };
 
 class Server {
@@ -81,8 +82,7 @@ class Server {
   absl::Status StartHttp(size_t connections);
 
   const ServerSettings settings_;
-  const SystemClock system_clock_;
-  const Clock& clock_;
+  DoorClock clock_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   std::unique_ptr<log::ContextLog> log_;

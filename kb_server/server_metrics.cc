@@ -43,6 +43,9 @@ void AddTurnMetrics(const MeasuredParts& parts, Metrics* metrics) {
   metrics->AddCounterFunction("docent_robot_feedback_refused_total",
                               "Messages of robot adapters that cannot be about their command",
                               [parts] { return static_cast<double>(parts.proxies->refused_feedback()); });
+  metrics->AddCounterFunction("docent_joins_refused_total",
+                              "Joins of adapters refused because another one speaks for their robot",
+                              [parts] { return static_cast<double>(parts.leases->refused()); });
 }
 
 void AddGraphMetrics(const MeasuredParts& parts, Metrics* metrics) {

@@ -10,6 +10,7 @@
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/send_budget.h"
 #include "kb_server/grpc/grpc_listener.h"
+#include "kb_server/robots/fleet_leases.h"
 #include "kb_server/subscriptions/subscriptions.h"
 #include "kb_server/writer/history.h"
 #include "kb_server/writer/snapshot_keeper.h"
@@ -21,6 +22,7 @@ namespace docent::server {
 struct MeasuredParts {
   const Writer* writer = nullptr;
   const proxy::RobotProxies* proxies = nullptr;
+  const FleetLeases* leases = nullptr;
   const Inbox* inbox = nullptr;
   const QueryPort* queries = nullptr;
   const SnapshotKeeper* snapshots = nullptr;

@@ -14,6 +14,8 @@
 namespace docent::server {
 namespace {
 
+constexpr size_t kResultColumns = 200;  // of a result's value
+
 struct ServicesArguments {
   ClientOptions client;
   std::string invoke;
@@ -68,6 +70,7 @@ int InvokeService(const ServicesArguments& arguments) {
   grpc::ClientContext context;
   auto reader = v1::RobotServices::NewStub(Connect(arguments.client))->Invoke(&context, request);
   v1::InvokeServiceReply reply;
+  const Presenter presenter(arguments.client);
   std::string state;
   while (reader->Read(&reply)) {
     if (reply.final()) state = reply.state();
@@ -78,6 +81,11 @@ int InvokeService(const ServicesArguments& arguments) {
     std::cout << reply.run() << "  " << reply.step() << "  " << reply.state();
     if (!reply.message().empty()) std::cout << "  " << reply.message();
     std::cout << "\n";
+    for (const v1::NamedTerm& result : reply.results()) {
+      if (const std::optional<Term> value = FromProto(result.value()))
+        std::cout << "  " << result.name() << " = " << presenter.Text(ToDisplay(*value), kResultColumns)
+                  << "\n";
+    }
   }
   grpc::Status status = reader->Finish();
   if (!status.ok()) return Fail(status, arguments.client);

@@ -1,5 +1,10 @@
 // Fleet: which robots are there, from leases and the graph.
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+
 #include "absl/strings/str_cat.h"
+#include "docent/v1/robot_adapter.grpc.pb.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -22,7 +27,8 @@ RobotDescription Describe(const v1::JoinRequest& request) {
     out.operations.push_back({operation.name(),
                               {operation.inputs().begin(), operation.inputs().end()},
                               {operation.outputs().begin(), operation.outputs().end()},
-                              operation.idempotent()});
+                              operation.idempotent(),
+                              {operation.occupies().begin(), operation.occupies().end()}});
   }
   return out;
 }
@@ -32,9 +38,16 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
   out->set_label(robot.label);
   out->set_address(robot.address);
   out->set_incarnation(robot.incarnation);
-  out->set_state(robot.state == RobotRecord::State::kStandby ? "standby"
-                 : robot.state == RobotRecord::State::kBusy  ? "busy"
-                                                             : "offline");
+  out->set_state(std::string(ToString(robot.state)));
+  out->set_held_by(robot.held_by.value());
+  for (const RobotTaskRecord& task : robot.held_for) {
+    v1::RobotTask* held_for = out->add_held_for();
+    held_for->set_run(task.run.value());
+    held_for->set_node(task.node);
+    held_for->set_operation(task.operation);
+    held_for->set_step(task.step);
+  }
+  for (const std::string& command : robot.ending_commands) out->add_ending_commands(command);
   for (const std::string& operation : robot.operations) out->add_operations(operation);
   out->set_last_seen_us(robot.last_seen_us);
   if (robot.x_m && robot.y_m) {
@@ -44,6 +57,21 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
     if (robot.heading_rad) out->set_heading_rad(*robot.heading_rad);
   }
   for (const std::string& region : robot.regions) out->add_regions(region);
+}
+
+constexpr std::chrono::milliseconds kProbe{1000};
+
+// Whether surely nothing listens at the address any more. What does not answer in time may be there.
+bool IsGone(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto stub = v1::RobotAdapter::NewStub(
+      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kProbe);
+  v1::RobotDescription description;
+  return stub->Describe(&context, {}, &description).error_code() == grpc::StatusCode::UNAVAILABLE;
 }
 
 }  // namespace
@@ -64,11 +92,44 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
   if (description.incarnation().empty())
     return refuse("description.incarnation is empty; it must change at every start");
+  const std::string speaker = leases_.Claim(description.robot(), request->address());
+  if (speaker.empty()) {
+    Accept(reactor, *request, reply);
+    return reactor;
+  }
+  return OnWorker(reactor, ports_.workers,
+                  [this, request, reply, speaker](grpc::ServerUnaryReactor* waiting) {
+                    ClaimFrom(speaker, waiting, *request, reply);
+                  });
+}
+
+// Another adapter speaks for the robot, as its lease says. If it is there, this one is refused.
+void FleetService::ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,
+                             const v1::JoinRequest& request, v1::JoinReply* reply) {
+  const std::string& robot = request.description().robot();
+  std::string holder = speaker;
+  if (IsGone(speaker)) holder = leases_.Claim(robot, request.address(), speaker);
+  if (holder.empty()) return Accept(reactor, request, reply);
+  leases_.CountRefused();
+  const std::string why =
+      absl::StrCat("the adapter at ", holder, " speaks for ", robot,
+                   " and its lease lives; stop one of the two, or give them robots of their own");
+  spdlog::warn("the adapter at {} is refused: {}", request.address(), why);
+  reactor->Finish(grpc::Status(grpc::StatusCode::ALREADY_EXISTS, why));
+}
+
+void FleetService::Accept(grpc::ServerUnaryReactor* reactor, const v1::JoinRequest& request,
+                          v1::JoinReply* reply) {
+  const v1::RobotDescription& description = request.description();
   reply->set_lease_ms(FleetLeases::kLeaseMs);
   std::vector<std::string> warnings;
-  RobotDescription join = AcceptedDescription(Describe(*request), &warnings);
+  RobotDescription join = AcceptedDescription(Describe(request), &warnings);
+  if (const std::string rival = leases_.RivalOf(description.robot()); !rival.empty()) {
+    warnings.push_back(
+        absl::StrCat("another adapter, at ", rival, ", wants to speak for this robot and is refused"));
+  }
   for (const std::string& warning : warnings) reply->add_warnings(warning);
-  std::string text = absl::StrCat(request->address(), "\n", description.SerializeAsString());
+  std::string text = absl::StrCat(request.address(), "\n", description.SerializeAsString());
   leases_.Renew(description.robot(), text, [this, reactor, reply, text, join = std::move(join)](bool tell) {
     GraphVersionPtr version = ports_.queries->Newest();
     reply->set_revision(version->revision().value());
@@ -84,7 +145,6 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
           reactor->Finish(ToGrpc(outcome.status()));
         });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,

@@ -122,6 +122,10 @@ class FleetService final : public v1::Fleet::CallbackService {
                                  v1::ListRobotsReply* reply) override;
 
  private:
+  void ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,
+                 const v1::JoinRequest& request, v1::JoinReply* reply);
+  void Accept(grpc::ServerUnaryReactor* reactor, const v1::JoinRequest& request, v1::JoinReply* reply);
+
   const WritePorts& ports_;
   FleetLeases& leases_;
 };

@@ -54,6 +54,20 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const RunPorts
   return reply;
 }
 
+// The service's outputs that the run has, where it is done: what its results became in the run.
+void FillResults(const RunPorts& ports, const std::string& service, v1::InvokeServiceReply* reply) {
+  if (!reply->final() || reply->state() != "done") return;
+  const rsel::PlanPtr plan = ports.catalog->Get()->services.Find(service);
+  const GraphVersionPtr version = ports.queries->Newest();
+  v1::Run record;
+  if (plan == nullptr || !ReadRun(GraphReader(*ports.dictionary, *version), reply->run(), &record)) return;
+  for (const v1::NamedTerm& variable : record.variables()) {
+    const bool output = std::any_of(plan->outputs.begin(), plan->outputs.end(),
+                                    [&](const auto& part) { return part.first == variable.name(); });
+    if (output) *reply->add_results() = variable;
+  }
+}
+
 // What a request to invoke a service led to.
 struct Invoked {
   std::string run;
@@ -84,7 +98,8 @@ absl::StatusOr<Invoked> ReadOutcome(const RunPorts& ports, const absl::StatusOr<
 // Follows the run that one request started, for its client.
 class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
  public:
-  using RunFeedPump::RunFeedPump;
+  InvokeReactor(grpc::CallbackServerContext* context, const RunPorts& ports, std::string service)
+      : RunFeedPump(context, ports), ports_(ports), service_(std::move(service)) {}
 
   // Once. From then on events are told.
   void Begin(absl::StatusOr<Invoked> invoked) ABSL_EXCLUSIVE_LOCKS_REQUIRED(link()->mutex) {
@@ -99,6 +114,7 @@ class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
     if (final_) return false;
     if (!ended_) return RunFeedPump::FillNext(message, options);
     *message = *std::move(ended_);
+    FillResults(ports_, service_, message);
     final_ = true;
     return true;
   }
@@ -110,12 +126,15 @@ class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
     message->set_state(event.to);
     message->set_message(event.detail);
     message->set_final(final_);
+    FillResults(ports_, service_, message);
     return true;
   }
   void OnIdle() override {
     if (final_) End(grpc::Status::OK);
   }
 
+  const RunPorts& ports_;
+  const std::string service_;
   std::string run_;
   std::optional<v1::InvokeServiceReply> ended_;
   bool final_ = false;  // the last message has been made
@@ -175,7 +194,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
 
 grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
     grpc::CallbackServerContext* context, const v1::InvokeServiceRequest* request) {
-  auto* reactor = new InvokeReactor(context, ports_);
+  auto* reactor = new InvokeReactor(context, ports_, request->name());
   WriteBatch batch;
   batch.request_id = request->request_id();
   RunRequest invoke;

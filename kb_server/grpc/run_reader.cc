@@ -11,11 +11,26 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
+#include "kb_server/robots/robot_records.h"
 
 namespace docent::server {
 namespace {
 
-void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invocation* out) {
+// The robots that could do what a pending invocation waits for. `wanted`: IRI of the only one, or empty.
+void ReadAwaited(const GraphReader& graph, const std::string& wanted, v1::Invocation* out) {
+  for (const std::string& robot :
+       graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(out->operation())))) {
+    if (!wanted.empty() && robot != wanted) continue;
+    v1::AwaitedRobot* awaited = out->add_awaits();
+    awaited->set_robot(robot);
+    awaited->set_state(std::string(ToString(RobotStateOf(graph, robot))));
+    if (const auto run = RunOfIri(graph.Object(robot, DocentIri("heldBy"))))
+      awaited->set_held_by(run->value());
+  }
+}
+
+void ReadInvocation(const GraphReader& graph, const std::string& iri, const std::string& wanted,
+                    v1::Invocation* out) {
   out->set_operation(graph.Object(iri, DocentIri("operation")));
   out->set_state(graph.Object(iri, DocentIri("invocationState")));
   out->set_robot(graph.Object(iri, DocentIri("robot")));
@@ -24,6 +39,7 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invoca
   out->set_reason(graph.Object(iri, DocentIri("reason")));
   double progress = 0;
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
+  if (out->state() == "pending") ReadAwaited(graph, wanted, out);
 }
 
 // 0: it is no number.
@@ -46,7 +62,7 @@ std::vector<std::string> Ordered(std::vector<std::string> iris, const NumberOf& 
   return iris;
 }
 
-void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
+void ReadNode(const GraphReader& graph, const std::string& iri, const std::string& wanted, v1::Node* out) {
   out->set_name(graph.Object(iri, DocentIri("nodeName")));
   out->set_state(graph.Object(iri, DocentIri("nodeState")));
   out->set_waits_for(graph.Object(iri, DocentIri("waitsFor")));
@@ -55,7 +71,7 @@ void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
   out->set_since_us(MicrosOfDateTime(graph.Object(iri, DocentIri("since"))));
   for (const std::string& invocation :
        Ordered(graph.Subjects(DocentIri("ofNode"), Term::Iri(iri)), NumberAtEnd)) {
-    ReadInvocation(graph, invocation, out->add_invocations());
+    ReadInvocation(graph, invocation, wanted, out->add_invocations());
   }
 }
 
@@ -85,7 +101,8 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
     return NumberIn(graph.Object(node, DocentIri("position")));
   };
   for (const std::string& node : Ordered(graph.Subjects(DocentIri("ofRun"), Term::Iri(iri)), position)) {
-    ReadNode(graph, node, run->add_nodes());
+    ReadNode(graph, node, graph.Object(absl::StrCat(iri, "/$robot"), DocentIri("variableValue")),
+             run->add_nodes());
   }
   return true;
 }

@@ -4,6 +4,27 @@
 
 namespace docent::server {
 
+std::string FleetLeases::Claim(const std::string& robot, const std::string& address,
+                               const std::string& gone) {
+  absl::MutexLock lock(&mutex_);
+  Lease& lease = leases_[robot];
+  const bool lives = lease.until_us > clock_.Now() && !lease.address.empty() && lease.address != gone;
+  if (!lives || lease.address == address) {
+    lease.address = address;
+    return "";
+  }
+  lease.rival = address;
+  lease.rival_us = clock_.Now();
+  return lease.address;
+}
+
+std::string FleetLeases::RivalOf(const std::string& robot) const {
+  absl::MutexLock lock(&mutex_);
+  const auto lease = leases_.find(robot);
+  if (lease == leases_.end() || lease->second.rival.empty()) return "";
+  return clock_.Now() - lease->second.rival_us < int64_t{kLeaseMs} * 1000 ? lease->second.rival : "";
+}
+
 void FleetLeases::Renew(const std::string& robot, const std::string& description, Decided decided) {
   bool tell = false;
   {
@@ -28,9 +49,10 @@ void FleetLeases::Told(const std::string& robot, const std::string& description,
   });
 }
 
-void FleetLeases::Expect(const std::string& robot) {
+void FleetLeases::Expect(const std::string& robot, const std::string& address) {
   absl::MutexLock lock(&mutex_);
   Lease& lease = leases_[robot];
+  lease.address = address;
   lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
   lease.online = true;
 }

@@ -9,6 +9,7 @@
 #ifndef DOCENT_KB_SERVER_ROBOTS_FLEET_LEASES_H_
 #define DOCENT_KB_SERVER_ROBOTS_FLEET_LEASES_H_
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <string>
@@ -26,6 +27,16 @@ class FleetLeases {
   // How long a lease lasts.
   static constexpr uint32_t kLeaseMs = 5000;
 
+  // An adapter at `address` asks to speak for the robot. Empty: it does from now on. Else the address of the one that does while
+  // its lease lives, which learns of the other (RivalOf). `gone`: an address at which no adapter is any more, so that its lease
+  // counts for nothing.
+  std::string Claim(const std::string& robot, const std::string& address, const std::string& gone = "");
+  // The address of the adapter that was refused within the last lease; empty: none.
+  std::string RivalOf(const std::string& robot) const;
+  // Adapters that were refused because another one speaks for their robot.
+  uint64_t refused() const { return refused_; }
+  void CountRefused() { ++refused_; }
+
   // Called once; true: tell the graph that the robot is there, and then call `Told`.
   using Decided = std::function<void(bool tell)>;
 
@@ -36,7 +47,7 @@ class FleetLeases {
   // Whether the graph took what Renew asked for.
   void Told(const std::string& robot, const std::string& description, bool taken);
   // A robot that the graph has as online after a restart of the server: it gets one lease to show itself.
-  void Expect(const std::string& robot);
+  void Expect(const std::string& robot, const std::string& address);
   // Robots that the graph has as online and whose lease ran out. For each: tell the graph, then call
   // `ToldLost`.
   struct Lost {
@@ -55,6 +66,9 @@ class FleetLeases {
   struct Lease {
     TimeMicros until_us = 0;
     TimeMicros seen_us = 0;
+    std::string address;           // of the adapter that speaks for the robot
+    std::string rival;             // of another that was refused
+    TimeMicros rival_us = 0;       // when
     bool online = false;           // so the graph says, as far as known here
     std::string told;              // the description that the graph has, as far as known here
     bool under_way = false;        // a batch about the robot
@@ -67,7 +81,8 @@ class FleetLeases {
   void End(const std::string& robot, const std::function<void(Lease*)>& note);
 
   const Clock& clock_;
-  absl::Mutex mutex_;
+  std::atomic<uint64_t> refused_ = 0;
+  mutable absl::Mutex mutex_;
   std::map<std::string, Lease> leases_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "kb_server/robots/robot_facts.h"
 #include "kb_server/robots/robot_records.h"
 #include "spdlog/spdlog.h"
@@ -9,7 +11,10 @@
 namespace docent::server {
 
 void LeaseWatch::Begin() {
-  for (const std::string& robot : RobotsOnline(dictionary_, *queries_.Newest())) leases_.Expect(robot);
+  const GraphVersionPtr version = queries_.Newest();
+  const GraphReader graph(dictionary_, *version);
+  for (const std::string& robot : RobotsOnline(dictionary_, *version))
+    leases_.Expect(robot, graph.Object(robot, DocentIri("adapterAddress")));
 }
 
 void LeaseWatch::Look() {

@@ -14,7 +14,8 @@ GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
                                             dictionary->InternIri(DocentIri("status")),
                                             dictionary->InternIri(DocentIri("idempotent")),
                                             dictionary->InternIri(DocentIri("input")),
-                                            dictionary->InternIri(DocentIri("inputsKnown"))} {}
+                                            dictionary->InternIri(DocentIri("inputsKnown")),
+                                            dictionary->InternIri(DocentIri("occupies"))} {}
 
 void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delta) {
   auto concerns = [this](const Quad& quad) {
@@ -48,6 +49,31 @@ std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId ope
   return inputs;
 }
 
+engine::Occupation GraphRobotDirectory::OccupationOf(TermId operation, TermId robot) const {
+  engine::Occupation occupies;
+  const std::optional<TermId> property = dictionary_.FindIri(DocentIri("occupies"));
+  if (!property) return occupies;
+  version_->ForEach({operation, *property, {}, robot}, [&](const Quad& quad) {
+    occupies.insert(dictionary_.Decode(quad.object).lexical);
+    return true;
+  });
+  return occupies;
+}
+
+// Every teller of a status counts: an operator may take a robot out of service.
+void GraphRobotDirectory::ReadStatus(TermId robot, engine::RobotOffer* offer) const {
+  const std::optional<TermId> property = dictionary_.FindIri(DocentIri("status"));
+  if (!property) return;
+  version_->ForEach({robot, *property, {}, {}}, [&](const Quad& quad) {
+    const std::string status = dictionary_.Decode(quad.object).lexical;
+    if (status == DocentIri("Offline")) offer->offline = true;
+    if (status == DocentIri("Busy")) offer->busy = true;
+    if (status == DocentIri("Charging")) offer->out_of_service = "is charging";
+    if (status == DocentIri("Maintenance")) offer->out_of_service = "is in maintenance";
+    return true;
+  });
+}
+
 std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta) {
   std::vector<AdapterAddress> addresses;
   if (!address_) address_ = dictionary_.FindIri(DocentIri("adapterAddress"));
@@ -74,7 +100,8 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::Read(const std::string& ope
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
     offer.incarnation = graph.Object(quad.subject, DocentIri("incarnation"));
     offer.idempotent = idempotent;
-    offer.offline = graph.Object(quad.subject, DocentIri("status")) == DocentIri("Offline");
+    ReadStatus(quad.subject, &offer);
+    offer.occupies = OccupationOf(*operation_id, quad.subject);
     offer.inputs = InputsOf(*operation_id, quad.subject);
     offers.push_back(std::move(offer));
     return true;

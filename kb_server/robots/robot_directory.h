@@ -36,6 +36,8 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
  private:
   std::vector<engine::RobotOffer> Read(const std::string& operation) const;
   std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
+  engine::Occupation OccupationOf(TermId operation, TermId robot) const;
+  void ReadStatus(TermId robot, engine::RobotOffer* offer) const;
 
   const Dictionary& dictionary_;
   const std::vector<TermId> properties_;  // what an offer is read from

@@ -125,6 +125,7 @@ RobotDescription AcceptedDescription(RobotDescription description, std::vector<s
     }
     TakeParts(operation.name, "input", &operation.inputs, warnings);
     TakeParts(operation.name, "output", &operation.outputs, warnings);
+    TakeParts(operation.name, "resource", &operation.occupies, warnings);
     operations.push_back(std::move(operation));
   }
   description.operations = std::move(operations);
@@ -162,6 +163,9 @@ WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& di
     for (const std::string& part : operation.inputs) inputs.push_back(Term::Literal(part));
     facts.Replace(iri, DocentIri("input"), inputs);
     facts.Replace(iri, DocentIri("inputsKnown"), Term::Boolean(true));
+    std::vector<Term> occupies;
+    for (const std::string& resource : operation.occupies) occupies.push_back(Term::Literal(resource));
+    facts.Replace(iri, DocentIri("occupies"), occupies);
   }
   facts.Replace(robot, DocentIri("offers"), offers);
   return facts.Take();

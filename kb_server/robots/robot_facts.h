@@ -18,6 +18,7 @@ struct OperationDescription {
   std::vector<std::string> inputs;
   std::vector<std::string> outputs;
   bool idempotent = false;
+  std::vector<std::string> occupies = {};  // resources of the robot; empty: all of it
 };
 
 // What a robot says of itself when it joins.

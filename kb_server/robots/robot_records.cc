@@ -1,5 +1,6 @@
 #include "kb_server/robots/robot_records.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "graph/base/text.h"
@@ -16,9 +17,18 @@ std::vector<std::string> RobotIris(const GraphReader& graph) {
   return graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")));
 }
 
-RobotRecord::State StateOf(const std::string& status) {
-  if (status == DocentIri("Standby")) return RobotRecord::State::kStandby;
-  return status == DocentIri("Busy") ? RobotRecord::State::kBusy : RobotRecord::State::kOffline;
+void ReadHold(const GraphReader& graph, const std::string& robot, RobotRecord* out) {
+  if (auto run = RunOfIri(graph.Object(robot, DocentIri("heldBy")))) out->held_by = *std::move(run);
+  for (const Term& invocation : graph.Objects(robot, DocentIri("heldFor"))) {
+    const std::string& iri = invocation.lexical;
+    const std::string node = graph.Object(iri, DocentIri("ofNode"));
+    out->held_for.push_back({RunOfIri(graph.Object(node, DocentIri("ofRun"))).value_or(RunId()),
+                             graph.Object(node, DocentIri("nodeName")),
+                             graph.Object(iri, DocentIri("operation")),
+                             graph.Object(iri, DocentIri("step"))});
+  }
+  for (const Term& command : graph.Objects(robot, DocentIri("endingCommand")))
+    out->ending_commands.push_back(command.lexical);
 }
 
 RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
@@ -27,7 +37,8 @@ RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
   out.label = graph.Object(robot, Concat(kRdfsNs, "label"));
   out.address = graph.Object(robot, DocentIri("adapterAddress"));
   out.incarnation = graph.Object(robot, DocentIri("incarnation"));
-  out.state = StateOf(graph.Object(robot, DocentIri("status")));
+  out.state = RobotStateOf(graph, robot);
+  ReadHold(graph, robot, &out);
   for (const Term& operation : graph.Objects(robot, DocentIri("offers")))
     out.operations.push_back(OperationOfIri(operation.lexical).value_or(operation.lexical));
   out.last_seen_us = MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt")));
@@ -42,6 +53,36 @@ RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
 }
 
 }  // namespace
+
+std::string_view ToString(RobotRecord::State state) {
+  switch (state) {
+    case RobotRecord::State::kOffline:
+      return "offline";
+    case RobotRecord::State::kMaintenance:
+      return "maintenance";
+    case RobotRecord::State::kCharging:
+      return "charging";
+    case RobotRecord::State::kBusy:
+      return "busy";
+    case RobotRecord::State::kStandby:
+      return "standby";
+  }
+  return "";
+}
+
+RobotRecord::State RobotStateOf(const GraphReader& graph, const std::string& robot) {
+  using State = RobotRecord::State;
+  static constexpr std::pair<const char*, State> kStates[] = {{"Offline", State::kOffline},
+                                                              {"Maintenance", State::kMaintenance},
+                                                              {"Charging", State::kCharging},
+                                                              {"Busy", State::kBusy},
+                                                              {"Standby", State::kStandby}};
+  const std::vector<Term> told = graph.Objects(robot, DocentIri("status"));
+  for (const auto& [local, state] : kStates) {
+    if (std::find(told.begin(), told.end(), Term::Iri(DocentIri(local))) != told.end()) return state;
+  }
+  return State::kOffline;
+}
 
 std::vector<RobotRecord> ReadRobots(const Dictionary& dictionary, const GraphVersion& version) {
   const GraphReader graph(dictionary, version);

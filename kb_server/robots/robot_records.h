@@ -4,18 +4,26 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/dictionary.h"
+#include "graph/store/graph_reader.h"
 #include "graph/store/graph_version.h"
 #include "workflow/rsel/feasibility.h"
 
 namespace docent::server {
 
+// An invocation that a robot works for, or whose command it has yet to end.
+struct RobotTaskRecord {
+  RunId run;
+  std::string node, operation, step;
+};
+
 struct RobotRecord {
-  enum class State { kOffline, kStandby, kBusy };
+  enum class State { kOffline, kMaintenance, kCharging, kBusy, kStandby };
 
   std::string robot;  // IRI
   std::string label;
@@ -26,7 +34,15 @@ struct RobotRecord {
   TimeMicros last_seen_us = 0;          // of a robot that was lost; 0: not known
   std::optional<double> x_m, y_m, heading_rad;
   std::vector<std::string> regions;  // IRIs
+  RunId held_by;                     // the outermost run that holds it; empty: none
+  std::vector<RobotTaskRecord> held_for;
+  std::vector<std::string> ending_commands;  // ids of those that were cancelled and have not ended
 };
+
+// "offline", "maintenance", "charging", "busy", "standby".
+std::string_view ToString(RobotRecord::State state);
+// The first of these that is told of the robot; kOffline where no status is.
+RobotRecord::State RobotStateOf(const GraphReader& graph, const std::string& robot);
 
 // All robots, in order of their IRIs.
 std::vector<RobotRecord> ReadRobots(const Dictionary& dictionary, const GraphVersion& version);

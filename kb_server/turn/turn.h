@@ -29,7 +29,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "8";
+inline constexpr char kEngineVersion[] = "9";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {

@@ -23,7 +23,8 @@ void Fields(Archive& a, BatchOutcome& o) {
 namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
-constexpr uint64_t kStateFormat = 4;
+constexpr uint64_t kStateFormat = 5;
+constexpr uint64_t kOldestStateFormat = 4;  // that can be read
 // About what they take there: where it is enough, the bytes need not move when they become more.
 constexpr size_t kBytesATerm = 16;
 constexpr size_t kBytesAQuad = 8;
@@ -300,9 +301,10 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   ByteReader in(bytes);
   uint64_t format = 0;
   in(format);
-  if (format != kStateFormat) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the snapshot has the format ", format, "; this version reads ", kStateFormat));
+  if (format < kOldestStateFormat || format > kStateFormat) {
+    return absl::FailedPreconditionError(absl::StrCat("the snapshot has the format ", format,
+                                                      "; this version reads ", kOldestStateFormat, " to ",
+                                                      kStateFormat));
   }
   RestoredState restored;
   std::string engine_version;

@@ -129,7 +129,10 @@ ServerState Writer::State() const {
 
 void Writer::ResumeCommands() {
   if (ports_.proxies == nullptr) return;
-  for (const RobotCommand& command : stages_->engine.OpenCommands()) ports_.proxies->Resume(command);
+  for (const engine::CommandUnderWay& open : stages_->engine.OpenCommands()) {
+    ports_.proxies->Resume(open.command);
+    if (open.ending) ports_.proxies->Cancel(open.command.id);
+  }
 }
 
 absl::Status Writer::Run() {

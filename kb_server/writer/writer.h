@@ -55,6 +55,9 @@ class Writer {
   // The turn that is under way is refused, and so are all after it: a long one does not hold up the end. Any thread.
   void EndTurns() { cancellation_.Cancel(); }
 
+  // Of the newest turn. Not while Run runs.
+  TimeMicros newest_time_us() const { return newest_time_us_; }
+
   // What a snapshot would hold now. Not while Run runs.
   ServerState State() const;
 

@@ -9,6 +9,8 @@
 namespace docent::proxy {
 namespace {
 
+constexpr absl::Duration kCallBeyondDeadline = absl::Minutes(1);
+
 // Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is
 // known.
 bool IsConnectionLoss(grpc::StatusCode code) {
@@ -35,6 +37,7 @@ CommandSession::CommandSession(SessionHost* host, const ProxySettings& settings,
       deadline_(host->SteadyNow() + time_left + absl::FromChrono(settings.grace)),
       expected_incarnation_(command_.expected_incarnation),
       attach_next_(may_have_been_sent),
+      begun_(may_have_been_sent),
       pause_(absl::FromChrono(settings.first_retry)) {}
 
 void CommandSession::UseAddress(const std::string& address) {
@@ -68,11 +71,18 @@ void CommandSession::Try() {
     attach.set_command_id(command_.id.value());
     request = std::move(attach);
   } else {
-    request = InvokeRequestOf(command_, expected_incarnation_);
-    attach_next_ = true;  // from here on the adapter may have it
+    v1::InvokeRequest invoke = InvokeRequestOf(command_, expected_incarnation_);
+    invoke.set_time_left_us(std::max<int64_t>(1, absl::ToInt64Microseconds(TimeLeft())));
+    request = std::move(invoke);
+    attach_next_ = begun_ = true;  // from here on the adapter may have it
   }
+  // Beyond the deadline, too: what became of the command is asked until the adapter says it.
   call_ = host_->Call(command_.id, address_, std::move(request),
-                      deadline_ - host_->SteadyNow() + absl::Seconds(1));
+                      std::max(TimeLeft(), absl::ZeroDuration()) + kCallBeyondDeadline);
+}
+
+absl::Duration CommandSession::TimeLeft() const {
+  return deadline_ - absl::FromChrono(settings_.grace) - host_->SteadyNow();
 }
 
 // Reports the loss once, then tries again after a pause that grows.
@@ -121,12 +131,10 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
   // was meant for another incarnation may have done it before.
   if (!call_->is_attach() && !expected_incarnation_.empty() && !feedback.incarnation().empty() &&
       feedback.incarnation() != expected_incarnation_) {
-    const std::string why = absl::StrCat("the command was meant for incarnation ", expected_incarnation_,
-                                         " of the adapter, and ", feedback.incarnation(), " answers");
-    host_->Refused(command_, why);
-    host_->SendCancel(command_.id, address_);
-    expected_incarnation_ = feedback.incarnation();
-    return Finish(CommandReport::Outcome::kUnknown, why);
+    unknown_because_ = absl::StrCat("the command was meant for incarnation ", expected_incarnation_,
+                                    " of the adapter, and ", feedback.incarnation(), " answers");
+    host_->Refused(command_, unknown_because_);
+    if (!IsFinal(feedback.state())) AskToEnd();
   }
   answers_as_ = feedback.incarnation();
   running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
@@ -138,6 +146,7 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
   CommandReport report = ReportOf(command_.id, feedback, &left_out);
   if (!left_out.empty()) Refuse(left_out);
   if (IsFinal(feedback.state())) {
+    if (!unknown_because_.empty()) return Finish(CommandReport::Outcome::kUnknown, unknown_because_);
     done_ = true;
     host_->Report(std::move(report));
     return;
@@ -181,8 +190,11 @@ void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
 // The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries
 // with its own, so that a forgetful one cannot do the command a second time.
 void CommandSession::NeverBegun() {
-  if (cancel_requested_) {
+  if (cancel_requested_ && !begun_) {
     Finish(CommandReport::Outcome::kCancelled, "cancelled before the robot began it");
+  } else if (cancel_requested_) {
+    Finish(CommandReport::Outcome::kUnknown,
+           absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
   } else if (expected_incarnation_.empty() && !command_.idempotent) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
@@ -202,6 +214,12 @@ void CommandSession::Cancel() {
   }
 }
 
+void CommandSession::AskToEnd() {
+  cancel_requested_ = true;
+  host_->SendCancel(command_.id, address_);
+}
+
+// The adapter gives up at the deadline by itself. One that does not is asked to; only what it says last is the end.
 void CommandSession::OnDeadline() {
   if (done_) return;
   std::string where = address_.empty() ? absl::StrCat("robot ", command_.robot.value(), " has no adapter and")
@@ -209,8 +227,11 @@ void CommandSession::OnDeadline() {
   std::string what = seen_ ? absl::StrCat(" did not finish ", command_.operation)
                            : absl::StrCat(" did not take ", command_.operation);
   std::string why = unreachable_ && !address_.empty() ? absl::StrCat("; last: ", last_error_) : "";
-  if (!address_.empty() && attach_next_) host_->SendCancel(command_.id, address_);
-  Finish(CommandReport::Outcome::kFailed, absl::StrCat(where, what, " before its deadline", why));
+  const std::string message = absl::StrCat(where, what, " before its deadline", why);
+  if (!attach_next_) return Finish(CommandReport::Outcome::kFailed, message);
+  cancel_requested_ = true;
+  if (!address_.empty()) host_->SendCancel(command_.id, address_);
+  host_->Overdue(command_, message);
 }
 
 void CommandSession::Abandon() {

@@ -21,6 +21,8 @@ class SessionHost {
   virtual void Report(CommandReport report) = 0;
   // Feedback about `command` was refused; the session reports it itself, where it is the first.
   virtual void Refused(const RobotCommand& command, const std::string& why) = 0;
+  // The adapter did not end the command in time; its end is waited for.
+  virtual void Overdue(const RobotCommand& command, const std::string& why) = 0;
   // Begins a call to the robot's adapter; its feedback and end come back through OnFeedback and OnCallEnded.
   virtual std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
                                              FeedbackCall::Request request, absl::Duration timeout) = 0;
@@ -53,6 +55,9 @@ class CommandSession {
   void Try();
   void Retry();
   void OnDeadline();
+  absl::Duration TimeLeft() const;
+  // Asks the adapter to end the command.
+  void AskToEnd();
   void Lost(const std::string& why);
   // Why this feedback cannot be about the command; empty: it can.
   std::string Fault(const v1::Feedback& feedback) const;
@@ -73,6 +78,7 @@ class CommandSession {
   bool done_ = false;
   bool attach_next_;          // the adapter may have the command already
   bool seen_ = false;         // the adapter has told its state
+  bool begun_;                // an adapter may have begun it before, and have forgotten
   bool accepted_ = false;     // reported
   bool unreachable_ = false;  // reported, and not seen since
   bool refused_ = false;      // reported that feedback was refused
@@ -84,6 +90,8 @@ class CommandSession {
   absl::Duration pause_;
   absl::Time last_progress_ = absl::InfinitePast();
   std::string last_error_;
+  // Another incarnation than the one that it was meant for has begun it: why its outcome is unknown, whatever it says.
+  std::string unknown_because_;
 };
 
 }  // namespace docent::proxy

@@ -80,6 +80,10 @@ class RobotProxies::Impl final : public SessionHost {
                  why);
   }
 
+  void Overdue(const RobotCommand& command, const std::string& why) override {
+    spdlog::warn("{}: command {}: {}; waiting for its end", command.robot.value(), command.id.value(), why);
+  }
+
   uint64_t refused() const { return refused_; }
 
   std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,

@@ -1,8 +1,9 @@
 // The server's side of robots: carries each command to its robot's adapter and brings back what became of it.
 //
-// Whatever happens to the adapter or the network, every command that is sent ends in exactly one final report
-// (succeeded, failed, cancelled, unknown), at the latest shortly after its deadline, and the adapter never
-// gets it twice while the first may still be under way:
+// A command ends in exactly one final report (succeeded, failed, cancelled, unknown), and that is the truth: after it
+// the robot does nothing for the command any more, unless it is unknown, where the incarnation that might is gone. A command
+// that an adapter may have and whose deadline passes is cancelled, and its end waited for, however long. The adapter never gets
+// it twice while the first may still be under way:
 //
 //   Send ─► Invoke ──feedback──► accepted, progress …, final report
 //             │ connection lost, adapter away: unreachable (once), wait, then
@@ -10,7 +11,7 @@
 //   Resume ► Attach ──feedback──► as above
 //             │ NOT_FOUND: never begun there ─► Invoke again, same id
 //             │ FAILED_PRECONDITION (another incarnation, or it died with the adapter) ─► unknown
-//             └ still away: wait longer, Attach again … until the deadline ─► failed
+//             └ still away: wait longer, Attach again …; at the deadline: Cancel, and Attach on
 //
 // Thread-safe. `Send`, `Resume`, `Cancel` and `SetAddress` only queue the request for the proxies' own thread
 // and never block. Feedback goes out through `report`, called on that thread, one at a time; it should not

@@ -74,7 +74,8 @@ class CommandRunner final : public OperationContext {
  public:
   CommandRunner(const v1::InvokeRequest& request, const Clock* clock, std::shared_ptr<RunningCommand> command)
       : id_(request.command_id()),
-        deadline_us_(request.deadline_us()),
+        deadline_us_(request.time_left_us() != 0 ? clock->Now() + request.time_left_us()
+                                                 : request.deadline_us()),
         clock_(clock),
         command_(std::move(command)) {
     for (const v1::NamedTerm& argument : request.arguments()) {

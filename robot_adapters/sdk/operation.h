@@ -56,6 +56,9 @@ struct Operation {
   bool idempotent = false;           // doing it twice does no harm: the server may repeat it when in doubt
   std::string description;           // for people
   OperationFunction run;
+  // What of the robot it occupies: names that its maker chooses, e.g. {"base"} or {"screen", "voice"}. Operations that share
+  // none may run beside each other. Empty: the whole robot.
+  std::vector<std::string> occupies = {};
 };
 
 }  // namespace docent::robot

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/steady_clock.h"
 #include "graph/rdf/vocabulary.h"
 #include "robot_adapters/sdk/activity.h"
 #include "robot_adapters/sdk/adapter_service.h"
@@ -32,6 +33,7 @@ v1::RobotDescription Describe(const AdapterOptions& options, const std::vector<O
     for (const std::string& part : operation.inputs) out->add_inputs(part);
     for (const std::string& part : operation.outputs) out->add_outputs(part);
     out->set_idempotent(operation.idempotent);
+    for (const std::string& resource : operation.occupies) out->add_occupies(resource);
     out->set_description(operation.description);
   }
   return description;
@@ -43,7 +45,7 @@ class RobotAdapter::Impl {
  public:
   explicit Impl(AdapterOptions options)
       : options(std::move(options)),
-        clock(this->options.clock != nullptr ? this->options.clock : &system_clock),
+        clock(this->options.clock != nullptr ? this->options.clock : &steady_clock),
         link(this->options.server) {}
 
   ~Impl() { Shutdown(); }
@@ -67,7 +69,7 @@ class RobotAdapter::Impl {
   void OnJoined();
 
   const AdapterOptions options;
-  const SystemClock system_clock;
+  const SteadyClock steady_clock;
   const Clock* const clock;
   ServerLink link;
   std::string address;

@@ -73,7 +73,7 @@ struct AdapterOptions {
   size_t commands_running = 16;              // 1..: commands at the same time
   size_t facts_queued = 1024;                // 1..: batches of facts that wait for the server
   absl::Duration linger = absl::Seconds(2);  // how long the destructor tries to deliver the last facts
-  const Clock* clock = nullptr;              // nullptr: the system's
+  const Clock* clock = nullptr;              // nullptr: steady time since the start
 };
 
 class RobotAdapter {

@@ -136,15 +136,28 @@ class GuideRobot::Impl {
       };
     };
     return {
-        {"moveToUser", {"user"}, {}, true, "Drives to where the user is", bind(&Impl::MoveToUser)},
-        {"moveToBooth", {"booth"}, {}, true, "Drives to the place before a booth", bind(&Impl::MoveToBooth)},
+        {"moveToUser", {"user"}, {}, true, "Drives to where the user is", bind(&Impl::MoveToUser), {"base"}},
+        {"moveToBooth",
+         {"booth"},
+         {},
+         true,
+         "Drives to the place before a booth",
+         bind(&Impl::MoveToBooth),
+         {"base"}},
         {"displayBoothInfo",
          {"booth"},
          {"page"},
          true,
          "Shows a page about the booth",
-         bind(&Impl::DisplayBoothInfo)},
-        {"briefBoothInfo", {"booth"}, {"file"}, false, "Speaks about the booth", bind(&Impl::BriefBoothInfo)},
+         bind(&Impl::DisplayBoothInfo),
+         {"screen"}},
+        {"briefBoothInfo",
+         {"booth"},
+         {"file"},
+         false,
+         "Speaks about the booth",
+         bind(&Impl::BriefBoothInfo),
+         {"voice"}},
     };
   }
 

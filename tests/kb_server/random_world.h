@@ -89,8 +89,9 @@ class RandomWorld {
   std::string Robot() { return absl::StrCat("R", 1 + Below(4)); }
 
   WriteBatch Anything(const Stages& stages) {
-    const std::vector<RobotCommand> open = stages.engine.OpenCommands();
-    if (!open.empty() && Below(3) != 0) return ReportOf(open[Below(static_cast<uint32_t>(open.size()))]);
+    const std::vector<engine::CommandUnderWay> open = stages.engine.OpenCommands();
+    if (!open.empty() && Below(3) != 0)
+      return ReportOf(open[Below(static_cast<uint32_t>(open.size()))].command);
     switch (Below(16)) {
       case 0:
       case 1:

@@ -30,9 +30,12 @@ CompiledAsk Written(AskWriter writer, std::string name, int priority) {
 
 absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula,
                                     const VariableValues& values, const Limits& limits, std::string name,
-                                    int priority) {
+                                    int priority, Events events = Events::kAsked) {
   absl::StatusOr<std::vector<Conjunction>> alternatives = ToAlternatives(formula);
   if (!alternatives.ok()) return alternatives.status();
+  if (events == Events::kHappened) {
+    for (Conjunction& alternative : *alternatives) alternative.events.clear();
+  }
   AskWriter writer(document, values, limits);
   absl::Status status = writer.Write(*alternatives);
   if (!status.ok()) return status;
@@ -87,10 +90,11 @@ SourceSpan PlaceOf(const Text& name, const SourceSpan& element) {
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
                                                           const Condition& condition,
                                                           const VariableValues& values, const Limits& limits,
-                                                          SourceSpan* refused) {
+                                                          SourceSpan* refused, Events events) {
   std::vector<CompiledAsk> out;
   const auto add = [&](const Formula& formula, std::string name, int priority, const SourceSpan& place) {
-    absl::StatusOr<CompiledAsk> ask = Compile(document, formula, values, limits, std::move(name), priority);
+    absl::StatusOr<CompiledAsk> ask =
+        Compile(document, formula, values, limits, std::move(name), priority, events);
     if (ask.ok()) {
       out.push_back(*std::move(ask));
     } else if (refused != nullptr) {
@@ -174,10 +178,13 @@ class TextWriter {
     }
   }
 
-  void Add(const std::string& place, const Link& link) {
-    absl::StatusOr<CompiledAsk> ask = CompileConstraint(document_, *link.while_constraint, NoValues, limits_);
-    if (!ask.ok()) return Refuse(link.while_text.span, ask.status(), "");
-    Add(place, "while", link.while_text.span, &*ask);
+  // Of an attribute of that name.
+  void Add(const std::string& place, const Constraint& constraint, const std::string& attribute,
+           const Text& text) {
+    absl::StatusOr<CompiledAsk> ask = CompileConstraint(document_, constraint, NoValues, limits_);
+    if (!ask.ok()) return Refuse(text.span, ask.status(), "");
+    ask->name = attribute;
+    Add(place, attribute, text.span, &*ask);
   }
 
   std::vector<ConditionText> Take() { return std::move(out_); }
@@ -218,11 +225,14 @@ std::vector<ConditionText> ConditionTexts(const Document& document, const Limits
   for (const Flow& flow : document.flows) {
     const std::string place = absl::StrCat("flow ", flow.name.value);
     for (const Node& node : flow.nodes) {
-      if (node.condition) writer.Add(absl::StrCat(place, " / node ", node.name.value), *node.condition);
+      const std::string of_node = absl::StrCat(place, " / node ", node.name.value);
+      if (node.condition) writer.Add(of_node, *node.condition);
+      if (node.hold) writer.Add(of_node, *node.hold, "while-holds", node.hold_text);
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;
-      writer.Add(absl::StrCat(place, " / link ", link.from.value, " → ", link.to.value), link);
+      writer.Add(absl::StrCat(place, " / link ", link.from.value, " → ", link.to.value),
+                 *link.while_constraint, "while", link.while_text);
     }
   }
   return writer.Take();

@@ -61,13 +61,16 @@ struct CompiledAsk {
 };
 
 // The alternatives in the order in which they are to be tried; none: the condition holds at once.
+// `events`: whether the events that it needs are asked for, or taken to have happened.
 // INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one) or a literal where a resource has to
 // stand, or beyond the limits condition_alternatives, condition_parts and query_text_bytes. `refused` (null: not asked for)
 // is then the place of the context, case or expression.
+enum class Events { kAsked, kHappened };
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
                                                           const Condition& condition,
                                                           const VariableValues& values, const Limits& limits,
-                                                          SourceSpan* refused = nullptr);
+                                                          SourceSpan* refused = nullptr,
+                                                          Events events = Events::kAsked);
 
 // The ASK of one constraint (ext:while).
 absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Constraint& constraint,

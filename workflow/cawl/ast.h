@@ -31,7 +31,7 @@ namespace docent::cawl {
 
 using xml::Text;
 
-// Attributes in this namespace are Docent's extensions: timeout, retry, onFailure, compensate, forEach, while, for.
+// Docent's extensions: timeout, retry, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
 // <part name="booth" type="docent:Booth" element="…"/>
@@ -212,7 +212,14 @@ struct Node {
   Text compensate;     // ext:compensate: operation to invoke when the run fails after this node was done
   Text for_each_text;  // ext:forEach="?booth ?visitor": the invokes once for each binding of these
   std::vector<std::string> for_each;  // without "?"
-  size_t position = 0;                // in the order of the flow, from 1 (flow_order.h)
+  bool sequential = false;            // ext:sequential="true": of forEach, one binding after the other
+  // ext:while-holds="true" (the node's own condition, with the match that opened it) or "subject verb object": what has to
+  // hold while the node runs. When it falls, the node's commands are cancelled, and it takes its links with onInterrupt, or
+  // waits again.
+  Text hold_text;
+  bool holds_condition = false;
+  std::optional<Constraint> hold;
+  size_t position = 0;  // in the order of the flow, from 1 (flow_order.h)
   SourceSpan span;
 };
 
@@ -221,6 +228,8 @@ struct Link {
   Text from;
   Text to;
   bool on_failure = false;  // ext:onFailure="true": followed when `from` fails, and only then
+  bool on_interrupt =
+      false;  // ext:onInterrupt="true": followed when the while-holds of `from` falls, and only then
   // ext:while="$user docent:selected ?booth": followed when `from` is done and this holds; the links without `while`
   // out of the same node are followed when it does not. The only links that may close a cycle.
   Text while_text;

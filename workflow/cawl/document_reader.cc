@@ -206,7 +206,8 @@ class DocumentReader {
   Node ReadNode(const xml::Element& element) {
     Node out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name", "state"}, {"timeout", "retry", "compensate", "forEach"});
+    reader_.CheckAttributes(element, {"name", "state"},
+                            {"timeout", "retry", "compensate", "forEach", "sequential", "while-holds"});
     out.name = reader_.Name(element, "name");
     out.state = reader_.Attribute(element, "state");
     if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
@@ -220,6 +221,12 @@ class DocumentReader {
     out.compensate = reader_.Extension(element, "compensate");
     out.for_each_text = reader_.Extension(element, "forEach");
     ReadForEach(&out);
+    out.sequential = reader_.Flag(element, "sequential");
+    if (out.sequential && out.for_each.empty()) {
+      reader_.Error(element.name_span, "ext:sequential without ext:forEach: there is nothing to do in turn",
+                    "take it away, or write ext:forEach=\"?…\"");
+    }
+    ReadHold(element, &out);
     reader_.ReadChildren(
         element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
@@ -230,7 +237,19 @@ class DocumentReader {
                      out.condition = ReadCondition(e, limits_, &reader_);
                    }},
                   {"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }}});
+    if (out.holds_condition &&
+        (!out.condition || (out.condition->contexts.empty() && out.condition->cases.empty()))) {
+      reader_.Error(out.hold_text.span, "while-holds=\"true\" on a node without a condition",
+                    "write what has to hold: ext:while-holds=\"subject verb object\"");
+    }
     return out;
+  }
+
+  void ReadHold(const xml::Element& element, Node* node) {
+    node->hold_text = reader_.Extension(element, "while-holds");
+    if (!node->hold_text.given() || node->hold_text.value == "false") return;
+    node->holds_condition = node->hold_text.value == "true";
+    if (!node->holds_condition) node->hold = ReadConstraintText(element, node->hold_text, &reader_);
   }
 
   void ReadForEach(Node* node) {
@@ -287,10 +306,14 @@ class DocumentReader {
   Link ReadLink(const xml::Element& element) {
     Link out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"from", "to"}, {"onFailure", "while"});
+    reader_.CheckAttributes(element, {"from", "to"}, {"onFailure", "onInterrupt", "while"});
     out.from = reader_.Required(element, "from");
     out.to = reader_.Required(element, "to");
     out.on_failure = reader_.Flag(element, "onFailure");
+    out.on_interrupt = reader_.Flag(element, "onInterrupt");
+    if (out.on_failure && out.on_interrupt) {
+      reader_.Error(element.name_span, "a link has either onFailure or onInterrupt", "write two links");
+    }
     out.while_text = reader_.Extension(element, "while");
     if (out.while_text.given()) out.while_constraint = ReadConstraintText(element, out.while_text, &reader_);
     Nothing(element);

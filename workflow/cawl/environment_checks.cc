@@ -107,6 +107,7 @@ class EnvironmentChecker {
     for (const Node& node : flow.nodes) {
       CheckTypes(node);
       if (node.condition) CheckCondition(*node.condition);
+      if (node.hold) CheckConstraint(*node.hold);
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
         CheckSubflow(invoke.subflow);

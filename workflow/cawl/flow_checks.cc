@@ -40,13 +40,23 @@ class FlowChecker {
           .fix = {reader_.Removal(link.span)};
       return;
     }
-    if (link.from.value == flow_.source.value && (link.on_failure || link.while_text.given())) {
-      reader_.Error(link.from.span, "a link out of the source has neither onFailure nor while",
+    if (link.from.value == flow_.source.value &&
+        (link.on_failure || link.on_interrupt || link.while_text.given())) {
+      reader_.Error(link.from.span, "a link out of the source has neither onFailure, onInterrupt nor while",
                     "the source cannot fail and is done at once");
+    } else if (link.on_interrupt && !HasHold(link.from.value)) {
+      reader_.Warning(link.from.span, Concat("this link is never followed: node ", link.from.value,
+                                             " has no ext:while-holds that could fall"));
     }
     all_[link.from.value].insert(link.to.value);
     back_[link.to.value].insert(link.from.value);
     if (!link.while_text.given()) forward_[link.from.value].insert(link.to.value);
+  }
+
+  bool HasHold(const std::string& name) const {
+    return std::any_of(flow_.nodes.begin(), flow_.nodes.end(), [&name](const Node& node) {
+      return node.name.value == name && (node.holds_condition || node.hold);
+    });
   }
 
   bool End(const Text& name, const std::string& allowed, const std::string& wrong_end,

@@ -247,6 +247,7 @@ class NameChecker {
         CheckCondition(scope, *node.condition);
         CheckFreeNames(flow, scope, *node.condition);
       }
+      if (node.hold) CheckConstraint(scope, *node.hold);
       CheckForEach(node);
     }
     for (const Link& link : flow.links) {

@@ -41,7 +41,7 @@ class RunChecker {
       all_[link.from.value].insert(link.to.value);
       if (link.while_text.given()) continue;
       forward_[link.from.value].insert(link.to.value);
-      if (!link.on_failure) together_[link.from.value].insert(link.to.value);
+      if (!link.on_failure && !link.on_interrupt) together_[link.from.value].insert(link.to.value);
     }
   }
 

@@ -9,6 +9,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/engine_core.h"
+#include "workflow/engine/robot_facts.h"
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_scheduler.h"
 #include "workflow/engine/run_stepper.h"
@@ -109,50 +110,6 @@ void Engine::Core::Say(std::string subject, std::string_view from, std::string_v
   output->transitions.push_back({std::move(subject), std::string(from), std::string(to), std::move(cause)});
 }
 
-int Engine::Core::DepthOf(const Run& run) const {
-  int depth = 0;
-  for (const Run* at = &run; !at->parent.empty(); ++depth) {
-    auto it = runs.find(at->parent);
-    if (it == runs.end()) break;
-    at = &it->second;
-  }
-  return depth;
-}
-
-RunId Engine::Core::RootOf(const Run& run) const {
-  const Run* root = &run;
-  while (!root->parent.empty()) {
-    auto it = runs.find(root->parent);
-    if (it == runs.end()) break;
-    root = &it->second;
-  }
-  return root->id;
-}
-
-bool Engine::Core::IsFree(const RobotId& robot, const RunId& root) const {
-  auto holder = holders.find(robot);
-  return holder == holders.end() || holder->second == root;
-}
-
-RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const {
-  const InvocationState& invocation = run.nodes[owner.node].invocations[owner.invocation];
-  RobotWish wish;
-  wish.operation = run.Flow().nodes[owner.node].invokes[invocation.invoke].operation.value;
-  for (const TermBinding* binding : {&invocation.binding, &run.variables}) {
-    auto robot = binding->find("robot");
-    if (robot == binding->end()) continue;
-    wish.robot = RobotId(robot->second.lexical);
-    break;
-  }
-  return wish;
-}
-
-void Engine::Core::Reblock(const Run& run) {
-  std::set<RobotId> robots;
-  for (const NodeState& node : run.nodes) robots.insert(node.busy_robots.begin(), node.busy_robots.end());
-  waiting.Block(run.number, run.id, robots);
-}
-
 std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
                                                                            const std::string& name) const {
   const auto found = [](const cawl::DocumentPtr& document, const cawl::Flow* flow) {
@@ -192,6 +149,8 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
     run.parent_invocation = parent->invocation;
   }
   RunId id = run.id;
+  run.root = RootOf(run);
+  trees[run.root].insert(id);
   undo_runs.try_emplace(id, std::nullopt);
   changed.insert(id);
   Run& stored = runs.emplace(id, std::move(run)).first->second;
@@ -204,31 +163,6 @@ rsel::PlanPtr Engine::Core::PlanOf(const std::string& operation) const {
   return rsel::OperationPlan(operation, {});
 }
 
-std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
-                                             const RunId& root, std::string* why_not) const {
-  std::vector<RobotId> able;
-  for (size_t i = 0; i < plan.steps.size(); ++i) {
-    std::vector<RobotId> offering;
-    for (const RobotOffer& offer : input->robots->Offers(plan.steps[i].operation)) {
-      bool still = i == 0 || std::find(able.begin(), able.end(), offer.robot) != able.end();
-      bool meant = !wanted || wanted->lexical == offer.robot.value();
-      if (!offer.offline && still && meant) offering.push_back(offer.robot);
-    }
-    able = std::move(offering);
-    if (!able.empty()) continue;
-    if (wanted)
-      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
-    else if (i == 0)
-      *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
-    else
-      *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
-    return able;
-  }
-  std::erase_if(able, [&](const RobotId& robot) { return !IsFree(robot, root); });
-  if (able.empty()) *why_not = std::string(kAllServeOthers);
-  return able;
-}
-
 void Engine::Core::Cancel(const RunId& id, const std::string& reason) {
   if (Run* run = Mutable(id)) RunStepper(this, run).End(WorkState::kCancelled, reason);
 }
@@ -237,26 +171,35 @@ void Engine::Core::RebuildDerived() {
   owners.clear();
   commands.clear();
   timers.clear();
-  holders.clear();
+  ledger.ClearDerived();
   waiting.Clear();
+  trees.clear();
   for (const auto& [name, deployment] : deployments) {
     for (const ArmedCondition& armed : deployment.armed) owners[armed.handle] = {RunId(), 0, name};
   }
-  for (const auto& [id, run] : runs) {
+  for (auto& [id, run] : runs) {
+    run.root = RootOf(run);
+    trees[run.root].insert(id);
     Reblock(run);
     if (run.timer_us) timers.insert({*run.timer_us, id});
-    for (const RobotId& robot : run.robots) holders.emplace(robot, RootOf(run));
+    for (const RobotId& robot : run.robots) ledger.Hold(robot, RootOf(run));
     for (size_t n = 0; n < run.nodes.size(); ++n) {
       for (const ArmedCondition& armed : run.nodes[n].armed) owners[armed.handle] = {id, n, ""};
+      for (const std::optional<Guard>* guard : {&run.nodes[n].guard, &run.nodes[n].hold}) {
+        if (*guard && (*guard)->armed.handle != 0) owners[(*guard)->armed.handle] = {id, n, ""};
+      }
       for (const PendingLink& link : run.nodes[n].pending_links) owners[link.handle] = {id, n, ""};
       for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
         const InvocationState& invocation = run.nodes[n].invocations[i];
-        if (invocation.state == WorkState::kPending)
+        if (invocation.state == WorkState::kPending && invocation.queued)
           waiting.Wait(run.number, {id, n, i}, WishOf(run, {id, n, i}));
+        if (invocation.state == WorkState::kRunning && invocation.handler)
+          ledger.Begin(invocation.robot, {id, n, i}, invocation.occupies);
         for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
       }
     }
   }
+  for (const auto& [id, ending] : ledger.ending()) ledger.Hold(ending.command.robot, ending.root);
 }
 
 Engine::Engine(Dictionary* dictionary, const Limits& limits)
@@ -377,10 +320,39 @@ void TakeRequests(Engine::Core* core) {
   }
 }
 
+bool IsFinal(CommandReport::Outcome outcome) {
+  using Outcome = CommandReport::Outcome;
+  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
+         outcome == Outcome::kUnknown;
+}
+
+// The final report of a command that its run no longer waits for. What it did does not count; whether it may be done again
+// does.
+void TakeEnd(Engine::Core* core, const CommandReport& report) {
+  const std::optional<EndingCommand> ended = core->ledger.Ended(report.command);
+  if (!ended) return;  // repeated, or of a server whose older backup was put back
+  const RobotId& robot = ended->command.robot;
+  core->released.insert(robot);
+  core->changed_robots.insert(robot);
+  const bool unknown = report.outcome == CommandReport::Outcome::kUnknown;
+  core->Say(ended->invocation, "ending", "ended",
+            absl::StrCat(ended->command.operation, " on ", ToDisplay(Term::Iri(robot.value())),
+                         unknown ? ": how it ended is unknown" : ""));
+  for (const CommandOwner& owner : ended->owners) {
+    Run* run = core->Mutable(owner.run);
+    if (run == nullptr) continue;
+    if (unknown && !ended->command.idempotent) RunStepper(core, run).OutcomeUnknown(owner);
+    core->touched.insert(owner.run);
+  }
+}
+
 void TakeReports(Engine::Core* core) {
   for (const CommandReport& report : *core->input->reports) {
     auto it = core->commands.find(report.command.value());
-    if (it == core->commands.end()) continue;  // late: the command was cancelled or has ended
+    if (it == core->commands.end()) {
+      if (IsFinal(report.outcome)) TakeEnd(core, report);
+      continue;
+    }
     CommandOwner owner = it->second;
     if (Run* run = core->Mutable(owner.run)) {
       RunStepper(core, run).Report(owner, report);
@@ -447,11 +419,15 @@ void TellChanges(Engine::Core* core) {
     if (run.timer_us) core->timers.erase({*run.timer_us, id});
     run.timer_us = run.state == WorkState::kRunning ? RunStepper(core, &run).NextDeadline() : std::nullopt;
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
-    ++core->rounds[id];
+    if (core->advanced.contains(id)) ++core->rounds[id];
     if (run.state == WorkState::kRunning) continue;
     core->Keep({id, run.facts});
+    const auto tree = core->trees.find(run.root);
+    tree->second.erase(id);
+    if (tree->second.empty()) core->trees.erase(tree);
     core->runs.erase(it);
   }
+  TellRobots(core);
 }
 
 }  // namespace
@@ -464,6 +440,9 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->touched = std::move(core_->awaiting);
   core_->awaiting.clear();
   core_->changed.clear();
+  core_->advanced.clear();
+  core_->released.clear();
+  core_->changed_robots.clear();
   std::swap(output.arm, core_->deploy_arm);
   std::swap(output.disarm, core_->deploy_disarm);
   if (input.requests != nullptr) TakeRequests(core_.get());
@@ -502,6 +481,8 @@ void Engine::Commit() {
   core_->undo_deployments.clear();
   core_->undo_active.clear();
   core_->undo_services.reset();
+  core_->undo_robot_facts.clear();
+  core_->ledger.Commit();
   core_->undo_kept.clear();
   core_->kept_new = 0;
   core_->rounds.clear();
@@ -511,7 +492,8 @@ void Engine::Commit() {
 
 void Engine::Rollback() {
   bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
-                   core_->undo_active.empty() && !core_->undo_services;
+                   core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
+                   core_->undo_robot_facts.empty();
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -541,6 +523,13 @@ void Engine::Rollback() {
   core_->awaiting.clear();
   core_->kept.erase(core_->kept.end() - core_->kept_new, core_->kept.end());
   core_->kept.insert(core_->kept.begin(), core_->undo_kept.begin(), core_->undo_kept.end());
+  for (auto& [robot, before] : core_->undo_robot_facts) {
+    if (before)
+      core_->robot_facts[robot] = before;
+    else
+      core_->robot_facts.erase(robot);
+  }
+  core_->ledger.Rollback();
   core_->RebuildDerived();
   Commit();
 }
@@ -550,18 +539,24 @@ std::optional<TimeMicros> Engine::NextDeadline() const {
   return core_->timers.begin()->first;
 }
 
-std::vector<RobotCommand> Engine::OpenCommands() const {
+std::vector<CommandUnderWay> Engine::OpenCommands() const {
   std::map<uint64_t, const Run*> by_age;
   for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
-  std::vector<RobotCommand> commands;
+  std::vector<CommandUnderWay> commands;
+  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true});
   for (const auto& [number, run] : by_age) {
     for (const NodeState& node : run->nodes) {
       for (const InvocationState& invocation : node.invocations) {
-        for (const OpenCommand& open : invocation.commands) commands.push_back(open.command);
+        for (const OpenCommand& open : invocation.commands)
+          commands.push_back({open.command, open.overdue_until_us.has_value()});
       }
     }
   }
   return commands;
+}
+
+const RunId* Engine::HolderOf(const RobotId& robot) const {
+  return core_->ledger.Holder(robot);
 }
 
 const rsel::ServiceRegistry& Engine::services() const {

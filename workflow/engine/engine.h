@@ -38,6 +38,14 @@ struct EngineInput {
   const RobotDirectory* robots = nullptr;
 };
 
+// A command without a final report.
+struct CommandUnderWay {
+  RobotCommand command;
+  bool ending = false;  // it was cancelled
+
+  friend bool operator==(const CommandUnderWay&, const CommandUnderWay&) = default;
+};
+
 struct EngineState;  // engine_state.h
 
 class Engine {
@@ -82,8 +90,11 @@ class Engine {
 
   // When a clock tick is needed, if ever.
   std::optional<TimeMicros> NextDeadline() const;
-  // Commands without a final report, oldest run first: after a restart their adapters are asked about them.
-  std::vector<RobotCommand> OpenCommands() const;
+  // Commands without a final report: those that are to end, then the others, oldest run first. After a restart their
+  // adapters are asked about them.
+  std::vector<CommandUnderWay> OpenCommands() const;
+  // The outermost run that holds the robot; null: it is free. Until the next change.
+  const RunId* HolderOf(const RobotId& robot) const;
 
   const rsel::ServiceRegistry& services() const;
   std::vector<cawl::DocumentPtr> workflows() const;               // by name

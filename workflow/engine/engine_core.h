@@ -13,6 +13,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "workflow/engine/engine.h"
+#include "workflow/engine/robot_ledger.h"
 #include "workflow/engine/run_state.h"
 #include "workflow/engine/run_terms.h"
 #include "workflow/engine/waiting_room.h"
@@ -42,6 +43,14 @@ ArmedCondition Armed(ConditionHandle handle, cawl::CompiledAsk ask);
 
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
+// Or those that could do it now are at another step of the same run.
+inline constexpr std::string_view kAtAnotherStep = "the robot is at another step of this run, or ends one";
+// Or its ext:while-holds is not so.
+inline constexpr std::string_view kHoldsNot = "what has to hold while it runs does not hold";
+// Or ext:sequential.
+inline constexpr std::string_view kComesLater = "it comes after the one before it";
+// Or a command of an attempt before has no final report yet.
+inline constexpr std::string_view kAttemptNotEnded = "the end of the attempt before it is not known yet";
 
 struct Engine::Core {
   Core(Dictionary* dictionary, const Limits& limits_in) : run_terms(dictionary), limits(limits_in) {}
@@ -60,8 +69,10 @@ struct Engine::Core {
   absl::flat_hash_map<ConditionHandle, ConditionOwner> owners;
   absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
   std::set<std::pair<TimeMicros, RunId>> timers;
-  std::map<RobotId, RunId> holders;  // robot → the outermost run that uses it
+  RobotLedger ledger;  // its ending commands are state
   WaitingRoom waiting;
+  std::map<RunId, std::set<RunId>> trees;   // live runs, by root
+  std::map<RobotId, FactsPtr> robot_facts;  // as last told to the graph
 
   // The journal: what Rollback puts back. Empty after Commit.
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
@@ -72,6 +83,7 @@ struct Engine::Core {
   };
   std::vector<ActiveBefore> undo_active;
   std::optional<rsel::ServiceRegistry> undo_services;
+  std::map<RobotId, FactsPtr> undo_robot_facts;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
   size_t kept_new = 0;             // at the end of `kept`
   ConditionHandle committed_handle = 1;
@@ -81,11 +93,14 @@ struct Engine::Core {
   const EngineInput* input = nullptr;
   EngineOutput* output = nullptr;
   std::map<ConditionHandle, const ConditionEdge*> edges;
-  std::set<RunId> touched;        // runs to be advanced
-  std::set<RunId> changed;        // runs whose facts and timers are to be told at the end of the Step
-  std::set<RunId> awaiting;       // runs that armed a `while` condition in the round before
-  std::map<RunId, int> rounds;    // of this turn in which a run changed
-  bool services_changed = false;  // since the last Step
+  std::set<RunId> touched;           // runs to be advanced
+  std::set<RunId> advanced;          // of these, those that went on
+  std::set<RunId> changed;           // runs whose facts and timers are to be told at the end of the Step
+  std::set<RobotId> released;        // robots of which something became free, or may take commands again
+  std::set<RobotId> changed_robots;  // robots whose facts are to be told at the end of the Step
+  std::set<RunId> awaiting;          // runs that armed a `while` condition in the round before
+  std::map<RunId, int> rounds;       // of this turn in which a run changed
+  bool services_changed = false;     // since the last Step
   // Output of Deploy and Undeploy, told with the next Step.
   std::vector<ConditionRequest> deploy_arm;
   std::vector<ConditionHandle> deploy_disarm;
@@ -114,10 +129,17 @@ struct Engine::Core {
   void Disarm(ConditionHandle handle);
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
 
-  // Robots that could take this plan now, in term order: online, offering all of its operations, free for
-  // `root`. `wanted`: only this one. None: `*why_not` says why.
+  // Robots that can take this plan for `self` now, in term order: online, offering all of its operations, in service, free
+  // for `root`, and with nothing under way that occupies what the plan does. `wanted`: only this one. None: `*why_not` says
+  // why.
   std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
-                                 std::string* why_not) const;
+                                 const CommandOwner& self, std::string* why_not) const;
+  // What the robot offers of this operation; null: nothing.
+  const RobotOffer* OfferOf(const std::string& operation, const RobotId& robot) const;
+  // What a plan occupies of the robot from its first step to its last.
+  Occupation OccupationOf(const rsel::Plan& plan, const RobotId& robot) const;
+  // Why the robot takes no command now, for people; empty: it takes some.
+  std::string OutOfService(const RobotOffer& offer) const;
   // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
   rsel::PlanPtr PlanOf(const std::string& operation) const;
 
@@ -125,7 +147,14 @@ struct Engine::Core {
   int DepthOf(const Run& run) const;
   // The outermost run that a run belongs to.
   RunId RootOf(const Run& run) const;
-  bool IsFree(const RobotId& robot, const RunId& root) const;
+  // The invocation, then those that its run is nested in.
+  std::vector<CommandOwner> OwnersOf(const CommandOwner& owner) const;
+  // The robot is held by the run's root from now on.
+  void Hold(const RobotId& robot, const Run& run);
+  // The command is cancelled, and its run no longer waits for its end: the robot does.
+  void LetEnd(const OpenCommand& open, const CommandOwner& owner);
+  // True if the robot's last holder has ended with all its commands; it is free from now on.
+  bool FreeIfOver(const RobotId& robot);
   // What a pending invocation waits for.
   RobotWish WishOf(const Run& run, const CommandOwner& owner) const;
   // Tells the waiting room of the run's busy robots.

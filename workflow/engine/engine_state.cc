@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/term_archive.h"
 #include "workflow/cawl/parser.h"
+#include "workflow/engine/robot_facts.h"
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/service_workflow.h"
@@ -49,6 +50,19 @@ void Fields(Archive& a, InstructionHandler::Saved& saved) {
 
 namespace docent::engine {
 
+template <class Archive>
+void Fields(Archive& a, CommandOwner& owner) {
+  a(owner.run, owner.node, owner.invocation);
+}
+template <class Archive>
+void Fields(Archive& a, Guard& guard) {
+  a(guard.armed.handle, guard.armed.ask, guard.armed.waiting_events, guard.every);
+}
+template <class Archive>
+void Fields(Archive& a, ReplacedValue& value) {
+  a(value.given, value.before);
+}
+
 namespace {
 
 // A workflow's document: its text, or the robot service of which it is the workflow.
@@ -85,6 +99,7 @@ struct Packed {
   std::map<std::string, PackedDeployment> deployments;
   std::vector<std::pair<std::string, std::string>> services;  // file, text
   uint64_t services_version = 0;
+  std::vector<EndingCommand> ending;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };
@@ -103,9 +118,16 @@ void Fields(Archive& a, OpenCommand& open) {
   Fields(a, open.command);
   a(open.step, open.attempt);
 }
+
 template <class Archive>
 void Fields(Archive& a, ArmedCondition& armed) {
   a(armed.handle, armed.ask, armed.waiting_events);
+}
+
+template <class Archive>
+void Fields(Archive& a, EndingCommand& ending) {
+  Fields(a, ending.command);
+  a(ending.occupies, ending.root, ending.invocation, ending.owners, ending.since_us);
 }
 
 // Lists of types of namespace docent whose Fields stand here, not where the archive would look.
@@ -158,6 +180,45 @@ void Fields(Archive& a, Packed& p) {
   a(names);
   for (const std::string& name : names) Fields(a, p.deployments[name]);
   a(p.services, p.services_version, p.next_handle, p.next_run);
+}
+
+// What format 5 of snapshots added, behind what format 4 had.
+template <class Archive>
+void AddedFields(Archive& a, PackedInvocation& packed) {
+  InvocationState& s = packed.state;
+  for (OpenCommand& open : s.commands) a(open.occupies, open.overdue_until_us);
+  List(a, s.lost);
+  for (OpenCommand& open : s.lost) a(open.occupies);
+  a(s.occupies, s.overdue, s.match, s.guard_revision, s.sent, s.queued, s.once);
+}
+template <class Archive>
+void AddedFields(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    a(run.run.unknown_outcome);
+    for (PackedNode& node : run.nodes) {
+      a(node.state.guard, node.state.hold, node.state.replaced, node.state.first_attempt);
+      for (PackedInvocation& invocation : node.invocations) AddedFields(a, invocation);
+    }
+  }
+  List(a, p.ending);
+}
+
+// A state of format 4 as this version would have it.
+void Complete(Packed* packed) {
+  std::map<RunId, Run*> runs;
+  for (PackedRun& run : packed->runs) runs.emplace(run.run.id, &run.run);
+  for (PackedRun& run : packed->runs) {
+    for (auto outer = runs.find(run.run.parent); outer != runs.end();
+         outer = runs.find(outer->second->parent))
+      outer->second->robots.insert(run.run.robots.begin(), run.run.robots.end());
+    for (PackedNode& node : run.nodes) {
+      for (PackedInvocation& invocation : node.invocations) {
+        InvocationState& s = invocation.state;
+        s.sent = s.attempt > 1 || s.state != WorkState::kPending;
+        s.queued = s.state == WorkState::kPending;
+      }
+    }
+  }
 }
 
 // Gives each distinct object a number in order of first use.
@@ -289,10 +350,12 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
     packed.services.emplace_back(document->file, document->source);
   }
   packed.services_version = state.services.version();
+  for (const auto& [id, ending] : state.ending) packed.ending.push_back(ending);
   packed.next_handle = state.next_handle;
   packed.next_run = state.next_run;
   ByteWriter writer;
   Fields(writer, packed);
+  AddedFields(writer, packed);
   return writer.Take();
 }
 
@@ -301,6 +364,10 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   Packed packed;
   ByteReader reader(bytes);
   Fields(reader, packed);
+  if (reader.AtEnd())
+    Complete(&packed);
+  else
+    AddedFields(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -335,6 +402,10 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     std::sort(of_run.begin(), of_run.end());
     state.kept.push_back({id, std::make_shared<const std::vector<Quad>>(std::move(of_run))});
   }
+  for (EndingCommand& ending : packed.ending) {
+    const CommandId id = ending.command.id;
+    state.ending.emplace(id, std::move(ending));
+  }
   state.next_handle = packed.next_handle;
   state.next_run = packed.next_run;
   return state;
@@ -349,9 +420,18 @@ std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
     }
   }
   for (const auto& [id, run] : state.runs) {
-    for (const NodeState& node : run.nodes) {
+    for (size_t n = 0; n < run.nodes.size(); ++n) {
+      const NodeState& node = run.nodes[n];
+      const cawl::Node& syntax = run.Flow().nodes[n];
       for (const ArmedCondition& armed : node.armed) {
-        requests.push_back(RequestOf(armed.handle, armed.ask, NodeKeys(armed.ask)));
+        requests.push_back(RequestOf(armed.handle, armed.ask, NodeKeys(armed.ask, syntax.holds_condition)));
+      }
+      for (const std::optional<Guard>* guard : {&node.guard, &node.hold}) {
+        if (!*guard || (*guard)->armed.handle == 0) continue;
+        const ArmedCondition& armed = (*guard)->armed;
+        const std::vector<std::string> keys =
+            guard == &node.hold ? std::vector<std::string>() : NodeKeys(armed.ask, (*guard)->every);
+        requests.push_back(RequestOf(armed.handle, armed.ask, keys));
       }
     }
   }
@@ -361,9 +441,13 @@ std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
 }
 
 EngineState Engine::Save() const {
-  return {core_->runs,        {core_->kept.begin(), core_->kept.end()},
-          core_->deployments, core_->services,
-          core_->next_handle, core_->next_run};
+  return {core_->runs,
+          {core_->kept.begin(), core_->kept.end()},
+          core_->deployments,
+          core_->services,
+          core_->ledger.ending(),
+          core_->next_handle,
+          core_->next_run};
 }
 
 void Engine::Restore(EngineState state) {
@@ -373,7 +457,10 @@ void Engine::Restore(EngineState state) {
   core_->services = std::move(state.services);
   core_->next_handle = state.next_handle;
   core_->next_run = state.next_run;
+  core_->ledger.Restore(std::move(state.ending));
   core_->RebuildDerived();
+  for (const auto& [robot, run] : core_->ledger.holders())
+    core_->robot_facts[robot] = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core_.get()));
   Commit();
 }
 

@@ -23,6 +23,7 @@ struct EngineState {
   std::vector<KeptRun> kept;  // of ended runs, the one that ended first in front
   std::map<std::string, Deployment> deployments;
   rsel::ServiceRegistry services;
+  RobotLedger::Ending ending;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };

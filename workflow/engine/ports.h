@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,10 @@ class ConditionView {
   virtual std::string Evidence(ConditionHandle handle, const TermBinding& binding) const = 0;
 };
 
+// What of a robot an operation occupies while it is carried out: resources that the robot's maker names, for example base,
+// screen and voice. Empty: the whole robot.
+using Occupation = std::set<std::string>;
+
 // A robot that offers an operation, as the graph has it.
 struct RobotOffer {
   RobotId robot;
@@ -87,6 +92,10 @@ struct RobotOffer {
   bool offline = false;     // its lease ran out
   // The parts that the operation takes, in order; nullopt: the robot did not describe them.
   std::optional<std::vector<std::string>> inputs;
+  Occupation occupies;
+  bool busy = false;  // it says that it carries something out; a command of ours may be the reason
+  // Why it takes no command whatever it does for us, for people: "is charging"; empty: it takes some.
+  std::string out_of_service;
 };
 
 class RobotDirectory {

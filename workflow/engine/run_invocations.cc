@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/text.h"
 #include "workflow/engine/run_stepper.h"
 
 namespace docent::engine {
@@ -33,7 +34,11 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
   invocation.state = state;
   if (state == WorkState::kFailed || state == WorkState::kCancelled) invocation.reason = cause;
   if (state != WorkState::kPending) core_.waiting.Leave({run_.id, node, index});
-  if (IsFinal(state)) invocation.deadline_us.reset();
+  if (IsFinal(state)) {
+    invocation.deadline_us.reset();
+    invocation.overdue.clear();
+    LeaveRobot(node, index);
+  }
   if (state == WorkState::kDone) invocation.reason.clear();
 }
 
@@ -60,25 +65,88 @@ std::vector<std::string> RunStepper::InputsOf(size_t node, size_t index) const {
   return inputs;
 }
 
+// Its own run holds the robot: it is looked at again when something of that becomes free, or may take commands.
+bool RunStepper::WaitForOwnRobot(size_t node, size_t index, std::string_view why) {
+  run_.nodes[node].invocations[index].reason = std::string(why);
+  return false;
+}
+
+void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
+  WaitForOwnRobot(node, index, why);
+  run_.nodes[node].invocations[index].queued = true;
+  const CommandOwner owner{run_.id, node, index};
+  core_.waiting.Wait(run_.number, owner, core_.WishOf(run_, owner));
+}
+
+// ext:sequential: whether an invocation for a binding before its own has not been done.
+bool RunStepper::ComesLater(size_t node, size_t index) const {
+  const cawl::Node& syntax = flow_.nodes[node];
+  if (!syntax.sequential) return false;
+  const std::vector<InvocationState>& invocations = run_.nodes[node].invocations;
+  const auto first_of_own = invocations.begin() + (index - index % syntax.invokes.size());
+  return std::any_of(invocations.begin(), first_of_own,
+                     [](const InvocationState& invocation) { return invocation.state != WorkState::kDone; });
+}
+
+// What can go on now of an invocation that has not ended. True if something changed.
+bool RunStepper::GoOn(size_t node, size_t index) {
+  InvocationState& invocation = run_.nodes[node].invocations[index];
+  if (invocation.state == WorkState::kPending) return TryDispatch(node, index);
+  if (invocation.state != WorkState::kRunning) return false;
+  if (!invocation.overdue.empty()) {
+    const std::string before = invocation.overdue;
+    BeginAgain(node, index);
+    return run_.nodes[node].invocations[index].overdue != before;
+  }
+  if (!invocation.handler || !SendReady(node, index)) return false;
+  SettleHandler(node, index);
+  return true;
+}
+
 // True if something changed: it was sent to a robot, or it failed.
-bool RunStepper::TryDispatch(size_t node, size_t index) {
+bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
   const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
-  int64_t timeout_ms = invoke.timeout_ms.value_or(core_.limits.default_step_timeout_ms);
-  if (!invocation.deadline_us) invocation.deadline_us = core_.input->now_us + timeout_ms * 1000;
+  invocation.queued = false;
+  core_.waiting.Leave({run_.id, node, index});
+  if (invocation.once) {
+    InvocationFailed(node, index, invocation.reason);
+    return true;
+  }
+  const bool again = invocation.sent || invocation.attempt > 1 || run_.nodes[node].iteration > 0;
+  if (again && !AttemptsEnded(node)) {
+    if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
+    return WaitForOwnRobot(node, index, kAttemptNotEnded);
+  }
+  if (ComesLater(node, index)) {
+    invocation.reason = std::string(kComesLater);
+    return false;
+  }
+  // its time begins now
+  if (invocation.reason == kAttemptNotEnded || invocation.reason == kComesLater)
+    invocation.deadline_us.reset();
+  invocation.reason.clear();
+  bool waits_again = false;
+  if ((!opening || run_.nodes[node].hold) && !MayBegin(node, index, &waits_again)) {
+    if (waits_again) return true;
+    if (!invocation.deadline_us) invocation.deadline_us = GivenDeadline(node, index);
+    return false;
+  }
+  if (!invocation.deadline_us) invocation.deadline_us = GivenDeadline(node, index);
   if (!invoke.subflow.value.empty()) return StartSubflow(node, index);
 
   rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value);
   std::string why_not;
+  const CommandOwner self{run_.id, node, index};
   std::vector<RobotId> robots = core_.RobotsFor(
-      *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), &why_not);
+      *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), self, &why_not);
   if (robots.empty()) {
-    invocation.reason = why_not;
-    CommandOwner owner{run_.id, node, index};
-    core_.waiting.Wait(run_.number, owner, core_.WishOf(run_, owner));
+    if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
+    WaitForRobot(node, index, std::move(why_not));
     return false;
   }
   invocation.robot = robots.front();
+  invocation.occupies = core_.OccupationOf(*plan, invocation.robot);
   if (core_.services.Find(invoke.operation.value) == nullptr)
     plan = rsel::OperationPlan(invoke.operation.value, InputsOf(node, index));
   rsel::Arguments arguments;
@@ -92,8 +160,11 @@ bool RunStepper::TryDispatch(size_t node, size_t index) {
   }
   invocation.handler = *std::move(handler);
   invocation.reason.clear();
-  run_.robots.insert(invocation.robot);
-  core_.holders.emplace(invocation.robot, core_.RootOf(run_));
+  invocation.guard_revision = core_.input->revision;
+  invocation.sent = true;
+  core_.Hold(invocation.robot, run_);
+  core_.ledger.Begin(invocation.robot, self, invocation.occupies);
+  if (!invoke.timeout_ms) invocation.deadline_us.reset();  // its steps have deadlines of their own
   SetInvocation(node, index, WorkState::kRunning,
                 absl::StrCat(invoke.operation.value, " on ", ToDisplay(Term::Iri(invocation.robot.value()))));
   SendReady(node, index);
@@ -119,6 +190,7 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   }
   TermBinding variables = run_.variables;
   for (const auto& [key, value] : invocation.binding) variables[key] = value;
+  invocation.sent = true;
   SetInvocation(node, index, WorkState::kRunning, absl::StrCat("subflow ", name));
   CommandOwner owner{run_.id, node, index};
   // The child is a run of its own and does not touch this one until it ends.
@@ -128,11 +200,55 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   return true;
 }
 
-void RunStepper::SendReady(size_t node, size_t index) {
-  InvocationState& invocation = run_.nodes[node].invocations[index];
-  for (const rsel::Instruction& instruction : invocation.handler->TakeReady()) {
-    SendInstruction(node, index, instruction);
+// Whether the operation may begin beside what occupies the robot now: commands of this invocation that are under way, `taken`
+// by those that begin with it, and commands that are ending. `*why_not` is set where it may not.
+bool RunStepper::MaySend(size_t node, size_t index, const std::string& operation,
+                         std::vector<Occupation>* taken, std::string* why_not) const {
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
+  const RobotOffer* offer = core_.OfferOf(operation, invocation.robot);
+  if (const std::string why = offer == nullptr ? "" : core_.OutOfService(*offer); !why.empty()) {
+    *why_not = absl::StrCat(ToDisplay(Term::Iri(invocation.robot.value())), " ", why);
+    return false;
   }
+  const Occupation occupies = offer == nullptr ? Occupation() : offer->occupies;
+  const auto collides = [&occupies](const Occupation& other) { return Collide(occupies, other); };
+  const auto in_the_way = [&](const OpenCommand& open) { return collides(open.occupies); };
+  if (core_.ledger.Occupied(invocation.robot, occupies, {run_.id, node, index}) ||
+      std::any_of(invocation.commands.begin(), invocation.commands.end(), in_the_way) ||
+      std::any_of(taken->begin(), taken->end(), collides)) {
+    *why_not = std::string(kAtAnotherStep);
+    return false;
+  }
+  taken->push_back(occupies);
+  return true;
+}
+
+// True if a command was sent, or the handler ended.
+bool RunStepper::SendReady(size_t node, size_t index) {
+  InvocationState& invocation = run_.nodes[node].invocations[index];
+  if (!invocation.overdue.empty()) return false;
+  std::string why_not;
+  std::vector<Occupation> taken;
+  bool sent = false;
+  for (const OpenCommand& lost : std::exchange(invocation.lost, {})) {
+    if (MaySend(node, index, lost.command.operation, &taken, &why_not)) {
+      Resend(node, index, lost);
+      sent = true;
+    } else {
+      invocation.lost.push_back(lost);
+    }
+  }
+  const std::vector<rsel::Instruction> ready = invocation.handler->TakeReady(
+      [&](const rsel::PlanStep& step) { return MaySend(node, index, step.operation, &taken, &why_not); });
+  for (const rsel::Instruction& instruction : ready) SendInstruction(node, index, instruction);
+  if (invocation.handler->ended()) return true;
+  if (!why_not.empty()) WaitForOwnRobot(node, index, why_not);
+  if (flow_.nodes[node].invokes[invocation.invoke].timeout_ms) return sent || !ready.empty();
+  if (!invocation.commands.empty())
+    invocation.deadline_us.reset();
+  else if (!invocation.deadline_us)
+    invocation.deadline_us = DefaultDeadline(node, index);
+  return sent || !ready.empty();
 }
 
 void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruction& instruction) {
@@ -146,33 +262,28 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
   command.robot = invocation.robot;
   command.operation = instruction.operation;
   command.arguments = instruction.arguments;
-  command.guard_revision = core_.input->revision;
-  command.deadline_us = *invocation.deadline_us;
-  if (instruction.timeout_ms) {
-    command.deadline_us = std::min(command.deadline_us, core_.input->now_us + *instruction.timeout_ms * 1000);
-  }
-  for (const RobotOffer& offer : core_.input->robots->Offers(instruction.operation)) {
-    if (offer.robot != invocation.robot) continue;
-    command.expected_incarnation = offer.incarnation;
-    command.idempotent = offer.idempotent;
+  command.guard_revision = invocation.guard_revision;
+  command.deadline_us = StepDeadline(node, index, instruction.timeout_ms).value_or(0);
+  Occupation occupies;
+  if (const RobotOffer* offer = core_.OfferOf(instruction.operation, invocation.robot)) {
+    command.expected_incarnation = offer->incarnation;
+    command.idempotent = offer->idempotent;
+    occupies = offer->occupies;
   }
   invocation.step = instruction.label;
   invocation.progress = 0;
   core_.commands[command.id.value()] = {run_.id, node, index};
   core_.output->commands.push_back(command);
-  invocation.commands.push_back({std::move(command), instruction.step, instruction.attempt});
+  invocation.commands.push_back(
+      {std::move(command), instruction.step, instruction.attempt, std::move(occupies), std::nullopt});
 }
 
 // Once more to the adapter that lives now, under a new id: the one before may know the old id and never tell.
-void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost, const std::string& incarnation) {
+void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
-  ++invocation.resends;
   OpenCommand again = lost;
   again.command.id =
       CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
-  // A proxy that was turned away knows only whom the command was meant for; then any incarnation will do.
-  again.command.expected_incarnation = incarnation == lost.command.expected_incarnation ? "" : incarnation;
-  again.command.guard_revision = core_.input->revision;
   core_.commands[again.command.id.value()] = {run_.id, node, index};
   core_.output->commands.push_back(again.command);
   invocation.commands.push_back(std::move(again));
@@ -199,42 +310,6 @@ void RunStepper::SettleHandler(size_t node, size_t index) {
   }
 }
 
-void RunStepper::InvocationFailed(size_t node, size_t index, const std::string& reason) {
-  InvocationState& invocation = run_.nodes[node].invocations[index];
-  const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
-  CancelCommands(&invocation);
-  if (!invocation.child.empty()) core_.Cancel(invocation.child, reason);
-  if (invocation.retries < invoke.retry) {
-    InvocationState fresh;
-    fresh.invoke = invocation.invoke;
-    fresh.binding = invocation.binding;
-    fresh.attempt = invocation.attempt + 1;
-    fresh.retries = invocation.retries + 1;
-    invocation = std::move(fresh);
-    core_.Say(Subject(node, index), "running", "pending",
-              absl::StrCat("attempt ", invocation.attempt, " after: ", reason));
-    return;
-  }
-  SetInvocation(node, index, WorkState::kFailed, reason);
-}
-
-void RunStepper::CancelInvocation(size_t node, size_t index, const std::string& reason) {
-  InvocationState& invocation = run_.nodes[node].invocations[index];
-  if (IsFinal(invocation.state)) return;
-  if (invocation.handler) invocation.handler->Cancel(reason);
-  CancelCommands(&invocation);
-  if (!invocation.child.empty()) core_.Cancel(invocation.child, reason);
-  SetInvocation(node, index, WorkState::kCancelled, reason);
-}
-
-void RunStepper::CancelCommands(InvocationState* invocation) {
-  for (const OpenCommand& open : invocation->commands) {
-    core_.output->cancels.push_back(open.command.id);
-    core_.commands.erase(open.command.id.value());
-  }
-  invocation->commands.clear();
-}
-
 void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) {
   InvocationState& invocation = run_.nodes[owner.node].invocations[owner.invocation];
   auto open = std::find_if(invocation.commands.begin(), invocation.commands.end(),
@@ -258,17 +333,26 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
   OpenCommand done = *open;
   invocation.commands.erase(open);
   core_.commands.erase(report.command.value());
+  core_.released.insert(done.command.robot);
+  core_.changed_robots.insert(done.command.robot);
   if (report.outcome == Outcome::kSucceeded) {
     rsel::Arguments results(report.results.begin(), report.results.end());
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
               "running", "done", "");
     invocation.handler->Succeeded(done.step, done.attempt, results);
-  } else if (report.outcome == Outcome::kUnknown && done.command.idempotent &&
+  } else if (report.outcome == Outcome::kUnknown && done.command.idempotent && !done.overdue_until_us &&
              invocation.resends < kResendLimit) {
-    Resend(owner.node, owner.invocation, done, report.incarnation);
+    ++invocation.resends;
+    // A proxy that was turned away reports the incarnation of the command itself; then any will do.
+    std::string& expected = done.command.expected_incarnation;
+    expected = report.incarnation == expected ? "" : report.incarnation;
+    invocation.lost.push_back(std::move(done));
     return;
   } else {
-    bool may_retry = report.outcome == Outcome::kFailed || done.command.idempotent;
+    const bool unknown = report.outcome == Outcome::kUnknown && !done.command.idempotent;
+    if (unknown) invocation.once = run_.unknown_outcome = true;
+    bool may_retry =
+        report.outcome == Outcome::kFailed || done.command.idempotent || (done.overdue_until_us && !unknown);
     std::string reason = !report.message.empty()                 ? report.message
                          : report.outcome == Outcome::kCancelled ? "cancelled at the robot"
                                                                  : "the robot gave no reason";
@@ -276,15 +360,20 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
               "running", "failed", reason);
     invocation.handler->Failed(done.step, done.attempt, reason, may_retry);
   }
-  SendReady(owner.node, owner.invocation);
+  if (!invocation.overdue.empty()) return BeginAgain(owner.node, owner.invocation);
+  // What comes next is sent as the run advances, when all reports of the turn are known.
   SettleHandler(owner.node, owner.invocation);
 }
 
 void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
+  // its node may have begun again since
+  if (owner.invocation >= run_.nodes[owner.node].invocations.size()) return;
   InvocationState& invocation = run_.nodes[owner.node].invocations[owner.invocation];
   if (invocation.child != child.id || IsFinal(invocation.state)) return;
   if (child.state != WorkState::kDone) {
     invocation.child = RunId();
+    if (child.unknown_outcome) invocation.once = run_.unknown_outcome = true;
+    if (!invocation.overdue.empty()) return BeginAgain(owner.node, owner.invocation);
     InvocationFailed(owner.node, owner.invocation,
                      absl::StrCat("subflow ", child.id.value(), ": ", child.reason));
     return;
@@ -293,6 +382,7 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
   for (const auto& [name, value] : child.variables) {
     if (run_.variables.count(name) == 0) results.emplace(name, value);
   }
+  invocation.overdue.clear();
   SetInvocation(owner.node, owner.invocation, WorkState::kDone, "");
   SetVariables(results);  // last: it may end the run
 }

@@ -12,24 +12,32 @@
 namespace docent::engine {
 namespace {
 
-// A run ended: its robots are free, and its parent goes on. Adds the robots to `freed`.
-void Settle(Engine::Core* core, const Run& ended, std::map<RobotId, uint64_t>* freed) {
-  // the outermost run goes on holding them: what `holders` says must follow from the runs alone
-  // (RebuildDerived)
-  if (RunId root = core->RootOf(ended); root != ended.id) {
-    if (Run* holder = core->Mutable(root)) holder->robots.insert(ended.robots.begin(), ended.robots.end());
-  }
-  for (const RobotId& robot : ended.robots) {
-    auto holder = core->holders.find(robot);
-    if (holder == core->holders.end() || holder->second != ended.id) continue;
-    core->holders.erase(holder);
-    freed->emplace(robot, 0);
-  }
+// A run ended: its robots may be free, and its parent goes on.
+void Settle(Engine::Core* core, const Run& ended) {
+  core->released.insert(ended.robots.begin(), ended.robots.end());
   core->waiting.Block(ended.number, ended.id, {});
   if (ended.parent.empty()) return;
   if (Run* parent = core->Mutable(ended.parent)) {
     RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
     core->touched.insert(ended.parent);
+  }
+}
+
+void TouchTree(Engine::Core* core, const RunId& root) {
+  const auto tree = core->trees.find(root);
+  if (tree != core->trees.end()) core->touched.insert(tree->second.begin(), tree->second.end());
+}
+
+// Robots of which something became free: those that no run holds any more go to `freed`, of the others the holder's own runs
+// go on.
+void Release(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
+  for (const RobotId& robot : std::exchange(core->released, {})) {
+    core->FreeIfOver(robot);
+    const RunId* holder = core->ledger.Holder(robot);
+    if (holder == nullptr)
+      freed->emplace(robot, 0);
+    else
+      TouchTree(core, *holder);
   }
 }
 
@@ -41,10 +49,10 @@ void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
     auto offers = [core, &robot](const std::string& operation) {
       std::string why_not;
       rsel::PlanPtr plan = core->PlanOf(operation);
-      return !core->RobotsFor(*plan, Term::Iri(robot.value()), RunId(), &why_not).empty();
+      return !core->RobotsFor(*plan, Term::Iri(robot.value()), RunId(), {}, &why_not).empty();
     };
     std::optional<std::pair<uint64_t, RunId>> next;
-    if (core->holders.count(robot) == 0) next = core->waiting.Next(robot, it->second, offers);
+    if (core->ledger.Holder(robot) == nullptr) next = core->waiting.Next(robot, it->second, offers);
     if (!next) {
       it = freed->erase(it);
       continue;
@@ -62,14 +70,21 @@ void ReconsiderWaiting(Engine::Core* core) {
     std::optional<Term> wanted;
     if (!wish.robot.empty()) wanted = Term::Iri(wish.robot.value());
     std::string why_not;
-    size_t able = core->RobotsFor(*core->PlanOf(wish.operation), wanted, RunId(), &why_not).size();
-    if (able > 0) why_not = std::string(kAllServeOthers);
+    const std::vector<RobotId> able =
+        core->RobotsFor(*core->PlanOf(wish.operation), wanted, RunId(), {}, &why_not);
+    core->released.insert(able.begin(), able.end());
+    if (!able.empty()) why_not = std::string(kAllServeOthers);
     std::vector<CommandOwner> oldest = core->waiting.Oldest(wish, 1);
     const Run& first = core->runs.at(oldest[0].run);
-    bool news = first.nodes[oldest[0].node].invocations[oldest[0].invocation].reason != why_not;
-    for (const CommandOwner& owner : core->waiting.Oldest(wish, news ? SIZE_MAX : able))
-      core->touched.insert(owner.run);
+    const std::string& reason = first.nodes[oldest[0].node].invocations[oldest[0].invocation].reason;
+    // What its own run is the reason of is no news for the others.
+    const std::set<std::string_view> own = {kAtAnotherStep, kAttemptNotEnded, kComesLater, kHoldsNot};
+    bool news = reason != why_not && !own.contains(reason);
+    if (!news) return;
+    for (const CommandOwner& owner : core->waiting.Oldest(wish, SIZE_MAX)) core->touched.insert(owner.run);
   });
+  for (const auto& [robot, root] : core->ledger.holders()) TouchTree(core, root);
+  for (const RobotId& robot : core->waiting.BlockedRobots()) core->released.insert(robot);
 }
 
 void AdvanceAll(Engine::Core* core) {
@@ -89,8 +104,9 @@ void AdvanceAll(Engine::Core* core) {
       auto it = core->runs.find(id);
       if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second)
         continue;
-      Settle(core, it->second, &freed);
+      Settle(core, it->second);
     }
+    Release(core, &freed);
     if (core->touched.empty()) Offer(core, &freed);
     if (core->touched.empty()) return;
   }

@@ -4,6 +4,7 @@
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -46,6 +47,15 @@ struct OpenCommand {
   RobotCommand command;
   int step = 0;     // of the RSEL plan, from 1
   int attempt = 0;  // of that step, from 1
+  Occupation occupies;
+  // Its time was over and it was cancelled; until then its end is waited for, then the step fails without another attempt.
+  std::optional<TimeMicros> overdue_until_us;
+
+  // When something has to be done about it, if it has no final report by then.
+  std::optional<TimeMicros> EndsAt() const {
+    if (overdue_until_us || command.deadline_us == 0) return overdue_until_us;
+    return command.deadline_us;
+  }
 };
 
 // One invoke of a node, for one binding of forEach.
@@ -59,11 +69,22 @@ struct InvocationState {
   std::optional<rsel::InstructionHandler> handler;
   RobotId robot;
   std::vector<OpenCommand> commands;
-  RunId child;       // subflow
-  std::string step;  // "2/4 moveToBooth", the latest given
+  std::vector<OpenCommand> lost;  // idempotent ones with an unknown outcome, to be sent again
+  RunId child;                    // subflow
+  std::string step;               // "2/4 moveToBooth", the latest given
   double progress = 0;
   std::string reason;
-  std::optional<TimeMicros> deadline_us;  // of this attempt
+  // Of this attempt, where the document gives a time; else of waiting for a robot.
+  std::optional<TimeMicros> deadline_us;
+  Occupation occupies;  // of the robot, while it runs
+  // This attempt has failed, and the next one begins when the end of all its commands is known. Empty: it goes on.
+  std::string overdue;
+  TermBinding match;        // of the guard, with which the node opened for this invocation
+  Revision guard_revision;  // at which the guard was last seen to hold: when this attempt began
+  bool sent = false;        // in this attempt or one before, a command or a sub-flow
+  bool queued = false;      // pending: it waits for a robot in the waiting room (waiting_room.h)
+  bool once =
+      false;  // an outcome is unknown and the operation is not idempotent: there is no further attempt
 };
 
 struct ArmedCondition {
@@ -71,6 +92,18 @@ struct ArmedCondition {
   cawl::CompiledAsk ask;
   // ask.by_event(): events that came while only robots that serve other runs could take them, and still stand.
   std::set<TermBinding> waiting_events;
+};
+
+// What is asked again after a node has opened: the condition that opened it, or its ext:while-holds.
+struct Guard {
+  ArmedCondition armed;  // handle 0: not armed, since nothing waits
+  bool every = false;    // armed for each binding of its free variables (NodeKeys)
+};
+
+// What the match that opened a node made of a variable of the run.
+struct ReplacedValue {
+  Term given;
+  std::optional<Term> before;
 };
 
 // A link with ext:while, waiting for the level of its condition.
@@ -91,8 +124,12 @@ struct NodeState {
   std::set<RobotId> busy_robots;  // waiting: its condition holds, but only with these, which serve other runs
   std::optional<TimeMicros> deadline_us;  // of waiting, then of running
   std::vector<InvocationState> invocations;
-  std::string waits_for;      // the ASK, while waiting
-  std::string fired_because;  // N-Triples, since it opened
+  std::optional<Guard> guard;  // running: the condition that opened it, while it may have to be asked again
+  std::optional<Guard> hold;   // running: its ext:while-holds, where that is not its condition
+  std::map<std::string, ReplacedValue> replaced;  // running: by the match that opened it
+  int first_attempt = 1;                          // of the invocations when it opens next
+  std::string waits_for;                          // the ASK, while waiting
+  std::string fired_because;                      // N-Triples, since it opened
   TimeMicros fired_us = 0;
   std::string reason;  // failed, skipped, cancelled: why
 };
@@ -117,7 +154,10 @@ struct Run {
   TermBinding variables;
   std::vector<NodeState> nodes;  // as cawl::Flow::nodes
   bool sink_reached = false;
-  std::set<RobotId> robots;  // held by this run until it ends
+  std::set<RobotId> robots;      // that this run or a run nested in it has taken (robot_ledger.h)
+  bool unknown_outcome = false;  // of an operation that is not idempotent: nothing of this run is tried again
+
+  RunId root;  // the outermost run that it is nested in, or itself
 
   // The invocation that this run is the subflow of.
   RunId parent;

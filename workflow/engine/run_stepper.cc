@@ -40,6 +40,11 @@ void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause
   node.since_us = core_.input->now_us;
   node.deadline_us.reset();
   if (state != WorkState::kWaiting) node.waits_for.clear();
+  if (state != WorkState::kRunning) {
+    DisarmGuard(&node.guard);
+    DisarmGuard(&node.hold);
+    node.replaced.clear();
+  }
   if (!node.busy_robots.empty()) {
     node.busy_robots.clear();
     core_.Reblock(run_);
@@ -60,8 +65,11 @@ void RunStepper::SetVariables(const TermBinding& binding) {
       continue;
     changed = true;
   }
-  if (!changed) return;
-  // what the other nodes wait for was written with the old values
+  if (changed) RearmWaiting();
+}
+
+// What nodes wait for was written with values of before.
+void RunStepper::RearmWaiting() {
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
     if (run_.nodes[i].state == WorkState::kWaiting) ArmNode(i);
   }
@@ -148,15 +156,16 @@ void RunStepper::Activate(size_t index) {
   NodeState& node = run_.nodes[index];
   const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
   if (!condition || (condition->contexts.empty() && condition->cases.empty())) {
-    return Open(index, {}, "", "it has no condition");
+    return Open(index, {}, "", "it has no condition", nullptr);
   }
   SetNode(index, WorkState::kWaiting, absl::StrCat("after ", absl::StrJoin(node.arrived, ", ")));
   if (condition->timeout_ms) node.deadline_us = core_.input->now_us + *condition->timeout_ms * 1000;
   ArmNode(index);
 }
 
-std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask) {
+std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every) {
   std::vector<std::string> keys = ask.event_variables;
+  if (keys.empty() && every) return ask.free_variables;
   // a condition that holds with busy robots only is looked at again when it holds with another robot
   bool any_robot = std::count(ask.free_variables.begin(), ask.free_variables.end(), "robot") > 0;
   if (keys.empty() && any_robot) keys.push_back("robot");
@@ -182,7 +191,8 @@ void RunStepper::ArmNode(size_t index) {
   for (cawl::CompiledAsk& ask : *asks) {
     if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
     node.waits_for += ask.ask;
-    ConditionHandle handle = core_.Arm(ask, NodeKeys(ask), {run_.id, index, ""});
+    const std::vector<std::string> keys = NodeKeys(ask, flow_.nodes[index].holds_condition);
+    ConditionHandle handle = core_.Arm(ask, keys, {run_.id, index, ""});
     node.armed.push_back(Armed(handle, std::move(ask)));
   }
 }
@@ -229,7 +239,20 @@ std::vector<TermBinding> RunStepper::Solutions(const ArmedCondition& armed) cons
   return all;
 }
 
-// Robots of solutions that cannot be used, because they serve other runs, are added to `busy`.
+// Whether the robot serves no other run and takes commands. A node without operations needs only the former.
+bool RunStepper::CanServe(size_t index, const RobotId& robot, const RunId& root) const {
+  if (!core_.ledger.IsFree(robot, root)) return false;
+  for (const cawl::Invoke& invoke : flow_.nodes[index].invokes) {
+    if (invoke.operation.value.empty()) continue;
+    const rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value);
+    const RobotOffer* offer = core_.OfferOf(plan->steps[0].operation, robot);
+    // one that is offline or does not offer it is waited for by the invocation
+    if (offer != nullptr && !offer->offline && !core_.OutOfService(*offer).empty()) return false;
+  }
+  return true;
+}
+
+// Robots of solutions that cannot be used, because they serve other runs or take no commands, are added to `busy`.
 bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy) {
   const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
   RunId root = core_.RootOf(run_);
@@ -237,7 +260,7 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set
   std::set<std::string> seen;
   for (TermBinding& solution : Solutions(armed)) {
     auto robot = solution.find("robot");
-    if (robot != solution.end() && !core_.IsFree(RobotId(robot->second.lexical), root)) {
+    if (robot != solution.end() && !CanServe(index, RobotId(robot->second.lexical), root)) {
       busy->insert(RobotId(robot->second.lexical));
       continue;
     }
@@ -254,37 +277,58 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set
   std::string evidence = core_.input->conditions->Evidence(armed.handle, chosen.front());
   std::string cause = absl::StrCat("condition ", armed.ask.name, " holds");
   if (!chosen.front().empty()) absl::StrAppend(&cause, " with ", ShowBinding(chosen.front()));
-  Open(index, chosen, std::move(evidence), cause);
+  Open(index, chosen, std::move(evidence), cause, &armed);
   return true;
 }
 
 void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
-                      const std::string& cause) {
+                      const std::string& cause, const ArmedCondition* by) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
+  absl::Status guarded = by == nullptr ? absl::OkStatus() : KeepGuard(index, ArmedCondition(*by));
+  std::optional<Guard> guard = std::exchange(node.guard, std::nullopt);
+  if (guard) guard->every = syntax.holds_condition && guard->armed.handle != 0;
   DisarmNode(index);
   SetNode(index, WorkState::kRunning, cause);
+  node.guard = std::move(guard);
   node.fired_because = std::move(evidence);
   node.fired_us = core_.input->now_us;
   if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
   node.invocations.clear();
-  if (!bindings.empty()) SetVariables(bindings.front());
+  if (!guarded.ok()) return NodeImpossible(index, guarded);
+  if (!bindings.empty()) {
+    for (const auto& [name, value] : bindings.front()) {
+      const auto before = run_.variables.find(name);
+      if (before == run_.variables.end())
+        node.replaced[name] = {value, std::nullopt};
+      else if (before->second != value)
+        node.replaced[name] = {value, before->second};
+    }
+    SetVariables(bindings.front());
+  }
   // new values can make another node's condition impossible, and that may end the run or begin a loop again
   if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning) return;
+  if (absl::Status held = ArmHold(index); !held.ok()) return NodeImpossible(index, held);
   std::vector<TermBinding> overlays;
   if (syntax.for_each.empty())
     overlays.emplace_back();
   else
     overlays = bindings;
-  for (const TermBinding& overlay : overlays) {
+  for (size_t o = 0; o < overlays.size(); ++o) {
     for (size_t i = 0; i < syntax.invokes.size(); ++i) {
       InvocationState invocation;
       invocation.invoke = i;
-      invocation.binding = overlay;
+      invocation.binding = overlays[o];
+      invocation.attempt = node.first_attempt;
+      if (node.guard && o < bindings.size()) invocation.match = MatchOf(node.guard->armed.ask, bindings[o]);
       node.invocations.push_back(std::move(invocation));
     }
   }
-  for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) TryDispatch(index, i);
+  for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
+    TryDispatch(index, i, true);
+    if (run_.state != WorkState::kRunning || run_.nodes[index].state != WorkState::kRunning) return;
+  }
+  SettleGuard(index);
 }
 
 // True if the node came to an end.
@@ -312,7 +356,7 @@ void RunStepper::NodeDone(size_t index) {
   std::vector<size_t> plain;
   for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
     const cawl::Link& link = flow_.links[i];
-    if (link.on_failure) continue;
+    if (link.on_failure || link.on_interrupt) continue;
     if (!link.while_constraint) {
       plain.push_back(i);
       continue;
@@ -348,7 +392,8 @@ bool RunStepper::ResolvePendingLinks(size_t index) {
   node.pending_links.clear();
   if (taken.empty()) {
     for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
-      if (!flow_.links[i].on_failure && !flow_.links[i].while_constraint) taken.push_back(i);
+      const cawl::Link& link = flow_.links[i];
+      if (!link.on_failure && !link.on_interrupt && !link.while_constraint) taken.push_back(i);
     }
   }
   SetNode(index, WorkState::kDone, "all its invocations are done");
@@ -379,7 +424,9 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
   DisarmNode(index);
   for (size_t i = 0; i < node.invocations.size(); ++i)
     CancelInvocation(index, i, "another invocation of the node failed");
-  if (node.state == WorkState::kRunning && node.attempt <= syntax.retry) {
+  const bool once = std::any_of(node.invocations.begin(), node.invocations.end(),
+                                [](const InvocationState& invocation) { return invocation.once; });
+  if (node.state == WorkState::kRunning && node.attempt <= syntax.retry && !once) {
     ++node.attempt;
     core_.Say(Subject(index), "running", "running",
               absl::StrCat("attempt ", node.attempt, " after: ", reason));
@@ -388,11 +435,12 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       InvocationState fresh;
       fresh.invoke = old.invoke;
       fresh.binding = old.binding;
+      fresh.match = old.match;
+      fresh.sent = old.sent;
       fresh.attempt = old.attempt + 1;  // its own retries begin anew
       old = std::move(fresh);
     }
-    for (size_t i = 0; i < node.invocations.size(); ++i) TryDispatch(index, i);
-    return;
+    return;  // they are sent as the run advances
   }
   SetNode(index, WorkState::kFailed, reason);
   std::vector<size_t> taken;
@@ -401,6 +449,12 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
   }
   if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", syntax.name.value, ": ", reason));
   FollowLinks(index, taken);
+}
+
+// It fails whatever its ext:retry says: what it asks for cannot be asked.
+void RunStepper::NodeImpossible(size_t index, const absl::Status& why) {
+  run_.nodes[index].attempt = flow_.nodes[index].retry + 1;
+  NodeFailed(index, std::string(why.message()));
 }
 
 void RunStepper::CancelNode(size_t index, const std::string& reason) {
@@ -424,14 +478,7 @@ bool RunStepper::CheckDeadlines(size_t index) {
     return true;
   }
   for (size_t i = 0; i < node.invocations.size(); ++i) {
-    InvocationState& invocation = node.invocations[i];
-    if (IsFinal(invocation.state) || !invocation.deadline_us || *invocation.deadline_us > now) continue;
-    std::string what =
-        invocation.state == WorkState::kPending ? "no robot became free for it" : invocation.step;
-    InvocationFailed(
-        index, i,
-        absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));
-    return true;
+    if (CheckOverdue(index, i)) return true;
   }
   return false;
 }
@@ -456,17 +503,19 @@ void RunStepper::Advance() {
         case WorkState::kRunning:
           if (!run_.nodes[i].pending_links.empty()) {
             // armed in an earlier round: the level is known; armed in this one: it is not yet
-            ConditionHandle first = run_.nodes[i].pending_links[0].handle;
-            bool known =
-                std::none_of(core_.output->arm.begin(), core_.output->arm.end(),
-                             [first](const ConditionRequest& request) { return request.handle == first; });
-            if (known) changed = ResolvePendingLinks(i) || changed;
+            if (IsKnown(run_.nodes[i].pending_links[0].handle)) changed = ResolvePendingLinks(i) || changed;
+            break;
+          }
+          if (CheckHold(i)) {
+            changed = true;
             break;
           }
           for (size_t k = 0; k < run_.nodes[i].invocations.size(); ++k) {
-            if (run_.nodes[i].invocations[k].state == WorkState::kPending)
-              changed = TryDispatch(i, k) || changed;
+            changed = GoOn(i, k) || changed;
+            if (run_.state != WorkState::kRunning || run_.nodes[i].state != WorkState::kRunning) break;
           }
+          if (run_.state != WorkState::kRunning || run_.nodes[i].state != WorkState::kRunning) break;
+          SettleGuard(i);
           changed = CheckNode(i) || CheckDeadlines(i) || changed;
           break;
         default:
@@ -474,6 +523,7 @@ void RunStepper::Advance() {
       }
     }
     if (run_.state == WorkState::kRunning) changed = CheckEnd() || changed;
+    if (changed) core_.advanced.insert(run_.id);
   }
 }
 
@@ -508,7 +558,9 @@ std::optional<TimeMicros> RunStepper::NextDeadline() const {
     if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) continue;
     consider(node.deadline_us);
     for (const InvocationState& invocation : node.invocations) {
-      if (!IsFinal(invocation.state)) consider(invocation.deadline_us);
+      if (IsFinal(invocation.state)) continue;
+      consider(invocation.deadline_us);
+      for (const OpenCommand& open : invocation.commands) consider(open.EndsAt());
     }
   }
   return next;

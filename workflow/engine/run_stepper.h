@@ -12,8 +12,8 @@
 
 namespace docent::engine {
 
-// The key variables with which a node's condition is armed.
-std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask);
+// The key variables with which a node's condition is armed. `every`: a change of any binding is to be noticed.
+std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every);
 
 class RunStepper {
  public:
@@ -25,6 +25,8 @@ class RunStepper {
   void Advance();
   // What became of a command of this run.
   void Report(const CommandOwner& owner, const CommandReport& report);
+  // An operation of an attempt that failed has an unknown outcome and is not idempotent: there is no further attempt.
+  void OutcomeUnknown(const CommandOwner& owner);
   // A subflow ended.
   void ChildEnded(const CommandOwner& owner, const Run& child);
   // Ends the run; what is under way is cancelled.
@@ -46,34 +48,73 @@ class RunStepper {
   bool TryOpen(size_t index);
   void TakeEvents(ArmedCondition* armed);
   std::vector<TermBinding> Solutions(const ArmedCondition& armed) const;
+  bool CanServe(size_t index, const RobotId& robot, const RunId& root) const;
   bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
+  // `by`: the condition that opens it; null: it has none.
   void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
-            const std::string& cause);
+            const std::string& cause, const ArmedCondition* by);
   bool CheckNode(size_t index);
   void NodeDone(size_t index);
   void NodeFailed(size_t index, const std::string& reason);
+  void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
   bool ResolvePendingLinks(size_t index);
   void FollowLinks(size_t index, const std::vector<size_t>& taken);
   bool CheckDeadlines(size_t index);
   bool CheckEnd();
   void SetVariables(const TermBinding& binding);
+  void RearmWaiting();
 
-  // run_invocations.cc: invocations
+  // run_guards.cc: guards
+  enum class Answer { kYes, kNo, kUnknown };
+  bool IsKnown(ConditionHandle handle) const;
+  Answer Ask(const Guard& guard, const TermBinding& match);
+  static TermBinding MatchOf(const cawl::CompiledAsk& ask, const TermBinding& solution);
+  absl::Status KeepGuard(size_t index, const ArmedCondition& by);
+  bool NeedsGuard(size_t index) const;
+  void SettleGuard(size_t index);
+  void ArmGuard(size_t index, bool every);
+  void DisarmGuard(std::optional<Guard>* guard);
+  absl::Status ArmHold(size_t index);
+  bool NothingBegun(size_t index) const;
+  bool MayBegin(size_t node, size_t invocation, bool* changed);
+  bool CheckHold(size_t index);
+  void Interrupt(size_t index, const std::string& why);
+  void WaitAgain(size_t index, const std::string& why);
+  void PutBack(const std::map<std::string, ReplacedValue>& replaced);
+
+  // run_invocations.cc, run_attempts.cc: invocations
   // As transitions name it: RUN/NODE, RUN/NODE/INVOCATION, of segments (graph/rdf/docent_iris.h).
   std::string Subject(size_t node) const;
   std::string Subject(size_t node, size_t invocation) const;
   void SetInvocation(size_t node, size_t invocation, WorkState state, const std::string& cause);
-  bool TryDispatch(size_t node, size_t invocation);
+  bool GoOn(size_t node, size_t invocation);
+  // `opening`: its node opens in this round, and its guard holds.
+  bool TryDispatch(size_t node, size_t invocation, bool opening = false);
+  bool ComesLater(size_t node, size_t invocation) const;
+  bool AttemptsEnded(size_t node) const;
+  void WaitForRobot(size_t node, size_t invocation, std::string why);
+  bool WaitForOwnRobot(size_t node, size_t invocation, std::string_view why);
+  std::optional<TimeMicros> GivenDeadline(size_t node, size_t invocation) const;
+  std::optional<TimeMicros> OuterDeadline(size_t node, size_t invocation) const;
+  std::optional<TimeMicros> DefaultDeadline(size_t node, size_t invocation) const;
+  std::optional<TimeMicros> StepDeadline(size_t node, size_t invocation,
+                                         std::optional<int64_t> timeout_ms) const;
   std::vector<std::string> InputsOf(size_t node, size_t invocation) const;
   bool StartSubflow(size_t node, size_t invocation);
-  void SendReady(size_t node, size_t invocation);
+  bool SendReady(size_t node, size_t invocation);
+  bool MaySend(size_t node, size_t invocation, const std::string& operation, std::vector<Occupation>* taken,
+               std::string* why_not) const;
   void SendInstruction(size_t node, size_t invocation, const rsel::Instruction& instruction);
-  void Resend(size_t node, size_t invocation, const OpenCommand& lost, const std::string& incarnation);
+  void Resend(size_t node, size_t invocation, const OpenCommand& lost);
   void SettleHandler(size_t node, size_t invocation);
   void InvocationFailed(size_t node, size_t invocation, const std::string& reason);
+  void BeginAgain(size_t node, size_t invocation);
+  bool CheckOverdue(size_t node, size_t invocation);
+  void CommandOverdue(size_t node, size_t invocation, const CommandId& command);
+  void LeaveRobot(size_t node, size_t invocation);
   void CancelInvocation(size_t node, size_t invocation, const std::string& reason);
-  void CancelCommands(InvocationState* invocation);
+  void LetCommandsEnd(size_t node, size_t invocation);
   std::optional<Term> Value(const std::string& name, const TermBinding* overlay) const;
 
   Engine::Core& core_;

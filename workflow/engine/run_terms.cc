@@ -46,8 +46,11 @@ constexpr std::array kNames = {
     Name{kDocentNs, "command"},
     Name{kDocentNs, "step"},
     Name{kDocentNs, "progress"},
+    Name{kDocentNs, "heldBy"},
+    Name{kDocentNs, "heldFor"},
+    Name{kDocentNs, "endingCommand"},
 };
-static_assert(kNames.size() == static_cast<size_t>(RunTerm::kProgress) + 1);
+static_assert(kNames.size() == static_cast<size_t>(RunTerm::kEndingCommand) + 1);
 
 }  // namespace
 

@@ -46,6 +46,9 @@ enum class RunTerm : uint8_t {
   kCommand,
   kStep,
   kProgress,
+  kHeldBy,
+  kHeldFor,
+  kEndingCommand,
 };
 
 // Writer thread only.
@@ -60,7 +63,7 @@ class RunTerms {
 
  private:
   Dictionary& dictionary_;
-  std::array<TermId, static_cast<size_t>(RunTerm::kProgress) + 1> terms_;
+  std::array<TermId, static_cast<size_t>(RunTerm::kEndingCommand) + 1> terms_;
   std::array<TermId, static_cast<size_t>(WorkState::kCancelled) + 1> states_;
 };
 

@@ -38,6 +38,12 @@ void WaitingRoom::Block(uint64_t number, const RunId& run, const std::set<RobotI
   blocked_runs_.emplace(run, std::make_pair(number, robots));
 }
 
+std::vector<RobotId> WaitingRoom::BlockedRobots() const {
+  std::vector<RobotId> robots;
+  for (const auto& [robot, queue] : blocked_) robots.push_back(robot);
+  return robots;
+}
+
 void WaitingRoom::ForEachWish(const std::function<void(const RobotWish&)>& visit) const {
   for (const auto& [wish, queue] : wishes_) visit(wish);
 }

@@ -44,6 +44,9 @@ class WaitingRoom {
   // none: it is not blocked.
   void Block(uint64_t number, const RunId& run, const std::set<RobotId>& robots);
 
+  // Those with which a run is blocked.
+  std::vector<RobotId> BlockedRobots() const;
+
   // Calls `visit` for each wish that somebody has.
   void ForEachWish(const std::function<void(const RobotWish&)>& visit) const;
   // The oldest `count` invocations with this wish.

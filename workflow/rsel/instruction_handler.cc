@@ -41,7 +41,12 @@ absl::StatusOr<InstructionHandler> InstructionHandler::Restore(PlanPtr plan, Sav
   return handler;
 }
 
-std::vector<Instruction> InstructionHandler::TakeReady() {
+bool InstructionHandler::HasMoreAttempts(int step) const {
+  return steps_[step - 1].attempt <= plan_->steps[step - 1].retry;
+}
+
+std::vector<Instruction> InstructionHandler::TakeReady(
+    const std::function<bool(const PlanStep&)>& may_begin) {
   std::vector<Instruction> out;
   Advance();
   for (int step = 1; step <= static_cast<int>(steps_.size()) && !ended(); ++step) {
@@ -68,13 +73,14 @@ std::vector<Instruction> InstructionHandler::TakeReady() {
       // No attempt can change that. Whether the process goes on is the step's onFailure.
       if (plan_step.on_failure == Invoke::OnFailure::kContinue) {
         EndStep(step, StepState::kFailed);
-        std::vector<Instruction> more = TakeReady();
+        std::vector<Instruction> more = TakeReady(may_begin);
         out.insert(out.end(), more.begin(), more.end());
         break;
       }
       Fail(step, missing);
       break;
     }
+    if (may_begin && !may_begin(plan_step)) continue;
     status.state = StepState::kRunning;
     status.attempt = instruction.attempt;
     status.reported = false;

@@ -10,6 +10,7 @@
 #ifndef DOCENT_WORKFLOW_RSEL_INSTRUCTION_HANDLER_H_
 #define DOCENT_WORKFLOW_RSEL_INSTRUCTION_HANDLER_H_
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -47,8 +48,11 @@ class InstructionHandler {
   static absl::StatusOr<InstructionHandler> Start(PlanPtr plan, const Arguments& arguments);
 
   // The instructions that can be given now and were not yet; they count as running from here on.
-  // A step whose argument is the missing result of an earlier step fails here.
-  std::vector<Instruction> TakeReady();
+  // A step whose argument is the missing result of an earlier step fails here. `may_begin` (null: any may) is asked of each
+  // in turn; those that may not begin yet stay ready.
+  std::vector<Instruction> TakeReady(const std::function<bool(const PlanStep&)>& may_begin = nullptr);
+  // Whether the attempt that runs is not the step's last.
+  bool HasMoreAttempts(int step) const;
 
   // What became of an instruction. False, and nothing changed, when that attempt is not running (a late or repeated
   // report). After the end: false, and the instruction is struck off from RunningSteps().

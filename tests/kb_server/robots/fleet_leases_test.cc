@@ -40,10 +40,30 @@ TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("R"));
   EXPECT_EQ(seen_us_, renewed_us);
-  leases_.Expect("S");
+  leases_.Expect("S", "s:1");
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("S"));
   EXPECT_EQ(seen_us_, 0) << "not by this server";
+}
+
+TEST_F(FleetLeasesTest, OneAdapterSpeaksForARobotWhileItsLeaseLives) {
+  EXPECT_EQ(leases_.Claim("R", "a:1"), "");
+  Renew();
+  leases_.Told("R", "d", true);
+  EXPECT_EQ(leases_.Claim("R", "b:2"), "a:1");
+  EXPECT_EQ(leases_.RivalOf("R"), "b:2");
+  EXPECT_EQ(leases_.Claim("R", "a:1"), "") << "it goes on";
+  EXPECT_EQ(leases_.Claim("R", "b:2", "a:1"), "") << "no adapter is at the first address any more";
+  EXPECT_EQ(leases_.Claim("R", "a:1"), "b:2");
+  PassALease();
+  EXPECT_EQ(leases_.RivalOf("R"), "") << "it has not asked again";
+  EXPECT_EQ(leases_.Claim("R", "c:3"), "");
+}
+
+TEST_F(FleetLeasesTest, AfterARestartTheAdapterThatTheGraphHasSpeaksForOneLease) {
+  leases_.Expect("R", "a:1");
+  EXPECT_EQ(leases_.Claim("R", "b:2"), "a:1");
+  EXPECT_EQ(leases_.Claim("R", "a:1"), "");
 }
 
 TEST_F(FleetLeasesTest, TheGraphIsToldOfANewRobotAndOfAChangedDescriptionOnly) {
@@ -84,7 +104,7 @@ TEST_F(FleetLeasesTest, ARobotThatJoinsWhileItsLossIsUnderWayIsToldAfterIt) {
 }
 
 TEST_F(FleetLeasesTest, ALossThatWasRefusedIsToldOneLeaseLater) {
-  leases_.Expect("R");
+  leases_.Expect("R", "r:1");
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("R"));
   leases_.ToldLost("R", false);
@@ -108,7 +128,7 @@ TEST_F(FleetLeasesTest, ALossThatWasRefusedWhileTheRobotCameBackIsNoNews) {
 }
 
 TEST_F(FleetLeasesTest, AfterARestartAJoinIsToldOnce) {
-  leases_.Expect("R");
+  leases_.Expect("R", "r:1");
   Renew();
   leases_.Told("R", "d", true);
   Renew();

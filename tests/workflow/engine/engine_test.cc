@@ -59,6 +59,7 @@ TEST_F(EngineTest, AConditionThatHoldsAlreadyFiresInTheSameTurn) {
 }
 
 TEST_F(EngineTest, ParallelLinksJoinWhenAllHaveCome) {
+  robots_.by_operation = {{"a", {"base"}}, {"b", {"screen"}}};
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
               Node("C", "", "<invoke operation=\"c\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
               Link("s", "B") + Link("A", "C") + Link("B", "C") + Link("C", "t")));
@@ -73,6 +74,7 @@ TEST_F(EngineTest, ParallelLinksJoinWhenAllHaveCome) {
 }
 
 TEST_F(EngineTest, AJoinConditionOpensEarly) {
+  robots_.by_operation = {{"a", {"base"}}, {"b", {"screen"}}, {"c", {"screen"}}};
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
               Node("C", "", "<wait joinCondition=\"A or B\"/><invoke operation=\"c\"/>") +
               "<sink name=\"t\"/>" + Link("s", "A") + Link("s", "B") + Link("A", "C") + Link("B", "C") +
@@ -84,6 +86,7 @@ TEST_F(EngineTest, AJoinConditionOpensEarly) {
 }
 
 TEST_F(EngineTest, InvokesOfANodeRunTogetherAndAllMustEnd) {
+  robots_.by_operation = {{"show", {"screen"}}, {"say", {"voice"}}};
   Deploy(Flow(Node("A", "", "<invoke operation=\"show\"/><invoke operation=\"say\"/>") +
               "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
@@ -563,8 +566,12 @@ TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
   Turn({}, {{RunRequest::Kind::kCancel, "F-1", {}}});
   EXPECT_THAT(cancels_, ElementsAre(id));
   EXPECT_TRUE(Says("F-1 running>cancelled"));
-  EXPECT_EQ(engine_.OpenCommands().size(), 0u);
-  Turn({Done(id)});  // late: no effect
+  ASSERT_EQ(engine_.OpenCommands().size(), 1u);
+  EXPECT_TRUE(engine_.OpenCommands()[0].ending);
+  Turn({Done(id)});
+  EXPECT_THAT(transitions_, ElementsAre("F-1/A/0 ending>ended"));
+  EXPECT_THAT(engine_.OpenCommands(), IsEmpty());
+  Turn({Done(id)});  // repeated: nothing happens
   EXPECT_THAT(transitions_, IsEmpty());
 }
 

@@ -32,9 +32,9 @@ TEST_F(EngineWaitingTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
               Link("A", "t")));
   for (int i = 1; i <= 11; ++i) Start();
   for (int i = 2; i <= 11; ++i) {
-    std::vector<RobotCommand> open = engine_.OpenCommands();
+    std::vector<CommandUnderWay> open = engine_.OpenCommands();
     ASSERT_EQ(open.size(), 1u);
-    Turn({Done(open[0].id)});
+    Turn({Done(open[0].command.id)});
     ASSERT_EQ(commands_.size(), 1u);
     EXPECT_THAT(commands_[0].id.value(), ::testing::StartsWith("F-" + std::to_string(i) + "/"));
   }

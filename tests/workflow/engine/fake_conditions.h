@@ -98,15 +98,25 @@ class FakeConditions final : public ConditionView {
 class FakeRobots final : public RobotDirectory {
  public:
   std::vector<RobotOffer> offers;
-  std::string only;       // empty: everything
-  bool news = true;       // result of changed()
-  mutable int asked = 0;  // how often Offers was called
+  std::map<std::string, Occupation> by_operation;  // what it occupies
+  std::string only;                                // empty: everything
+  bool news = true;                                // what changed() says
+  mutable int asked = 0;                           // how often Offers was called
   const std::vector<RobotOffer>& Offers(const std::string& operation) const override {
     static const std::vector<RobotOffer> kNone;
     ++asked;
-    return only.empty() || only == operation ? offers : kNone;
+    if (!only.empty() && only != operation) return kNone;
+    const auto occupies = by_operation.find(operation);
+    if (occupies == by_operation.end()) return offers;
+    std::vector<RobotOffer>& kept = kept_[operation];
+    kept = offers;
+    for (RobotOffer& offer : kept) offer.occupies = occupies->second;
+    return kept;
   }
   bool changed() const override { return news; }
+
+ private:
+  mutable std::map<std::string, std::vector<RobotOffer>> kept_;
 };
 
 }  // namespace docent::engine

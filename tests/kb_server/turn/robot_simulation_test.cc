@@ -1,0 +1,365 @@
+// Plays the simulation of robot_simulation.h and checks after every turn what an operator relies on:
+//   - no two commands under way occupy the same part of a robot, and all of a robot are of the run that holds it;
+//   - no attempt begins before the end of the one before it is known;
+//   - a robot is free exactly when its last holder and all of its commands have ended;
+//   - no command goes to a robot that takes none, or whose node's condition did not hold at its guard_revision;
+//   - the log, replayed, comes to the same decisions and the same graph, whatever restarts there were.
+// DOCENT_SIMULATION_SEEDS=10000 plays more seeds; DOCENT_SIMULATION_SEED=17 plays one, and tells its course.
+#include <array>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/store/graph_reader.h"
+#include "gtest/gtest.h"
+#include "kb_server/turn/turn.h"
+#include "kb_server/writer/server_state.h"
+#include "tests/kb_server/random_world.h"
+#include "tests/kb_server/turn/robot_simulation.h"
+
+namespace docent::server {
+namespace {
+
+using test::Dice;
+using test::Fact;
+using test::Fleet;
+using test::Iri;
+using test::Tell;
+
+int FromEnvironment(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  int value = 0;
+  return text != nullptr && absl::SimpleAtoi(text, &value) ? value : otherwise;
+}
+
+bool IsFinal(CommandReport::Outcome outcome) {
+  using Outcome = CommandReport::Outcome;
+  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
+         outcome == Outcome::kUnknown;
+}
+
+// run/node/iteration/invocation.attempt/step/attempt@time
+struct IdParts {
+  explicit IdParts(const CommandId& id) {
+    const std::vector<std::string> parts = absl::StrSplit(id.value(), '/');
+    run = parts[0];
+    node = parts[1];
+    const std::vector<std::string> invocation = absl::StrSplit(parts[3], '.');
+    place = absl::StrCat(run, "/", node, "/", parts[2], "/", invocation[0]);
+    attempt = invocation[1];
+    step = parts[4];
+  }
+  std::string flow() const { return run.substr(0, run.find('-')); }
+  std::string run, node, place, attempt, step;
+};
+
+class Simulation {
+ public:
+  Simulation(uint32_t seed, bool tells)
+      : tells_(tells), dice_(seed), fleet_(&dice_), documents_(&dice_), stages_(NewStages(&dictionary_)) {}
+
+  void Play() {
+    Turn(fleet_.Joins());
+    Turn(documents_.Services());
+    for (int number : {2, 1, 0}) Turn(documents_.Workflow(number));
+    for (int i = 0; i < 70 && !Failed(); ++i) {
+      now_us_ += dice_.Below(2500) * TimeMicros{1000};
+      Deliver();
+      Turn(Anything());
+      if (dice_.OneIn(20)) Restart();
+    }
+    if (!Failed()) Drain();
+    if (!Failed()) Replay();
+  }
+
+  static bool Failed() { return ::testing::Test::HasFailure(); }
+  size_t commands() const { return commands_; }
+
+ private:
+  struct UnderWay {
+    RobotCommand command;
+    std::string root;
+  };
+
+  std::unique_ptr<Stages> NewStages(Dictionary* dictionary) {
+    auto stages = std::make_unique<Stages>(dictionary, &functions_, limits_);
+    stages->freezes = false;
+    return stages;
+  }
+  GraphReader* Graph() {
+    reader_.reset();
+    version_ = stages_->writer.Freeze(Revision(log_.size()));
+    reader_ = std::make_unique<GraphReader>(dictionary_, *version_);
+    return reader_.get();
+  }
+  void Note(const std::string& text) const {
+    if (tells_) std::cout << log_.size() << "  " << text << "\n";
+  }
+
+  void Deliver() {
+    std::vector<CommandReport> reports = fleet_.Reports(now_us_);
+    const size_t split =
+        reports.empty() ? 0 : static_cast<size_t>(dice_.Below(static_cast<int>(reports.size())));
+    for (auto part : {std::make_pair(size_t{0}, split), std::make_pair(split, reports.size())}) {
+      if (part.first == part.second) continue;
+      WriteBatch batch;
+      batch.reports.assign(reports.begin() + static_cast<long>(part.first),
+                           reports.begin() + static_cast<long>(part.second));
+      Turn(std::move(batch));
+    }
+    const std::optional<TimeMicros> due = stages_->NextDeadline();
+    if (!due || *due > now_us_) return;
+    WriteBatch tick;
+    tick.clock_tick = true;
+    Turn(std::move(tick));
+  }
+
+  WriteBatch Anything() {
+    const int robot = dice_.Below(test::kSimulatedRobots);
+    switch (dice_.Below(14)) {
+      case 0:
+      case 1:
+      case 2:
+        if (stages_->engine.live_runs() < 15) return test::Start(absl::StrCat("W", dice_.Below(3)));
+        [[fallthrough]];
+      case 3: {
+        WriteBatch batch;
+        if (stages_->engine.live_runs() < 15)
+          batch.run_requests.push_back(
+              {RunRequest::Kind::kInvokeService, absl::StrCat("service", dice_.Below(2)), {}});
+        return batch;
+      }
+      case 4:
+      case 5: {
+        WriteBatch batch;
+        const std::vector<std::string> live = LiveRuns();
+        if (!live.empty())
+          batch.run_requests.push_back({RunRequest::Kind::kCancel,
+                                        live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))],
+                                        {}});
+        return batch;
+      }
+      case 6:
+      case 7: {
+        static constexpr const char* kStatuses[] = {"Standby",  "Standby",     "Busy",
+                                                    "Charging", "Maintenance", "Offline"};
+        return Tell(
+            {Fact(Fleet::Robot(robot), "docent:status", absl::StrCat("docent:", kStatuses[dice_.Below(6)]))});
+      }
+      case 8:
+        return dice_.OneIn(3) ? fleet_.Die(robot, now_us_) : WriteBatch();
+      case 9: {
+        const int number = dice_.Below(3);
+        WriteBatch batch;
+        if (dice_.OneIn(3))
+          batch.documents.push_back(
+              {Document::Kind::kCawl, Document::Action::kRemove, absl::StrCat("W", number), ""});
+        return batch;
+      }
+      default: {
+        const TermQuad fact = Fact(absl::StrCat("P", dice_.Below(3)),
+                                   absl::StrCat("wants", dice_.Below(test::kSimulatedWords)), "Thing");
+        return dice_.OneIn(2) ? Tell({}, {fact}) : Tell({fact});
+      }
+    }
+  }
+
+  std::vector<std::string> LiveRuns() {
+    std::vector<std::string> live;
+    for (const std::string& run : Graph()->Subjects(DocentIri("runState"), Term::Literal("running")))
+      live.push_back(RunOfIri(run)->value());
+    return live;
+  }
+
+  void Turn(WriteBatch batch) {
+    batch.time_us = now_us_;
+    const auto result = RunTurn(stages_.get(), batch, log_.size() + 1);
+    if (!result.ok()) {
+      Note(absl::StrCat("refused: ", std::string(result.status().message())));
+      // what asks for something that is gone meanwhile may be refused, and nothing else
+      EXPECT_TRUE(!batch.run_requests.empty() || !batch.documents.empty()) << result.status();
+      return;
+    }
+    log_.push_back(result->record);
+    for (const Transition& t : result->record.transitions)
+      Note(absl::StrCat(t.subject, "  ", t.from, " → ", t.to, "  ", t.cause));
+    for (const CommandReport& report : batch.reports) {
+      Note(absl::StrCat("report ", report.command.value(), " ", static_cast<int>(report.outcome)));
+      if (IsFinal(report.outcome)) under_way_.erase(report.command);
+    }
+    GraphReader* graph = Graph();
+    Remember(*graph);
+    for (const RobotCommand& command : result->record.commands) {
+      CheckCommand(*graph, command);
+      under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run)};
+    }
+    CheckHolds(*graph);
+    for (const RobotCommand& command : result->record.commands) fleet_.Send(command, now_us_);
+    for (const CommandId& id : result->cancels) fleet_.Cancel(id, now_us_);
+    commands_ += result->record.commands.size();
+  }
+
+  void Remember(const GraphReader& graph) {
+    std::array<bool, test::kSimulatedWords> wanted{};
+    for (int word = 0; word < test::kSimulatedWords; ++word)
+      wanted[static_cast<size_t>(word)] =
+          !graph.Subjects(test::Name(absl::StrCat("wants", word)), Iri("Thing")).empty();
+    wanted_.resize(log_.size() + 1);
+    wanted_[log_.size()] = wanted;
+  }
+
+  static std::string RootOf(const GraphReader& graph, const std::string& run) {
+    std::string iri = RunIri(RunId(run));
+    for (std::string parent; !(parent = graph.Object(iri, DocentIri("parentRun"))).empty();) iri = parent;
+    return RunOfIri(iri)->value();
+  }
+
+  void CheckCommand(const GraphReader& graph, const RobotCommand& command) {
+    const IdParts id(command.id);
+    Note(absl::StrCat("command ", command.id.value(), " ", command.operation, " on ", command.robot.value()));
+    const std::string root = RootOf(graph, id.run);
+    bool robot_has_command = false;
+    for (const auto& [other_id, other] : under_way_) {
+      const IdParts before(other_id);
+      if (before.place == id.place) {
+        EXPECT_TRUE(before.attempt == id.attempt && before.step != id.step)
+            << command.id.value() << " begins before the end of " << other_id.value() << " is known";
+      }
+      if (other.command.robot != command.robot) continue;
+      robot_has_command = true;
+      EXPECT_EQ(other.root, root) << "two runs have " << command.robot.value();
+      const engine::Occupation& a = test::OperationNamed(command.operation).occupies;
+      const engine::Occupation& b = test::OperationNamed(other.command.operation).occupies;
+      const bool share =
+          std::any_of(a.begin(), a.end(), [&b](const std::string& r) { return b.contains(r); });
+      EXPECT_FALSE(a.empty() || b.empty() || share)
+          << command.id.value() << " beside " << other_id.value() << " on " << command.robot.value();
+    }
+    const std::string status = graph.Object(command.robot.value(), DocentIri("status"));
+    EXPECT_TRUE(status == DocentIri("Standby") || (status == DocentIri("Busy") && robot_has_command))
+        << command.id.value() << " to a robot that is " << status;
+    CheckGuard(command, id);
+  }
+
+  void CheckGuard(const RobotCommand& command, const IdParts& id) {
+    const std::string place = absl::StrCat(id.flow(), "/", id.node);
+    if (const auto word = documents_.words.find(place); word != documents_.words.end()) {
+      const uint64_t at = command.guard_revision.value();
+      ASSERT_LT(at, wanted_.size());
+      EXPECT_TRUE(wanted_[at][static_cast<size_t>(word->second)])
+          << command.id.value() << ": its condition did not hold at revision " << at;
+    }
+    if (const auto word = documents_.holds.find(place); word != documents_.holds.end()) {
+      EXPECT_TRUE(wanted_.back()[static_cast<size_t>(word->second)])
+          << command.id.value() << ": what has to hold does not";
+    }
+  }
+
+  void CheckHolds(const GraphReader& graph) {
+    for (int r = 0; r < test::kSimulatedRobots; ++r) {
+      const RobotId robot(test::Name(Fleet::Robot(r)));
+      const RunId* holder = stages_->engine.HolderOf(robot);
+      const std::string told = graph.Object(robot.value(), DocentIri("heldBy"));
+      EXPECT_EQ(told, holder == nullptr ? "" : RunIri(*holder));
+      bool has_command = false;
+      for (const auto& [id, other] : under_way_) {
+        if (other.command.robot != robot) continue;
+        has_command = true;
+        ASSERT_NE(holder, nullptr) << robot.value() << " is free while " << id.value() << " is under way";
+        EXPECT_EQ(holder->value(), other.root) << id.value();
+      }
+      if (holder == nullptr || has_command) continue;
+      EXPECT_EQ(graph.Object(RunIri(*holder), DocentIri("runState")), "running")
+          << robot.value() << " is held by a run that has ended with all its commands";
+    }
+    EXPECT_EQ(stages_->engine.OpenCommands().size(), under_way_.size());
+  }
+
+  // The process ends, and begins from a snapshot.
+  void Restart() {
+    Note("restart");
+    const auto bytes = EncodeState(
+        TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(log_.size())), now_us_), dictionary_);
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    auto state = DecodeState(*bytes, &dictionary_, &functions_, limits_);
+    ASSERT_TRUE(state.ok()) << state.status();
+    reader_.reset();
+    version_.reset();
+    stages_ = std::move(state->stages);
+    stages_->freezes = false;
+  }
+
+  // All that is under way ends; then every robot has to be free.
+  void Drain() {
+    for (int r = 0; r < test::kSimulatedRobots; ++r)
+      Turn(Tell({Fact(Fleet::Robot(r), "docent:status", "docent:Standby")}));
+    for (int i = 0; i < 40 && !Failed(); ++i) {
+      now_us_ += 1'000'000;
+      fleet_.EndAll(now_us_);
+      Deliver();
+      if (i < 20) continue;
+      for (const std::string& run : LiveRuns()) {
+        WriteBatch batch;
+        batch.run_requests.push_back({RunRequest::Kind::kCancel, run, {}});
+        Turn(std::move(batch));
+      }
+    }
+    EXPECT_EQ(stages_->engine.live_runs(), 0u);
+    EXPECT_TRUE(stages_->engine.OpenCommands().empty());
+    for (int r = 0; r < test::kSimulatedRobots; ++r)
+      EXPECT_EQ(stages_->engine.HolderOf(RobotId(test::Name(Fleet::Robot(r)))), nullptr);
+  }
+
+  void Replay() {
+    Dictionary dictionary;
+    const std::unique_ptr<Stages> stages = NewStages(&dictionary);
+    for (const log::TurnRecord& record : log_) {
+      const auto again = RunTurn(stages.get(), record.batch, record.offset);
+      ASSERT_TRUE(again.ok()) << again.status();
+      ASSERT_EQ(log::DecisionDifference(record, again->record).value_or(""), "") << "at " << record.offset;
+    }
+    EXPECT_EQ(test::Lines(dictionary, stages->writer.current()),
+              test::Lines(dictionary_, stages_->writer.current()));
+  }
+
+  const bool tells_;
+  const Limits limits_;
+  Dice dice_;
+  Fleet fleet_;
+  test::RandomDocuments documents_;
+  Dictionary dictionary_;
+  sparql::FunctionRegistry functions_;
+  RequestMemory requests_{10};
+  std::unique_ptr<Stages> stages_;
+  GraphVersionPtr version_;
+  std::unique_ptr<GraphReader> reader_;
+  TimeMicros now_us_ = 1'700'000'000'000'000;
+  std::vector<log::TurnRecord> log_;
+  std::vector<std::array<bool, test::kSimulatedWords>> wanted_;  // by revision
+  std::map<CommandId, UnderWay> under_way_;
+  size_t commands_ = 0;
+};
+
+TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
+  const int only = FromEnvironment("DOCENT_SIMULATION_SEED", -1);
+  const int seeds = FromEnvironment("DOCENT_SIMULATION_SEEDS", 300);
+  size_t commands = 0;
+  for (int seed = only < 0 ? 0 : only; seed < (only < 0 ? seeds : only + 1); ++seed) {
+    SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
+    Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
+    simulation.Play();
+    commands += simulation.commands();
+    if (HasFailure()) break;
+  }
+  if (only < 0) {
+    EXPECT_GT(commands, 5u * static_cast<size_t>(seeds)) << "it has to try something";
+  }
+}
+
+}  // namespace
+}  // namespace docent::server

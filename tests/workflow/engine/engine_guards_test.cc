@@ -1,0 +1,208 @@
+// A guard is a guard: a command goes out only in a turn in which the condition of its node holds; ext:while-holds.
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/workflow/engine/engine_fixture.h"
+
+namespace docent::engine {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class EngineGuardsTest : public EngineTest {
+ protected:
+  // A flow F with one node, and a flow H that keeps the robot.
+  void DeployNode(const std::string& node, const std::string& more = "") {
+    Deploy(Flow(node + more + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")) +
+           "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+           "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  }
+  CommandId KeepRobot() {
+    Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
+    return commands_[0].id;
+  }
+  static TermBinding Match(const std::string& s) { return {{"s", Term::Iri(s)}, {"o", Term::Iri("urn:o")}}; }
+};
+
+TEST_F(EngineGuardsTest, ACommandThatWaitedForARobotDoesNotGoOutIfItsConditionFellMeanwhile) {
+  DeployNode(Node("A", "near", "<invoke operation=\"a\"/>"));
+  const CommandId busy = KeepRobot();
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Start();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "running");
+  conditions_.Set("urn:near", {});
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "waiting");
+  EXPECT_THAT(Fact("urn:docent:run:F-2/A", "waitsFor"), HasSubstr("urn:near"));
+  Turn({Done(busy)});
+  EXPECT_THAT(commands_, IsEmpty());
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/A"));
+}
+
+TEST_F(EngineGuardsTest, ACommandThatWaitedCarriesARevisionAtWhichItsConditionHeld) {
+  DeployNode(Node("A", "near", "<invoke operation=\"a\"/>"));
+  const CommandId busy = KeepRobot();
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Start();
+  const uint64_t opened = revision_;
+  Turn();
+  Turn({Done(busy)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_GT(commands_[0].guard_revision.value(), opened) << "asked in the turn that sends it";
+}
+
+TEST_F(EngineGuardsTest, WhenTheMatchFellAndAnotherHoldsTheNodeOpensWithThat) {
+  DeployNode(Node("A", "near", "<invoke operation=\"a\"/>"));
+  const CommandId busy = KeepRobot();
+  conditions_.Set("urn:near", {Match("urn:john"), Match("urn:mary")});
+  Start();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/$s", "variableValue"), "urn:john");
+  conditions_.Set("urn:near", {Match("urn:mary")});
+  Turn({Done(busy)});
+  EXPECT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(Fact("urn:docent:run:F-2/$s", "variableValue"), "urn:mary");
+}
+
+TEST_F(EngineGuardsTest, WhatAMatchGaveTheRunIsPutBackWhenTheNodeWaitsAgain) {
+  DeployNode(Node("A", "near", "<invoke operation=\"a\"/>"));
+  KeepRobot();
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Start();
+  conditions_.Set("urn:near", {});
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/$s", "variableValue"), "");
+}
+
+TEST_F(EngineGuardsTest, ARetryAsksTheConditionAgain) {
+  const std::vector<std::string> nodes = {
+      Node("A", "near", "<invoke operation=\"a\" ext:retry=\"1\"/>"),
+      "<node name=\"A\" ext:retry=\"1\">" + Condition("near") + "<invoke operation=\"a\"/></node>"};
+  for (const std::string& node : nodes) {
+    DeployNode(node);
+    conditions_.Set("urn:near", {Match("urn:john")});
+    Start();
+    ASSERT_EQ(commands_.size(), 1u);
+    const CommandId first = commands_[0].id;
+    conditions_.Set("urn:near", {});
+    Turn({Failed(first, "slipped")});
+    EXPECT_THAT(commands_, IsEmpty());
+    conditions_.Set("urn:near", {Match("urn:john")});
+    Turn();
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_NE(commands_[0].id, first);
+    Turn({Done(commands_[0].id)});
+    EXPECT_EQ(engine_.live_runs(), 0u);
+  }
+}
+
+TEST_F(EngineGuardsTest, AnInvocationThatWaitsBesideOthersGoesOutWhenItsConditionHoldsAgain) {
+  DeployNode(Node("A", "near", "<invoke operation=\"a\"/><invoke operation=\"c\"/>"));
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Start();
+  ASSERT_EQ(commands_.size(), 1u);
+  conditions_.Set("urn:near", {});
+  Turn({Done(commands_[0].id)});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "nodeState"), "running");
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "c");
+}
+
+TEST_F(EngineGuardsTest, AnEventThatLeftDoesNotTakeBackWhatItOpened) {
+  std::string near = Condition("near");
+  near.replace(
+      near.find("<condition>"), 11,
+      "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
+  DeployNode("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node>");
+  const CommandId busy = KeepRobot();
+  TermBinding ring = Match("urn:john");
+  conditions_.Set("urn:near", {Match("urn:john")});  // of the condition without the event
+  conditions_.Set("bell", {});
+  Start();
+  ring["_event_1"] = Term::Iri("urn:e1");
+  conditions_.Set("bell", {ring});
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "running");
+  conditions_.Set("bell", {});
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "running");
+  Turn({Done(busy)});
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeTakesItsInterruptLink) {
+  Deploy(Flow("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>" +
+              Node("Stop", "", "<invoke operation=\"stop\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t") + Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t")));
+  Start();
+  EXPECT_THAT(commands_, IsEmpty()) << "it does not hold yet";
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("has to hold"));
+  conditions_.Set("urn:safe", {{}});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  const CommandId first = commands_[0].id;
+  conditions_.Set("urn:safe", {});
+  Turn();
+  EXPECT_THAT(cancels_, ElementsAre(first));
+  EXPECT_TRUE(Says("F-1/A running>cancelled"));
+  EXPECT_THAT(commands_, IsEmpty()) << "the robot still brakes";
+  Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "stop");
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeWaitsAgain) {
+  DeployNode("<node name=\"A\" ext:while-holds=\"true\">" + Condition("near") +
+             "<invoke operation=\"a\"/></node>");
+  conditions_.Set("urn:near", {Match("urn:john"), Match("urn:mary")});
+  Start();
+  ASSERT_EQ(commands_.size(), 1u);
+  const CommandId first = commands_[0].id;
+  conditions_.Set("urn:near", {Match("urn:mary")});  // still true, but not for John
+  Turn();
+  EXPECT_THAT(cancels_, ElementsAre(first));
+  EXPECT_TRUE(Says("F-1/A running>waiting"));
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(Fact("urn:docent:run:F-1/$s", "variableValue"), "urn:mary");
+  Turn({Done(commands_[0].id)});
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_EQ(conditions_.armed(), 0u);
+}
+
+TEST_F(EngineGuardsTest, WhatHasToHoldEndsASubflow) {
+  Deploy(Flow("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke subflow=\"G\"/></node>"
+              "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  conditions_.Set("urn:safe", {{}});
+  Start();
+  ASSERT_EQ(commands_.size(), 1u);
+  const CommandId first = commands_[0].id;
+  conditions_.Set("urn:safe", {});
+  Turn();
+  EXPECT_THAT(cancels_, ElementsAre(first));
+  EXPECT_TRUE(Says("G-2 running>cancelled"));
+  EXPECT_TRUE(Says("F-1/A running>waiting"));
+  conditions_.Set("urn:safe", {{}});
+  Turn();
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+}  // namespace
+}  // namespace docent::engine

@@ -1,0 +1,158 @@
+// Which robots can serve an invocation now, and what holds them.
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/rdf/docent_iris.h"
+#include "workflow/engine/engine_core.h"
+
+namespace docent::engine {
+
+int Engine::Core::DepthOf(const Run& run) const {
+  int depth = 0;
+  for (const Run* at = &run; !at->parent.empty(); ++depth) {
+    auto it = runs.find(at->parent);
+    if (it == runs.end()) break;
+    at = &it->second;
+  }
+  return depth;
+}
+
+RunId Engine::Core::RootOf(const Run& run) const {
+  if (!run.root.empty()) return run.root;
+  const Run* root = &run;
+  while (!root->parent.empty()) {
+    auto it = runs.find(root->parent);
+    if (it == runs.end()) break;
+    root = &it->second;
+  }
+  return root->id;
+}
+
+std::vector<CommandOwner> Engine::Core::OwnersOf(const CommandOwner& owner) const {
+  std::vector<CommandOwner> owners = {owner};
+  for (auto run = runs.find(owner.run); run != runs.end() && !run->second.parent.empty();
+       run = runs.find(run->second.parent)) {
+    owners.push_back({run->second.parent, run->second.parent_node, run->second.parent_invocation});
+  }
+  return owners;
+}
+
+void Engine::Core::Hold(const RobotId& robot, const Run& run) {
+  ledger.Hold(robot, RootOf(run));
+  changed_robots.insert(robot);
+  for (RunId id = run.id; !id.empty();) {
+    Run* holder = Mutable(id);
+    if (holder == nullptr) break;
+    holder->robots.insert(robot);
+    id = holder->parent;
+  }
+}
+
+void Engine::Core::LetEnd(const OpenCommand& open, const CommandOwner& owner) {
+  if (!open.overdue_until_us) output->cancels.push_back(open.command.id);
+  commands.erase(open.command.id.value());
+  const Run& run = runs.at(owner.run);
+  EndingCommand ending{open.command, open.occupies, RootOf(run), "", OwnersOf(owner), input->now_us};
+  ending.invocation = absl::StrCat(run.id.value(), "/", IriSegment(run.Flow().nodes[owner.node].name.value),
+                                   "/", owner.invocation);
+  changed_robots.insert(open.command.robot);
+  ledger.Await(std::move(ending));
+}
+
+bool Engine::Core::FreeIfOver(const RobotId& robot) {
+  const RunId* holder = ledger.Holder(robot);
+  if (holder == nullptr || ledger.Awaits(robot)) return false;
+  const auto run = runs.find(*holder);
+  if (run != runs.end() && run->second.state == WorkState::kRunning) return false;
+  ledger.Release(robot);
+  changed_robots.insert(robot);
+  return true;
+}
+
+RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const {
+  const InvocationState& invocation = run.nodes[owner.node].invocations[owner.invocation];
+  RobotWish wish;
+  wish.operation = run.Flow().nodes[owner.node].invokes[invocation.invoke].operation.value;
+  for (const TermBinding* binding : {&invocation.binding, &run.variables}) {
+    auto robot = binding->find("robot");
+    if (robot == binding->end()) continue;
+    wish.robot = RobotId(robot->second.lexical);
+    break;
+  }
+  return wish;
+}
+
+void Engine::Core::Reblock(const Run& run) {
+  std::set<RobotId> robots;
+  for (const NodeState& node : run.nodes) robots.insert(node.busy_robots.begin(), node.busy_robots.end());
+  waiting.Block(run.number, run.id, robots);
+}
+
+const RobotOffer* Engine::Core::OfferOf(const std::string& operation, const RobotId& robot) const {
+  const std::vector<RobotOffer>& offers = input->robots->Offers(operation);
+  const auto offer =
+      std::lower_bound(offers.begin(), offers.end(), robot,
+                       [](const RobotOffer& o, const RobotId& wanted) { return o.robot < wanted; });
+  return offer == offers.end() || offer->robot != robot ? nullptr : &*offer;
+}
+
+Occupation Engine::Core::OccupationOf(const rsel::Plan& plan, const RobotId& robot) const {
+  std::optional<Occupation> all;
+  for (const rsel::PlanStep& step : plan.steps) {
+    const RobotOffer* offer = OfferOf(step.operation, robot);
+    const Occupation of_step = offer == nullptr ? Occupation() : offer->occupies;
+    all = all ? Both(*all, of_step) : of_step;
+  }
+  return all.value_or(Occupation());
+}
+
+std::string Engine::Core::OutOfService(const RobotOffer& offer) const {
+  if (offer.offline) return "is offline";
+  if (!offer.out_of_service.empty()) return offer.out_of_service;
+  if (!offer.busy || ledger.Awaits(offer.robot)) return "";
+  for (const auto& [owner, occupies] : ledger.Tasks(offer.robot)) {
+    const auto run = runs.find(owner.run);
+    if (run == runs.end()) continue;
+    if (!run->second.nodes[owner.node].invocations[owner.invocation].commands.empty()) return "";
+  }
+  return "is busy with something of its own";
+}
+
+std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
+                                             const RunId& root, const CommandOwner& self,
+                                             std::string* why_not) const {
+  std::vector<RobotId> able;
+  for (size_t i = 0; i < plan.steps.size(); ++i) {
+    std::vector<RobotId> offering;
+    for (const RobotOffer& offer : input->robots->Offers(plan.steps[i].operation)) {
+      bool still = i == 0 || std::find(able.begin(), able.end(), offer.robot) != able.end();
+      bool meant = !wanted || wanted->lexical == offer.robot.value();
+      if (!offer.offline && still && meant) offering.push_back(offer.robot);
+    }
+    able = std::move(offering);
+    if (!able.empty()) continue;
+    if (wanted)
+      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
+    else if (i == 0)
+      *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
+    else
+      *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
+    return able;
+  }
+  std::erase_if(able, [&](const RobotId& robot) { return !ledger.IsFree(robot, root); });
+  if (able.empty()) *why_not = std::string(kAllServeOthers);
+  std::erase_if(able, [&](const RobotId& robot) {
+    const std::string why = OutOfService(*OfferOf(plan.steps[0].operation, robot));
+    if (!why.empty()) *why_not = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " ", why);
+    return !why.empty();
+  });
+  std::erase_if(able, [&](const RobotId& robot) {
+    const bool occupied = ledger.Occupied(robot, OccupationOf(plan, robot), self);
+    if (occupied) *why_not = std::string(kAtAnotherStep);
+    return occupied;
+  });
+  return able;
+}
+
+}  // namespace docent::engine

@@ -1,0 +1,63 @@
+#include "workflow/engine/robot_facts.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/rdf/docent_iris.h"
+#include "workflow/engine/run_facts.h"
+
+namespace docent::engine {
+namespace {
+
+std::string InvocationIri(const CommandOwner& owner, const Run& run) {
+  return absl::StrCat(RunIri(run.id), "/", IriSegment(run.Flow().nodes[owner.node].name.value), "/",
+                      owner.invocation);
+}
+
+}  // namespace
+
+std::vector<Quad> RobotFacts(const RobotId& robot, Engine::Core* core) {
+  std::vector<Quad> facts;
+  const RunId* holder = core->ledger.Holder(robot);
+  if (holder == nullptr) return facts;
+  Dictionary& dictionary = core->run_terms.dictionary();
+  const TermId subject = dictionary.InternIri(robot.value());
+  const auto say = [&](RunTerm predicate, TermId object) {
+    facts.push_back(
+        {subject, core->run_terms.Of(predicate), object, core->run_terms.Of(RunTerm::kRunsGraph)});
+  };
+  say(RunTerm::kHeldBy, dictionary.InternIri(RunIri(*holder)));
+  for (const auto& [owner, occupies] : core->ledger.Tasks(robot)) {
+    if (const auto run = core->runs.find(owner.run); run != core->runs.end())
+      say(RunTerm::kHeldFor, dictionary.InternIri(InvocationIri(owner, run->second)));
+  }
+  for (const CommandId& id : core->ledger.EndingOn(robot)) {
+    const EndingCommand& ending = core->ledger.ending().at(id);
+    say(RunTerm::kHeldFor, dictionary.InternIri(RunIri(RunId(ending.invocation))));
+    say(RunTerm::kEndingCommand, dictionary.Intern(Term::Literal(id.value())));
+  }
+  std::sort(facts.begin(), facts.end());
+  facts.erase(std::unique(facts.begin(), facts.end()), facts.end());
+  return facts;
+}
+
+void TellRobots(Engine::Core* core) {
+  static const std::vector<Quad> kNothing;
+  for (const RobotId& robot : core->changed_robots) {
+    const auto told = core->robot_facts.find(robot);
+    const FactsPtr before = told == core->robot_facts.end() ? nullptr : told->second;
+    auto facts = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core));
+    core->undo_robot_facts.try_emplace(robot, before);
+    DiffFacts(before ? *before : kNothing, *facts, &core->output->add, &core->output->remove);
+    if (facts->empty())
+      core->robot_facts.erase(robot);
+    else
+      core->robot_facts[robot] = std::move(facts);
+  }
+  core->changed_robots.clear();
+}
+
+}  // namespace docent::engine
