@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/sparql/regex/escape_parser.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -56,7 +56,7 @@ std::optional<char32_t> ClassParser::RangeEnd() {
     const std::optional<Escape> escape = ReadEscape(&scanner_);
     if (!escape) return std::nullopt;
     if (escape->set == nullptr) return escape->character;
-    scanner_.Fail(start, Concat({"a range cannot end with ", scanner_.Quoted(start)}),
+    scanner_.Fail(start, Concat("a range cannot end with ", scanner_.Quoted(start)),
                   "a hyphen that is meant as itself is written \\-");
     return std::nullopt;
   }
@@ -93,7 +93,7 @@ void ClassParser::Part() {
   if (!last) return;
   if (*last < first) {
     return scanner_.Fail(start,
-                         Concat({"the range ", scanner_.Quoted(start), " has its ends in the wrong order"}),
+                         Concat("the range ", scanner_.Quoted(start), " has its ends in the wrong order"),
                          "the character with the smaller number comes first");
   }
   characters_.push_back({first, *last});

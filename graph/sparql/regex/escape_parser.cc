@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "graph/base/diagnostic.h"
+#include "graph/base/text.h"
 #include "graph/rdf/utf8.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -51,14 +51,14 @@ bool IsNameCharacter(char32_t c) {
 // {L} or {IsGreek}, after \p or \P.
 CharacterSetPtr ReadProperty(PatternScanner* scanner, size_t start) {
   if (!scanner->Accept('{')) {
-    scanner->Fail(start, Concat({scanner->Quoted(start), " needs a property in braces"}),
+    scanner->Fail(start, Concat(scanner->Quoted(start), " needs a property in braces"),
                   "write \\p{L} for letters, \\p{Nd} for digits, \\p{IsGreek} for a block");
     return nullptr;
   }
   std::string name;
   while (IsNameCharacter(scanner->Peek())) name += static_cast<char>(scanner->Take());
   if (!scanner->Accept('}')) {
-    scanner->Fail(start, Concat({scanner->Quoted(start), " is not closed by '}'"}));
+    scanner->Fail(start, Concat(scanner->Quoted(start), " is not closed by '}'"));
     return nullptr;
   }
   const bool is_block = name.substr(0, 2) == "Is";
@@ -67,11 +67,11 @@ CharacterSetPtr ReadProperty(PatternScanner* scanner, size_t start) {
   if (is_block) {
     const std::string near = Nearest(name.substr(2), BlockNames());
     scanner->Fail(
-        start, Concat({"'", name.substr(2), "' is not a block of Unicode"}),
+        start, Concat("'", name.substr(2), "' is not a block of Unicode"),
         near.empty() ? "a block's name is written without its spaces" : "did you mean Is" + near + "?");
   } else {
     scanner->Fail(
-        start, Concat({"'", name, "' is not a category of Unicode"}),
+        start, Concat("'", name, "' is not a category of Unicode"),
         "categories are L, Lu, Ll, Lt, Lm, Lo, M…, N…, P…, Z…, S…, C…; a block is written \\p{IsGreek}");
   }
   return nullptr;
@@ -110,7 +110,7 @@ std::optional<Escape> ReadEscape(PatternScanner* scanner) {
   if (letter != '.') {
     if (CharacterSetPtr set = EscapeSet(letter)) return Escape{0, std::move(set)};
   }
-  scanner->Fail(start, Concat({scanner->Quoted(start), " is not an escape of XPath's regular expressions"}),
+  scanner->Fail(start, Concat(scanner->Quoted(start), " is not an escape of XPath's regular expressions"),
                 HintFor(letter));
   return std::nullopt;
 }

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "graph/base/text.h"
 #include "graph/rdf/utf8.h"
 #include "graph/sparql/regex/class_parser.h"
 #include "graph/sparql/regex/escape_parser.h"
 #include "graph/sparql/regex/pattern_scanner.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -135,7 +135,7 @@ RegexNode RegexParser::Piece() {
   if (scanner_.ok() && AtQuantifier()) {
     const size_t second = scanner_.offset();
     scanner_.Take();
-    scanner_.Fail(second, Concat({"a second quantifier, ", scanner_.Quoted(second)}),
+    scanner_.Fail(second, Concat("a second quantifier, ", scanner_.Quoted(second)),
                   "a quantifier is ?, *, + or {…}, and one '?' behind it makes it reluctant; write (…) "
                   "around what is repeated twice");
   }
@@ -176,8 +176,7 @@ RegexNode RegexParser::Quantified(RegexNode atom, size_t start) {
       if (!ReadQuantity(&node.least, &node.most)) {
         scanner_.Fail(at, "expected a quantity such as {2}, {2,} or {2,5}", "write \\{ for the brace itself");
       } else if (node.most < node.least) {
-        scanner_.Fail(at,
-                      Concat({"the quantity ", scanner_.Quoted(at), " has its numbers in the wrong order"}),
+        scanner_.Fail(at, Concat("the quantity ", scanner_.Quoted(at), " has its numbers in the wrong order"),
                       "the smaller number comes first");
       }
   }
@@ -249,14 +248,14 @@ RegexNode RegexParser::Atom() {
     case '?':
     case '*':
     case '+':
-      scanner_.Fail(start, Concat({"the quantifier ", scanner_.Quoted(start), " has nothing to repeat"}),
-                    Concat({"write \\", std::string(1, static_cast<char>(c)), " for the character itself"}));
+      scanner_.Fail(start, Concat("the quantifier ", scanner_.Quoted(start), " has nothing to repeat"),
+                    Concat("write \\", std::string(1, static_cast<char>(c)), " for the character itself"));
       return {};
     case '{':
     case '}':
     case ']':
-      scanner_.Fail(start, Concat({scanner_.Quoted(start), " is not allowed here"}),
-                    Concat({"write \\", std::string(1, static_cast<char>(c)), " for the character itself"}));
+      scanner_.Fail(start, Concat(scanner_.Quoted(start), " is not allowed here"),
+                    Concat("write \\", std::string(1, static_cast<char>(c)), " for the character itself"));
       return {};
     default:
       return Character(c);
@@ -289,7 +288,7 @@ RegexNode RegexParser::Group() {
   if (scanner_.Accept('?')) {
     const char32_t next = scanner_.Take();
     if (next != ':') {
-      scanner_.Fail(start, Concat({scanner_.Quoted(start), " is not a group of XPath's regular expressions"}),
+      scanner_.Fail(start, Concat(scanner_.Quoted(start), " is not a group of XPath's regular expressions"),
                     HintForGroup(next));
     }
   } else {
@@ -330,10 +329,10 @@ RegexNode RegexParser::BackReference(size_t start) {
   }
   tree_.has_back_references = true;
   if (static_cast<size_t>(node.number) > closed_.size()) {
-    scanner_.Fail(start, Concat({scanner_.Quoted(start), " refers to a group that is not before it"}),
+    scanner_.Fail(start, Concat(scanner_.Quoted(start), " refers to a group that is not before it"),
                   "there are " + std::to_string(closed_.size()) + " groups before it");
   } else if (!closed_[static_cast<size_t>(node.number) - 1]) {
-    scanner_.Fail(start, Concat({scanner_.Quoted(start), " is inside the group that it refers to"}),
+    scanner_.Fail(start, Concat(scanner_.Quoted(start), " is inside the group that it refers to"),
                   "a back-reference comes behind the ')' of its group");
   }
   return node;
@@ -370,7 +369,7 @@ std::optional<RegexMistake> FindFlagMistake(std::string_view flags) {
     const char32_t flag = NextCodePoint(flags, &at);
     if (flag < 128 && std::string_view("smixq").find(static_cast<char>(flag)) != std::string_view::npos)
       continue;
-    return RegexMistake{Concat({"'", flags.substr(start, at - start), "' is not a flag"}),
+    return RegexMistake{Concat("'", flags.substr(start, at - start), "' is not a flag"),
                         "flags are s, m, i, x and q", RegexMistake::Where::kFlags, start, at - start};
   }
   return std::nullopt;

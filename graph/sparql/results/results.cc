@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -157,7 +157,7 @@ class XmlWriter final : public ResultWriter {
  private:
   void Cell(const Term& t) {
     const std::string_view tag = t.IsIri() ? "uri" : t.IsBlank() ? "bnode" : "literal";
-    out_ += Concat({"<", tag});
+    out_ += Concat("<", tag);
     if (!t.language.empty()) {
       out_ += " xml:lang=\"";
       AppendXmlText(t.language, &out_);
@@ -169,7 +169,7 @@ class XmlWriter final : public ResultWriter {
     }
     out_ += '>';
     AppendXmlText(t.lexical, &out_);
-    out_ += Concat({"</", tag, ">"});
+    out_ += Concat("</", tag, ">");
   }
 
   std::string& out_;

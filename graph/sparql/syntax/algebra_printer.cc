@@ -4,9 +4,9 @@
 #include <map>
 #include <set>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/builtins.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 
@@ -36,7 +36,7 @@ class Printer {
       const std::string_view local = std::string_view(iri).substr(ns.size());
       if (!IsPlainLocalName(local)) continue;
       used_.insert(prefix);
-      return Concat({prefix, ":", local});
+      return Concat(prefix, ":", local);
     }
     return ToNTriples(docent::Term::Iri(iri));
   }
@@ -91,7 +91,7 @@ class Printer {
 
   std::string Triple(const TriplePattern& t) {
     const bool type = !t.predicate.IsVariable() && t.predicate.term().lexical == kRdfType;
-    return Concat({Text(t.subject), " ", type ? "a" : Text(t.predicate), " ", Text(t.object)});
+    return Concat(Text(t.subject), " ", type ? "a" : Text(t.predicate), " ", Text(t.object));
   }
 
   std::string PathText(const Path& p) {
@@ -172,7 +172,7 @@ class Printer {
 };
 
 std::string Printer::AggregateText(const Aggregate& a) {
-  std::string out = Concat({NameOf(a.function), "(", a.distinct ? "DISTINCT " : ""});
+  std::string out = Concat(NameOf(a.function), "(", a.distinct ? "DISTINCT " : "");
   out += a.expression ? Expr(*a.expression) : "*";
   if (a.function == Aggregate::Function::kGroupConcat && a.separator != " ") {
     out += " ; SEPARATOR = " + ToNTriples(docent::Term::Literal(a.separator));
@@ -189,7 +189,7 @@ std::string Printer::Expr(const Expression& e, const std::vector<Aggregate>* agg
       out += (i > from ? std::string(separator) : "") + sub(i);
     return out;
   };
-  const auto binary = [&](std::string_view op) { return Concat({"(", sub(0), " ", op, " ", sub(1), ")"}); };
+  const auto binary = [&](std::string_view op) { return Concat("(", sub(0), " ", op, " ", sub(1), ")"); };
   switch (e.kind) {
     case E::kVariable:
       for (size_t i = 0; aggregates && i < aggregates->size(); ++i) {
@@ -233,7 +233,7 @@ std::string Printer::Expr(const Expression& e, const std::vector<Aggregate>* agg
     case E::kUnaryMinus:
       return "(- " + sub(0) + ")";
     case E::kBuiltin:
-      return Concat({NameOf(e.builtin), "(", list(0, ", "), ")"});
+      return Concat(NameOf(e.builtin), "(", list(0, ", "), ")");
     case E::kFunction:
       return Iri(e.term.lexical) + "(" + list(0, ", ") + ")";
     case E::kExists:
@@ -395,7 +395,7 @@ std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
   if (ordered != nullptr) {
     order = " ORDER BY";
     for (const OrderCondition& o : ordered->order) {
-      order += Concat({o.descending ? " DESC(" : " ASC(", Expr(*o.expression, aggregates), ")"});
+      order += Concat(o.descending ? " DESC(" : " ASC(", Expr(*o.expression, aggregates), ")");
     }
   }
   if (is_select) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/text.h"
@@ -28,13 +29,13 @@ void Grammar::ReportError(const Token& token) {
 
 bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
   if (Accept(punctuation)) return true;
-  Expected(Concat({"'", punctuation, "' ", where}));
+  Expected(Concat("'", punctuation, "' ", where));
   return false;
 }
 
 bool Grammar::ExpectWord(const Keyword& keyword, std::string_view where) {
   if (AcceptWord(keyword)) return true;
-  Expected(Concat({keyword.text, " ", where}));
+  Expected(Concat(keyword.text, " ", where));
   return false;
 }
 
@@ -51,19 +52,19 @@ std::string Grammar::Describe(const Token& token) const {
     case TokenKind::kEnd:
       return "the end of the text";
     case TokenKind::kIri:
-      return Concat({"<", token.text, ">"});
+      return Concat("<", token.text, ">");
     case TokenKind::kPrefixedName:
-      return Concat({token.prefix, ":", token.text});
+      return Concat(token.prefix, ":", token.text);
     case TokenKind::kBlankLabel:
-      return Concat({"_:", token.text});
+      return Concat("_:", token.text);
     case TokenKind::kVariable:
-      return Concat({"?", token.text});
+      return Concat("?", token.text);
     case TokenKind::kString:
-      return Concat({"the string \"", token.text.substr(0, 40), "\""});
+      return Concat("the string \"", token.text.substr(0, 40), "\"");
     case TokenKind::kLanguage:
-      return Concat({"@", token.text});
+      return Concat("@", token.text);
     default:
-      return Concat({"'", token.text, "'"});
+      return Concat("'", token.text, "'");
   }
 }
 
@@ -88,7 +89,7 @@ std::string HintFor(const Token& token) {
   std::string word(token.text);
   for (char& c : word) c = AsciiUpper(c);
   const std::string near = Nearest(word, kKeywords);
-  return near.empty() ? "" : Concat({"did you mean ", near, "?"});
+  return near.empty() ? "" : Concat("did you mean ", near, "?");
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ std::string HintFor(const Token& token) {
 void Grammar::Expected(std::string_view what, std::string hint) {
   const Token& token = Peek();
   if (hint.empty()) hint = HintFor(token);
-  Error(token.span, Concat({"expected ", what, ", not ", Describe(token)}), std::move(hint));
+  Error(token.span, Concat("expected ", what, ", not ", Describe(token)), std::move(hint));
 }
 
 Grammar::Nested::Nested(Grammar* grammar) : grammar_(grammar) {
@@ -124,8 +125,8 @@ bool Grammar::CountTriple() {
   const size_t limit = std::max(kFewTriples, options_.limits.update_text_bytes / kBytesOfTriple);
   if (triples_ <= limit) return !too_deep_;
   Error(Peek().span,
-        Concat({"more than ", std::to_string(limit), " triples: one for each ",
-                std::to_string(kBytesOfTriple), " bytes of the limit update_text_bytes"}),
+        Concat("more than ", std::to_string(limit), " triples: one for each ", std::to_string(kBytesOfTriple),
+               " bytes of the limit update_text_bytes"),
         "send several updates, or load a file");
   too_deep_ = true;
   return false;
@@ -137,8 +138,8 @@ bool Grammar::CountExpanded(const SourceSpan& span, size_t bytes) {
   if (expanded_bytes_ <= limit) return true;
   if (!too_deep_) {
     Error(span,
-          Concat({"the IRIs of this text have more than ", std::to_string(limit), " bytes, written out: ",
-                  std::to_string(kGrowth), " for each byte of the limit update_text_bytes"}),
+          Concat("the IRIs of this text have more than ", std::to_string(limit), " bytes, written out: ",
+                 std::to_string(kGrowth), " for each byte of the limit update_text_bytes"),
           "declare shorter prefixes, or send several updates");
   }
   too_deep_ = true;
@@ -161,7 +162,7 @@ bool Grammar::Resolve(const Token& iri, std::string* out) {
 
 bool Grammar::ResolveRelative(const Token& iri, std::string* out) {
   if (base_iri_.empty()) {
-    Error(iri.span, Concat({"<", iri.text, "> is relative and no BASE is known"}),
+    Error(iri.span, Concat("<", iri.text, "> is relative and no BASE is known"),
           iri.text.find(':') == std::string::npos
               ? "write BASE <http://…/> before the query, or the whole IRI"
               : "");
@@ -201,12 +202,12 @@ bool Grammar::Undeclared(const Token& name) {
   if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
     hint = "did you mean " + near + ":?";
   } else {
-    hint = Concat({"declare it: PREFIX ", name.prefix, ": <…>"});
+    hint = Concat("declare it: PREFIX ", name.prefix, ": <…>");
     for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-      if (prefix == name.prefix) hint = Concat({"declare it: PREFIX ", prefix, ": <", iri, ">"});
+      if (prefix == name.prefix) hint = Concat("declare it: PREFIX ", prefix, ": <", iri, ">");
     }
   }
-  Error(name.span, Concat({"the prefix '", name.prefix, ":' is not declared"}), hint);
+  Error(name.span, Concat("the prefix '", name.prefix, ":' is not declared"), hint);
   return false;
 }
 
@@ -268,7 +269,7 @@ std::optional<Term> Grammar::NumericLiteral() {
       Expected("a number");
       return std::nullopt;
   }
-  return Term::Literal(Concat({sign, Take().text}), std::string(datatype));
+  return Term::Literal(Concat(sign, Take().text), std::string(datatype));
 }
 
 std::optional<Term> Grammar::GroundTerm() {

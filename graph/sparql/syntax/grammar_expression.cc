@@ -1,11 +1,11 @@
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/builtins.h"
 #include "graph/sparql/syntax/grammar.h"
 #include "graph/sparql/syntax/regex_arguments.h"
 #include "graph/sparql/values/function_registry.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 
@@ -169,13 +169,13 @@ ExpressionPtr Grammar::BuiltinCall() {
   if (const auto aggregate = FindAggregate(word.text)) return AggregateCall(*aggregate);
   const BuiltinInfo* info = FindBuiltin(word.text);
   if (info == nullptr && word.IsWord("NOT")) {
-    Error(word.span, Concat({"'", word.text, "' is only allowed before EXISTS and IN"}),
+    Error(word.span, Concat("'", word.text, "' is only allowed before EXISTS and IN"),
           "the opposite of an expression is written with '!'");
     return nullptr;
   }
   if (info == nullptr) {
     const std::string near = Nearest(word.text, BuiltinNames());
-    Error(word.span, Concat({"'", word.text, "' is not a function of SPARQL"}),
+    Error(word.span, Concat("'", word.text, "' is not a function of SPARQL"),
           near.empty() ? "a variable begins with '?', a name needs a prefix and ':'"
                        : "did you mean " + near + "?");
     return nullptr;
@@ -214,7 +214,7 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   if (aggregates_ == nullptr || in_aggregate_) {
     Error(word.span,
           in_aggregate_ ? "an aggregate is not allowed inside another"
-                        : Concat({word.text, " is not allowed here"}),
+                        : Concat(word.text, " is not allowed here"),
           "aggregates are allowed in SELECT, HAVING and ORDER BY");
     return nullptr;
   }

@@ -3,10 +3,10 @@
 #include <limits>
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/sparql/syntax/builtins.h"
 #include "graph/sparql/syntax/grammar.h"
 #include "graph/sparql/syntax/name_numbers.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 
@@ -170,7 +170,7 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
     const Token& next = Peek();
     const bool call = next.kind == TokenKind::kWord && (FindAggregate(next.text) || FindBuiltin(next.text));
     Expected("'*', a variable or (expression AS ?name) after SELECT",
-             call ? Concat({"in brackets and with a name: (", next.text, "(…) AS ?name)"}) : "");
+             call ? Concat("in brackets and with a name: (", next.text, "(…) AS ?name)") : "");
     return false;
   }
   return true;
@@ -383,19 +383,19 @@ bool Grammar::LimitOffsetClauses(Modifiers* out) {
     const Token word = Take();
     const bool limit = word.IsWord("LIMIT");
     if (limit ? out->limit.has_value() : std::exchange(has_offset, true)) {
-      Error(word.span, Concat({word.text, " is given twice"}));
+      Error(word.span, Concat(word.text, " is given twice"));
       return false;
     }
     const Token number = Peek();
     uint64_t value = 0;
     const auto parsed = std::from_chars(number.text.data(), number.text.data() + number.text.size(), value);
     if (number.kind == TokenKind::kInteger && parsed.ec == std::errc::result_out_of_range) {
-      Error(number.span, Concat({number.text, " after ", word.text, " is too large"}),
-            Concat({"at most ", std::to_string(std::numeric_limits<uint64_t>::max())}));
+      Error(number.span, Concat(number.text, " after ", word.text, " is too large"),
+            Concat("at most ", std::to_string(std::numeric_limits<uint64_t>::max())));
       return false;
     }
     if (number.kind != TokenKind::kInteger || parsed.ec != std::errc()) {
-      Expected(Concat({"a whole number after ", word.text}));
+      Expected(Concat("a whole number after ", word.text));
       return false;
     }
     Take();

@@ -1,8 +1,8 @@
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/grammar.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -73,11 +73,11 @@ bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm*
   }
   const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
   if (it->second != bgp_) {
-    Error(token.span, Concat({"_:", token.text, " was used in another basic graph pattern"}),
+    Error(token.span, Concat("_:", token.text, " was used in another basic graph pattern"),
           "a blank node means something within one block of triples only; use a variable");
     return false;
   }
-  out->Set(Variable{Concat({".b", token.text})});
+  out->Set(Variable{Concat(".b", token.text)});
   return true;
 }
 

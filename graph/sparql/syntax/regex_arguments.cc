@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "graph/base/text.h"
 #include "graph/rdf/term.h"
 #include "graph/sparql/regex/regex_parser.h"
 #include "graph/sparql/regex/regex_replacement.h"
 #include "graph/sparql/syntax/builtins.h"
-#include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
 namespace {
@@ -90,15 +90,15 @@ class Checker {
     const Term& term = argument.expression->term;
     if (term.IsLiteral() && term.datatype.empty() && term.language.empty()) return std::nullopt;
     return ArgumentMistake{argument.expression->span,
-                           Concat({"the ", argument.what, " of ", NameOf(call_.builtin),
-                                   " is a string without a language, not ", ToDisplay(term)}),
+                           Concat("the ", argument.what, " of ", NameOf(call_.builtin),
+                                  " is a string without a language, not ", ToDisplay(term)),
                            "write it in quotes: \"…\""};
   }
 
   ArgumentMistake Report(const Argument& argument, const RegexMistake& mistake) const {
     return {PlaceInString(text_, argument.expression->span, mistake.offset, mistake.length),
-            Concat({"the ", argument.what, " of ", NameOf(call_.builtin),
-                    " cannot be evaluated: ", mistake.message}),
+            Concat("the ", argument.what, " of ", NameOf(call_.builtin),
+                   " cannot be evaluated: ", mistake.message),
             mistake.hint};
   }
 

@@ -3,7 +3,6 @@
 #ifndef DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
 #define DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -28,16 +27,6 @@ inline bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
 inline std::string LowerAscii(std::string_view text) {
   std::string out(text);
   for (char& c : out) c = AsciiLower(c);
-  return out;
-}
-
-// Concatenates the parts.
-inline std::string Concat(std::initializer_list<std::string_view> parts) {
-  size_t size = 0;
-  for (const std::string_view part : parts) size += part.size();
-  std::string out;
-  out.reserve(size);
-  for (const std::string_view part : parts) out.append(part);
   return out;
 }
 
