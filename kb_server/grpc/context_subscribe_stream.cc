@@ -21,7 +21,7 @@ constexpr size_t kUnsettled =
     256;  // queries without an answer, or whose end is not written: beyond, reading pauses
 // When so much is in a reply, the rest goes into the next.
 constexpr int kPartsInReply = 1000;
-constexpr size_t kBytesInReply = size_t{256} << 10;
+constexpr size_t kBytesInMessage = size_t{256} << 10;
 constexpr int kRowsInPart = 100;  // in its last part: a large answer takes long to write down
 
 // A query is in line when it may have something to say. Each reply takes one message after the other of those in line,
@@ -161,7 +161,7 @@ class SubscribeStreamReactor final : public SubscribeStreamPump {
       if (!WritePart(*followed, message)) continue;
       const v1::SubscribeStreamReply::Part& part = message->parts(message->parts_size() - 1);
       bytes += part.ByteSizeLong();
-      full = bytes >= kBytesInReply || message->parts_size() == kPartsInReply ||
+      full = bytes >= kBytesInMessage || message->parts_size() == kPartsInReply ||
              part.reply().appeared_size() + part.reply().disappeared_size() >= kRowsInPart;
     }
     return message->parts_size() > 0;
