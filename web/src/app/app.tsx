@@ -1,0 +1,135 @@
+// The frame around all views: where to go, what can be done (Ctrl-K), the keys (?), and whether the server is there.
+import { Command as CommandIcon, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
+import { Component, lazy, Suspense, useState, type ReactNode } from "react";
+import { useConnection } from "../api/connection";
+import { usePoll } from "../api/poll";
+import { fleet } from "../api/client";
+import { Toasts, toast } from "../ui/toasts";
+import { useCommands } from "./commands";
+import { CommandPalette } from "./command_palette";
+import { KeysDialog } from "./keys_dialog";
+import { Link } from "./link";
+import { navigate, paths, useRoute, type Route } from "./router";
+import { themeShown, toggleTheme, useTheme } from "./theme";
+import "./shell.css";
+
+const Documents = lazy(() => import("../compose/documents"));
+const Compose = lazy(() => import("../compose/compose"));
+const Runs = lazy(() => import("../operate/runs"));
+const RunPage = lazy(() => import("../operate/run_page"));
+const Hall = lazy(() => import("../operate/hall"));
+const Board = lazy(() => import("../operate/board"));
+
+const places = [
+  { title: "Compose", path: paths.documents(), icon: Workflow, views: ["documents", "compose"] },
+  { title: "Runs", path: paths.runs(), icon: ListChecks, views: ["runs", "run"] },
+  { title: "Hall", path: paths.hall(), icon: MapIcon, views: ["hall"] },
+  { title: "Waiting", path: paths.board(), icon: Timer, views: ["board"] },
+];
+
+export function App() {
+  const route = useRoute();
+  const theme = useTheme();
+  const [open, setOpen] = useState<"commands" | "keys" | null>(null);
+  useCommands([
+    ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path) })),
+    { title: "All commands", group: "Everywhere", keys: "Mod+K", inFields: true, hidden: true, run: () => setOpen("commands") },
+    { title: "Show the keys", group: "Everywhere", icon: Keyboard, keys: "?", run: () => setOpen("keys") },
+    { title: themeShown() === "dark" ? "Light colours" : "Dark colours", words: "theme mode", group: "Everywhere", icon: theme === "dark" ? Sun : Moon, run: toggleTheme },
+    { title: "Copy the link to this view", words: "url share address", group: "Everywhere", icon: LinkIcon, run: copyLink },
+  ]);
+  return (
+    <div className="shell">
+      <nav className="rail" aria-label="Views">
+        <Link className="rail-mark" href={paths.documents()} aria-label="Docent, all workflows"><img src="/icon.svg" alt="" /></Link>
+        {places.map((place) => (
+          <Link key={place.title} href={place.path} aria-current={place.views.includes(route.view) ? "page" : undefined}>
+            <place.icon size={18} strokeWidth={1.8} />
+            {place.title}
+          </Link>
+        ))}
+        <span className="rail-space" />
+        <button className="rail-small" onClick={() => setOpen("commands")} aria-label="All commands" title="All commands (Ctrl-K)"><CommandIcon size={16} /></button>
+        <button className="rail-small" onClick={() => setOpen("keys")} aria-label="Keys" title="Keys (?)"><Keyboard size={17} /></button>
+        <button className="rail-small" onClick={toggleTheme} aria-label={theme === "dark" ? "Light colours" : "Dark colours"} title="Light or dark">{theme === "dark" ? <Sun size={16} /> : <Moon size={16} />}</button>
+      </nav>
+      <div className="page">
+        <Stale />
+        <Guard key={routeKey(route)}>
+          <Suspense fallback={<div className="view" aria-busy="true" />}>
+            <View route={route} />
+          </Suspense>
+        </Guard>
+      </div>
+      {open === "commands" && <CommandPalette onClose={() => setOpen(null)} />}
+      {open === "keys" && <KeysDialog onClose={() => setOpen(null)} />}
+      <Toasts />
+    </div>
+  );
+}
+
+function routeKey(route: Route): string {
+  return route.view === "compose" ? `compose ${route.name}` : route.view === "run" ? `run ${route.run}` : route.view;
+}
+
+function View({ route }: { route: Route }) {
+  switch (route.view) {
+    case "documents":
+      return <Documents />;
+    case "compose":
+      return <Compose name={route.name} flow={route.flow} step={route.step} />;
+    case "runs":
+      return <Runs state={route.state} workflow={route.workflow} />;
+    case "run":
+      return <RunPage id={route.run} node={route.node} />;
+    case "hall":
+      return <Hall picked={route.picked} />;
+    case "board":
+      return <Board />;
+    case "unknown":
+      return (
+        <main className="view nothing">
+          <h1>There is no view at {route.path}</h1>
+          <p>The address may be mistyped, or from another version. <Link href={paths.documents()}>Go to the workflows</Link>.</p>
+        </main>
+      );
+  }
+}
+
+// Says that what is shown may be old, as long as the server is silent. Asks it until it is back.
+function Stale() {
+  const connection = useConnection();
+  usePoll(connection.state === "away" ? "away" : "", (signal) => fleet.list({}, { signal }), 1500);
+  if (connection.state !== "away") return null;
+  return (
+    <div className="stale" role="status">
+      <Unplug size={14} />
+      The server does not answer since {new Date(connection.since).toLocaleTimeString()}. What you see may be old; what you write is kept here.
+    </div>
+  );
+}
+
+function copyLink() {
+  navigator.clipboard.writeText(window.location.href).then(
+    () => toast("good", "The link is copied", window.location.href),
+    () => toast("bad", "The link could not be copied", window.location.href),
+  );
+}
+
+// A mistake of the app in one view leaves the rest usable.
+class Guard extends Component<{ children: ReactNode }, { error: Error | null }> {
+  override state = { error: null as Error | null };
+  static getDerivedStateFromError(error: Error) {
+    return { error };
+  }
+  override render() {
+    if (!this.state.error) return this.props.children;
+    return (
+      <main className="view nothing">
+        <h1>This view has stopped</h1>
+        <p>{this.state.error.message}</p>
+        <p>Your text is kept. <button className="button" onClick={() => this.setState({ error: null })}>Open the view again</button></p>
+      </main>
+    );
+  }
+}

@@ -1,0 +1,88 @@
+// What can be done in the view that is open: the source of Ctrl-K, of the keys, and of the list of keys.
+import { useEffect, useRef, useSyncExternalStore } from "react";
+
+export interface Command {
+  title: string;
+  group: string;
+  keys?: string; // "Mod+K", "Shift+F", "/", one after the other "G R", either "Delete|Backspace"; Mod is Ctrl, or Cmd on a Mac
+  icon?: React.ComponentType<{ size?: number }>;
+  words?: string; // further words that find it
+  hidden?: boolean; // has a key, but is not offered in Ctrl-K
+  inFields?: boolean; // its key works while somebody types, too
+  run: () => void;
+}
+
+type Source = { current: readonly Command[] };
+const sources = new Set<Source>();
+const listeners = new Set<() => void>();
+let version = 0;
+function changed() {
+  version++;
+  for (const listener of listeners) listener();
+}
+
+// Offers commands as long as the component is there.
+export function useCommands(commands: readonly Command[]) {
+  const source = useRef(commands);
+  source.current = commands;
+  useEffect(() => {
+    sources.add(source);
+    changed();
+    return () => {
+      sources.delete(source);
+      changed();
+    };
+  }, []);
+}
+
+export function allCommands(): Command[] {
+  return [...sources].reverse().flatMap((source) => [...source.current]);
+}
+export function useCommandsVersion(): number {
+  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => version);
+}
+
+export const isMac = /Mac|iPhone|iPad/.test(navigator.platform);
+export function keyLabels(keys: string): string[] {
+  return (keys.split("|")[0] ?? "").split(/[+ ]/).map((key) => (key === "Mod" ? (isMac ? "⌘" : "Ctrl") : key === "Shift" ? "⇧" : key === "Delete" ? "Del" : key));
+}
+
+function matches(keys: string, event: KeyboardEvent): boolean {
+  const parts = keys.split("+");
+  const key = parts.at(-1) ?? "";
+  const mod = parts.includes("Mod");
+  if (mod !== (isMac ? event.metaKey : event.ctrlKey) || event.altKey) return false;
+  if (/^[a-z]$/i.test(key)) return event.key.toLowerCase() === key.toLowerCase() && event.shiftKey === parts.includes("Shift");
+  return event.key === key && (key.length === 1 || event.shiftKey === parts.includes("Shift"));
+}
+
+function isField(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName));
+}
+
+// The first key of a sequence, as long as the second may follow.
+let pending: { event: KeyboardEvent; until: number } | null = null;
+
+function hit(keys: string, event: KeyboardEvent): boolean {
+  return keys.split("|").some((alternative) => {
+    const [first = "", second] = alternative.split(" ");
+    if (second === undefined) return pending === null && matches(first, event);
+    return pending !== null && matches(first, pending.event) && matches(second, event);
+  });
+}
+
+export function startKeys() {
+  window.addEventListener("keydown", (event) => {
+    if (event.defaultPrevented || event.isComposing) return;
+    if (pending && Date.now() > pending.until) pending = null;
+    const field = isField(event.target);
+    const inDialog = event.target instanceof HTMLElement && event.target.closest("dialog") !== null;
+    const commands = allCommands().filter((c) => c.keys && (c.inFields || (!field && !inDialog)));
+    const command = commands.find((c) => c.keys && hit(c.keys, event));
+    const begins = !field && !inDialog && !pending && commands.some((c) => c.keys?.includes(" ") && matches(c.keys.split(" ")[0] ?? "", event));
+    pending = !command && begins ? { event, until: Date.now() + 1200 } : null;
+    if (!command) return;
+    event.preventDefault();
+    command.run();
+  });
+}

@@ -1,0 +1,66 @@
+// Addresses of views: every view is a URL that restores it. Paths only; what a view keeps beside its name is in the query.
+import { useSyncExternalStore } from "react";
+
+export type Route =
+  | { view: "documents" }
+  | { view: "compose"; name: string; flow: string; step: string }
+  | { view: "runs"; state: string; workflow: string }
+  | { view: "run"; run: string; node: string }
+  | { view: "hall"; picked: string }
+  | { view: "board" }
+  | { view: "unknown"; path: string };
+
+export function parseRoute(url: URL): Route {
+  const [first = "", second = ""] = url.pathname.split("/").filter(Boolean).map(decode);
+  const get = (name: string) => url.searchParams.get(name) ?? "";
+  if (first === "" || (first === "compose" && second === "")) return { view: "documents" };
+  if (first === "compose") return { view: "compose", name: second, flow: get("flow"), step: get("step") };
+  if (first === "runs") return second ? { view: "run", run: second, node: get("node") } : { view: "runs", state: get("state"), workflow: get("workflow") };
+  if (first === "hall") return { view: "hall", picked: get("at") };
+  if (first === "board") return { view: "board" };
+  return { view: "unknown", path: url.pathname };
+}
+
+function decode(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
+export const paths = {
+  documents: () => "/compose",
+  compose: (name: string, flow = "", step = "") => `/compose/${encodeURIComponent(name)}${query({ flow, step })}`,
+  runs: (state = "", workflow = "") => `/runs${query({ state, workflow })}`,
+  run: (id: string, node = "") => `/runs/${encodeURIComponent(id)}${query({ node })}`,
+  hall: (at = "") => `/hall${query({ at })}`,
+  board: () => "/board",
+};
+
+function query(values: Record<string, string>): string {
+  const text = new URLSearchParams(Object.entries(values).filter(([, value]) => value !== "")).toString();
+  return text ? `?${text}` : "";
+}
+
+const listeners = new Set<() => void>();
+function subscribe(listener: () => void) {
+  listeners.add(listener);
+  window.addEventListener("popstate", listener);
+  return () => {
+    listeners.delete(listener);
+    window.removeEventListener("popstate", listener);
+  };
+}
+
+// `replace`: where the view stays and only its details change, so that Back leads to the view before.
+export function navigate(path: string, replace = false) {
+  if (path === window.location.pathname + window.location.search) return;
+  window.history[replace ? "replaceState" : "pushState"](null, "", path);
+  for (const listener of listeners) listener();
+}
+
+export function useRoute(): Route {
+  const href = useSyncExternalStore(subscribe, () => window.location.href);
+  return parseRoute(new URL(href));
+}

@@ -1,0 +1,39 @@
+// Compose: the canvas and the text of one workflow side by side.
+import { ChevronRight, FileUp } from "lucide-react";
+import { useEffect, useState } from "react";
+import { Link } from "../app/link";
+import { paths } from "../app/router";
+import { templates } from "../cawl/templates";
+import { saveDraft } from "./drafts";
+import { Editor } from "./editor";
+import { loadDocument, type Loaded } from "./load_document";
+import { openFile } from "./files";
+import { TemplateCards } from "./template_cards";
+
+export default function Compose(props: { name: string; flow: string; step: string }) {
+  const [loaded, setLoaded] = useState<Loaded | null>(null);
+  useEffect(() => {
+    let there = true;
+    void loadDocument(props.name).then((result) => there && setLoaded(result));
+    return () => void (there = false);
+  }, [props.name]);
+  if (!loaded) return <main className="view" aria-busy="true" />;
+  if (loaded.text !== null) return <Editor name={props.name} text={loaded.text} deployed={loaded.deployed} flow={props.flow} step={props.step} />;
+  const begin = (text: string) => {
+    saveDraft(props.name, text, "");
+    setLoaded({ ...loaded, text });
+  };
+  return (
+    <main className="view">
+      <div className="wide" style={{ maxWidth: 860 }}>
+        <p className="row faint small" style={{ gap: 4, marginBottom: 10 }}><Link href={paths.documents()}>Workflows</Link><ChevronRight size={12} />{props.name}</p>
+        <h1>{loaded.hidden ? `${props.name} is deployed` : `How does ${props.name} begin?`}</h1>
+        <p className="quiet" style={{ margin: "6px 0 22px" }}>
+          {loaded.hidden ? "This server does not give the text of deployed workflows. Open its file, or begin again from a template." : "Take the template that is nearest. All of it can be changed."}
+        </p>
+        <TemplateCards templates={templates} onChoose={(template) => begin(template.text(props.name))} />
+        <p style={{ marginTop: 18 }}><button className="button" onClick={() => void openFile().then((file) => file && begin(file.text))}><FileUp size={14} />Open a file</button></p>
+      </div>
+    </main>
+  );
+}

@@ -1,0 +1,166 @@
+// What has to hold, as rows of subject, verb and object, each with its state in the live graph.
+import { Circle, CircleCheck, CircleDashed, Clock3, Plus, Trash2, X } from "lucide-react";
+import { useMemo, useState } from "react";
+import type { CawlDocument, Condition, Constraint, Context, Invoke, Rule } from "../cawl/document";
+import type { Edits, Words } from "../cawl/edits";
+import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
+import { Combo, type Choice } from "../ui/combo";
+import type { XmlElement } from "../cawl/xml";
+import { constraintAsk, matchesShown, useLive, type Live } from "./live";
+import type { Vocabulary } from "./vocabulary";
+import "./condition.css";
+
+export interface ConditionProps {
+  document: CawlDocument;
+  part: { element: XmlElement; condition: Condition | null; invokes?: Invoke[] };
+  place: string; // "flow F / node N": how the server names it
+  variables: readonly { name: string; type: string }[];
+  compiled: readonly CompiledCondition[];
+  vocabulary: Vocabulary;
+  edit: (make: (edits: Edits) => void) => void;
+  firstWords: Words;
+}
+
+export function ConditionEditor(props: ConditionProps) {
+  const { condition } = props.part;
+  const rows = condition?.contexts.flatMap((context, c) => context.rules.flatMap((rule, r) => rule.constraints.map((constraint, k) => ({ id: `${c}.${r}.${k}`, constraint })))) ?? [];
+  const asks = [
+    ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint), whole: false })),
+    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: props.compiled.find((x) => x.place === `${props.place} / context ${context.name}`)?.ask ?? "", whole: true })),
+  ];
+  const live = useLive(props.document, asks);
+  const choices = useChoices(props);
+  if (!condition)
+    return (
+      <div className="condition-none">
+        <p className="faint small">No condition: it opens as soon as its turn comes.</p>
+        <button className="button small" onClick={() => props.edit((e) => e.addCondition(props.part, props.firstWords))}><Plus size={13} />Wait for a situation</button>
+      </div>
+    );
+  return (
+    <div className="condition">
+      {condition.events.map((event) => <div key={event} className="condition-event"><Circle size={12} />event <b>{event}</b></div>)}
+      {condition.contexts.map((context, c) => (
+        <div key={c}>
+          {c > 0 && <div className="condition-or">or</div>}
+          <ContextCard {...props} condition={condition} context={context} index={c} live={live} choices={choices} />
+        </div>
+      ))}
+      <button className="button plain small" onClick={() => props.edit((e) => e.addContext(condition, props.firstWords))}><Plus size={13} />Or another situation</button>
+    </div>
+  );
+}
+
+interface Choices {
+  subjects: Choice[];
+  verbs: Choice[];
+  objects: Choice[];
+  classes: Choice[];
+}
+
+function useChoices(props: ConditionProps): Choices {
+  const { vocabulary, variables } = props;
+  return useMemo(() => {
+    const own = variables.flatMap((v): Choice[] => [{ value: `$${v.name}`, label: v.type, group: "Values of the run" }]);
+    const free = ["?robot", "?user", "?booth"].map((value): Choice => ({ value, label: "any that fits", group: "Found by the match" }));
+    const things = vocabulary.things.map((w): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" }));
+    return {
+      subjects: [...own, ...free, ...things],
+      verbs: [{ value: "a", label: "is a" }, ...vocabulary.verbs.map((w) => ({ value: w.term, label: w.label, use: w.use }))],
+      objects: [...own, ...free, { value: "true", group: "Values" }, { value: "> 0", label: "more than", group: "Values" }, ...things],
+      classes: vocabulary.classes.map((w) => ({ value: w.term, label: w.label, use: w.use })),
+    };
+  }, [vocabulary, variables]);
+}
+
+type CardProps = ConditionProps & { condition: Condition; context: Context; index: number; live: ReadonlyMap<string, Live>; choices: Choices };
+
+function ContextCard(props: CardProps) {
+  const { condition, context, index, live, edit } = props;
+  const whole = live.get(`${index}`);
+  const rules = context.rules.length > 0 ? context.rules : [];
+  return (
+    <section className={`situation${whole && whole.matches > 0 ? " holds" : ""}`} aria-label={`Situation ${context.name}`}>
+      <header>
+        <Chip live={whole} />
+        <span className="cut grow situation-name">{context.name || "Situation"}</span>
+        <button className="button plain icon small" aria-label={`Remove the situation ${context.name}`} title="Remove this situation" onClick={() => edit((e) => e.removeContext(condition, context))}><Trash2 size={13} /></button>
+      </header>
+      {rules.map((rule, r) => <RuleRows key={r} {...props} rule={rule} ruleIndex={r} />)}
+      <footer>
+        <button className="button plain small" onClick={() => edit((e) => e.addConstraint(context, rules.at(-1) ?? null, { subject: rules.at(-1)?.constraints.at(-1)?.subject.text || "?thing", verb: "docent:isAt", object: "?place" }))}><Plus size={13} />And also</button>
+      </footer>
+      {whole && whole.matches > 0 && whole.witness && <p className="situation-witness">Now: {whole.witness}</p>}
+      {whole && whole.matches === 0 && whole.missing.length > 0 && <p className="situation-lacks">Lacks {whole.missing.map((m, i) => <code key={i}>{m}</code>)}</p>}
+    </section>
+  );
+}
+
+function RuleRows(props: CardProps & { rule: Rule; ruleIndex: number }) {
+  const { rule, ruleIndex, index, edit } = props;
+  return (
+    <div className="situation-rule">
+      {(rule.lasting || rule.expression) && (
+        <div className="situation-also">
+          {rule.lasting && <label className="row"><Clock3 size={12} />without a break for<input className="field small" style={{ width: 70 }} defaultValue={rule.lasting} key={rule.lasting} aria-label="How long it has to hold" onBlur={(e) => e.target.value !== rule.lasting && edit((x) => x.setExt(rule.element, "for", e.target.value.trim()))} /></label>}
+          {rule.expression && <span className="cut" title={rule.expression}>where <code>{rule.expression}</code></span>}
+        </div>
+      )}
+      {rule.constraints.map((constraint, k) => (
+        <ConstraintRow key={k} {...props} constraint={constraint} state={props.live.get(`${index}.${ruleIndex}.${k}`)} />
+      ))}
+    </div>
+  );
+}
+
+function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; state: Live | undefined }) {
+  const { constraint, edit, choices, state } = props;
+  const [kinds, setKinds] = useState(false);
+  const set = (which: "subject" | "verb" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, value));
+  const setType = (which: "subject" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, constraint[which].text, value));
+  const typed = constraint.subject.type || constraint.object.type;
+  return (
+    <div className="constraint">
+      <div className="constraint-words">
+        <Combo label="Subject" placeholder="who or what" value={constraint.subject.text} choices={choices.subjects} onChange={set("subject")} />
+        <Combo label="Verb" placeholder="is or has" value={constraint.verb.text} choices={choices.verbs} onChange={set("verb")} className="verb" />
+        <Combo label="Object" placeholder="what" value={constraint.object.text} choices={constraint.verb.text === "a" ? choices.classes : choices.objects} onChange={set("object")} />
+        <button className="button plain icon small" aria-label="Remove this row" title="Remove this row" onClick={() => edit((e) => e.removeConstraint(props.condition, props.context, props.rule, constraint))}><X size={13} /></button>
+      </div>
+      <div className="constraint-foot">
+        <RowState live={state} />
+        {!kinds && <button className="constraint-kinds" onClick={() => setKinds(true)}>{typed ? kindWords(constraint) : "say the kind"}</button>}
+      </div>
+      {kinds && (
+        <div className="constraint-types">
+          <span className="faint small">kinds</span>
+          <Combo label="Kind of the subject" placeholder="of the subject" value={constraint.subject.type} choices={choices.classes} onChange={setType("subject")} />
+          <Combo label="Kind of the object" placeholder="of the object" value={constraint.object.type} choices={choices.classes} onChange={setType("object")} />
+          <button className="button plain icon small" aria-label="Close the kinds" onClick={() => setKinds(false)}><X size={13} /></button>
+        </div>
+      )}
+    </div>
+  );
+}
+
+function kindWords(constraint: Constraint): string {
+  const one = (slot: { text: string; type: string }) => (slot.type ? `${slot.text} is a ${slot.type}` : "");
+  return [one(constraint.subject), one(constraint.object)].filter(Boolean).join(", ");
+}
+
+function count(matches: number): string {
+  return matches >= matchesShown ? `${matchesShown} or more matches` : matches === 1 ? "1 match" : `${matches} matches`;
+}
+
+// The state of a whole situation, as icon and words.
+function Chip({ live }: { live: Live | undefined }) {
+  if (!live || live.matches < 0) return <span className="tag"><CircleDashed size={12} />not asked</span>;
+  return live.matches > 0 ? <span className="tag good"><CircleCheck size={12} />true now</span> : <span className="tag wait"><Circle size={12} />not now</span>;
+}
+
+function RowState({ live }: { live: Live | undefined }) {
+  if (!live) return <span className="constraint-state faint"><CircleDashed size={11} />…</span>;
+  if (live.matches < 0) return <span className="constraint-state faint" title={live.note}><CircleDashed size={11} />can't be asked</span>;
+  if (live.matches === 0) return <span className="constraint-state none"><Circle size={11} />no match now</span>;
+  return <span className="constraint-state some" title={live.witness}><CircleCheck size={11} />{count(live.matches)}</span>;
+}

@@ -1,0 +1,84 @@
+// Before a workflow is deployed: what changes against the one that runs, and what the check says.
+import { CircleAlert, Rocket, X } from "lucide-react";
+import { useMemo, useState } from "react";
+import { workflows } from "../api/client";
+import { plain, type PlainError } from "../api/errors";
+import { navigate, paths } from "../app/router";
+import { type CawlDocument, readCawl, type Flow } from "../cawl/document";
+import { Edits } from "../cawl/edits";
+import { Dialog } from "../ui/dialog";
+import { toast } from "../ui/toasts";
+import type { Findings } from "./findings";
+import { Field } from "./properties";
+import type { Session } from "./session";
+import { diffLines } from "./text_diff";
+import "./deploy.css";
+
+export function DeployDialog(props: { session: Session; document: CawlDocument; findings: Findings; deployed: string | null; onDeployed: (text: string) => void; onClose: () => void }) {
+  const { session, document, findings, deployed } = props;
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<PlainError | null>(null);
+  const errors = findings.list.filter((f) => f.error);
+  const warnings = findings.list.filter((f) => !f.error);
+  const diff = useMemo(() => (deployed === null ? [] : diffLines(deployed, document.text)), [deployed, document.text]);
+  const steps = useMemo(() => (deployed === null ? null : stepDiff(readCawl(deployed), document)), [deployed, document]);
+  const deploy = async () => {
+    setBusy(true);
+    setError(null);
+    try {
+      const text = session.written;
+      const reply = await workflows.deploy({ name: `${document.name}.cawl.xml`, cawl: text });
+      toast("good", `${reply.workflow} is deployed`, `From now on it runs as you see it here (revision ${reply.revision}).`, { label: "Its runs", run: () => navigate(paths.runs("", reply.workflow)) });
+      props.onDeployed(text);
+      props.onClose();
+    } catch (failure) {
+      setError(plain(failure));
+      setBusy(false);
+    }
+  };
+  return (
+    <Dialog label="Deploy" width={660} onClose={props.onClose}>
+      <div className="sheet-head">
+        <h2 className="grow">Deploy {document.name}</h2>
+        <button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button>
+      </div>
+      <div className="sheet-body deploy">
+        <p className="quiet">
+          {deployed === null ? "Its activator is armed and its flows can be started. Runs of an older version go on with that version." : deployed === document.text ? "This is the text that is deployed already." : "It takes the place of the deployed version. Live runs go on with the version that they began with."}
+        </p>
+        <div style={{ maxWidth: 160 }}>
+          <Field label="Version" value={document.version} placeholder="1.0" onDone={(value) => session.edit(document.flows[0]?.key ?? "", (e: Edits) => document.root && e.set(document.root, "version", value.trim() || null))} />
+        </div>
+        {errors.length > 0 && <div className="notice bad"><CircleAlert size={15} /><div><b>{errors.length} to mend first.</b> {errors[0]?.message}</div></div>}
+        {errors.length === 0 && warnings.length > 0 && <div className="notice wait"><CircleAlert size={15} /><div><b>{warnings.length} to look at.</b> {warnings[0]?.message}</div></div>}
+        {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
+        {steps && (steps.come.length + steps.gone.length + steps.changed.length > 0) && (
+          <ul className="deploy-steps">
+            {steps.come.map((name) => <li key={`+${name}`} className="new">+ {name}</li>)}
+            {steps.changed.map((name) => <li key={`~${name}`} className="changed">~ {name}</li>)}
+            {steps.gone.map((name) => <li key={`-${name}`} className="gone">− {name}</li>)}
+          </ul>
+        )}
+        {diff.length > 0 && (
+          <pre className="deploy-diff" tabIndex={0} aria-label="Differences of the text">
+            {diff.map((line, i) => <div key={i} className={line.kind}><span className="number">{line.kind === "gap" ? "⋯" : line.line}</span>{line.kind === "new" ? "+" : line.kind === "gone" ? "−" : " "} {line.text}</div>)}
+          </pre>
+        )}
+      </div>
+      <div className="sheet-foot">
+        <button className="button" onClick={props.onClose}>Not now</button>
+        <button className="button primary" disabled={busy || errors.length > 0} onClick={() => void deploy()} data-first><Rocket size={14} />{busy ? "Deploying" : "Deploy"}</button>
+      </div>
+    </Dialog>
+  );
+}
+
+function stepDiff(before: CawlDocument, after: CawlDocument): { come: string[]; gone: string[]; changed: string[] } {
+  const steps = (document: CawlDocument) => new Map(document.flows.flatMap((flow: Flow) => flow.steps.map((s) => [`${flow.name} / ${s.name}`, document.text.slice(s.element.from, s.element.to).replace(/ \w+:[xy]="[^"]*"/g, "")] as const)));
+  const [a, b] = [steps(before), steps(after)];
+  return {
+    come: [...b.keys()].filter((name) => !a.has(name)),
+    gone: [...a.keys()].filter((name) => !b.has(name)),
+    changed: [...b.keys()].filter((name) => a.has(name) && a.get(name) !== b.get(name)),
+  };
+}

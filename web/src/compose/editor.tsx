@@ -1,0 +1,275 @@
+// The open document: palette, canvas, properties and text, with one selection and one undo stack over all of them.
+import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles } from "lucide-react";
+import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
+import { useCommands, type Command } from "../app/commands";
+import { Link as AppLink } from "../app/link";
+import { navigate, paths } from "../app/router";
+import { partAt, prefixesOf } from "../cawl/document";
+import { shownFlow } from "../cawl/shown";
+import { StartDialog } from "../operate/start_dialog";
+import { Dialog } from "../ui/dialog";
+import { Picker, type PickerItem } from "../ui/picker";
+import { toast } from "../ui/toasts";
+import { Actions, type AddWhere, type NewKind } from "./actions";
+import { Canvas } from "./canvas";
+import { DeployDialog } from "./deploy_dialog";
+import { dropDraft, saveDraft, watchDraft, type Draft } from "./drafts";
+import { saveFile } from "./files";
+import { type Finding, useFindings } from "./findings";
+import { FindingsPanel } from "./findings_panel";
+import { usePalette } from "./palette_data";
+import { PalettePanel } from "./palette_panel";
+import { Properties } from "./properties";
+import { Session } from "./session";
+import { KindIcon } from "./step_card";
+import { TextPane } from "./text_pane";
+import { textSetup } from "./text_setup";
+import { usePanels } from "./panels";
+import { useVocabulary } from "./vocabulary";
+import "./editor.css";
+
+type Open = { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
+let memory = ""; // what was copied last, where the browser's clipboard is closed
+
+export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string }) {
+  const session = useSession(props.name, props.text, props.deployed);
+  return session ? <Open key={props.name} {...props} session={session} /> : null;
+}
+
+// The session lives as long as the document is open; drafts are saved a moment after each change.
+function useSession(name: string, text: string, deployed: string | null): Session | null {
+  const [session, setSession] = useState<Session | null>(null);
+  const first = useRef(text);
+  useEffect(() => {
+    const made = new Session(first.current, textSetup);
+    setSession(made);
+    let timer = 0;
+    let full = false;
+    const save = () => {
+      window.clearTimeout(timer);
+      const saved = made.written === deployed ? (dropDraft(name), true) : saveDraft(name, made.written, deployed ?? "");
+      if (!saved && !full) toast("bad", "The draft can't be kept", "The browser's storage is full. Save the text as a file (Ctrl-S).");
+      full = !saved;
+    };
+    const stop = made.subscribe(() => {
+      window.clearTimeout(timer);
+      timer = window.setTimeout(save, 300);
+    });
+    const leave = () => made.version > 0 && save();
+    window.addEventListener("pagehide", leave);
+    return () => {
+      leave();
+      stop();
+      window.removeEventListener("pagehide", leave);
+      first.current = made.written;
+      made.destroy();
+    };
+  }, [name, deployed]);
+  return session;
+}
+
+function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; session: Session }) {
+  const { session, name } = props;
+  const version = useSyncExternalStore(session.subscribe, session.getVersion);
+  const [deployed, setDeployed] = useState(props.deployed);
+  const { document } = session;
+  const shown = useMemo(() => shownFlow(session.document, session.good, props.flow), [session, version, props.flow]);
+  const flowKey = shown?.flow.key ?? "";
+  const [steps, setSteps] = useState<ReadonlySet<string>>(() => new Set(props.step ? [props.step] : []));
+  const [links, setLinks] = useState<ReadonlySet<string>>(() => new Set());
+  const [open, setOpen] = useState<Open>(null);
+  const [findingsOpen, setFindingsOpen] = useState(false);
+  const [other, setOther] = useState<Draft | null>(null);
+  const panels = usePanels();
+  const palette = usePalette();
+  const findings = useFindings(session);
+  const prefixes = useMemo(() => prefixesOf(document), [document]);
+  const prefixKey = JSON.stringify([...prefixes]);
+  const vocabulary = useVocabulary(useMemo(() => new Map(JSON.parse(prefixKey) as [string, string][]), [prefixKey]));
+  const serviceKey = palette.entries.filter((e) => e.kind === "service").map((e) => e.id).join("\n");
+  const serviceNames = useMemo(() => new Set(serviceKey.split("\n")), [serviceKey]);
+
+  useEffect(() => {
+    const step = session.document.flows.flatMap((f) => f.steps).find((s) => s.key === props.step);
+    if (step) session.reveal(step.element.from, step.element.openTo);
+  }, [session]); // the step of the address, once
+  useEffect(() => watchDraft(name, (draft) => draft && draft.text !== session.written && setOther(draft)), [name, session]);
+  useEffect(() => {
+    window.document.title = `${document.name || name} – Docent`;
+  }, [document.name, name]);
+
+  const onSelect = useCallback((stepKeys: string[], linkKeys: string[], focus = false) => {
+    setSteps(new Set(stepKeys));
+    setLinks(new Set(linkKeys));
+    const only = stepKeys.length === 1 && linkKeys.length === 0 ? (stepKeys[0] ?? "") : "";
+    navigate(paths.compose(name, props.flow, only), true);
+    const part = shownFlow(session.document, session.good, props.flow);
+    const element = only ? part?.steps.find((s) => s.key === only && !s.stale)?.element : linkKeys.length === 1 && stepKeys.length === 0 ? part?.links.find((l) => l.key === linkKeys[0])?.element : undefined;
+    if (element && !session.view.hasFocus) session.reveal(element.from, element.openTo);
+    if (focus && only) window.setTimeout(() => window.document.querySelector<HTMLElement>(`.react-flow__node[data-id="${CSS.escape(only)}"]`)?.focus(), 90);
+  }, [name, props.flow, session]);
+  const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key])), [session, flowKey, onSelect]);
+
+  const chosenSteps = shown?.steps.filter((s) => steps.has(s.key) && !s.stale) ?? [];
+  const chosenLinks = shown?.links.filter((l) => links.has(l.key) && !l.stale) ?? [];
+  const only = chosenSteps.length === 1 && chosenLinks.length === 0 ? chosenSteps[0] : undefined;
+
+  const quickAdd = useCallback((where: AddWhere) => setOpen({ what: "add", where }), []);
+  const addFrom = (what: NewKind) => actions.add(what, chosenLinks[0] && !only ? { link: chosenLinks[0].key } : only && only.kind !== "sink" ? { after: only.key } : where(shown));
+  const onFix = useCallback((finding: Finding) => {
+    if (session.text !== findingsText.current) return toast("bad", "The text has changed since", "The check runs again; then the remedy fits.");
+    session.change(finding.fix);
+    toast("good", "Mended", finding.message);
+  }, [session]);
+  const findingsText = useRef("");
+  findingsText.current = findings.of;
+  const onJump = (finding: Finding) => {
+    if (finding.flow && finding.flow !== flowKey) navigate(paths.compose(name, finding.flow, finding.step));
+    onSelect(finding.step ? [finding.step] : [], finding.link ? [finding.link] : []);
+    panels.show("text");
+    window.setTimeout(() => session.reveal(finding.from, finding.to));
+  };
+  const copy = (keys = [...steps]) => {
+    const text = actions.copied(keys);
+    if (!text) return toast("bad", "Nothing to copy", "Select steps first.");
+    memory = text;
+    void navigator.clipboard?.writeText(text).catch(() => undefined);
+    toast("good", keys.length === 1 ? "The step is copied" : `${keys.length} steps are copied`);
+  };
+  const paste = async () => actions.paste((await navigator.clipboard?.readText().catch(() => memory)) || memory);
+  const connect = () => (only && only.kind !== "sink" ? setOpen({ what: "connect", from: only.key }) : toast("bad", "Select one step first", "Then C connects it to another one, by name."));
+  const rename = () => window.document.querySelector<HTMLInputElement>('.properties-head input[aria-label="Name"]')?.select();
+
+  useCommands([
+    { title: "Add a step", group: "Steps", icon: Plus, keys: "/", words: "insert new", run: () => quickAdd(chosenLinks[0] && !only ? { link: chosenLinks[0].key } : only ? { after: only.key } : where(shown)) },
+    { title: "Connect to…", group: "Steps", icon: Link2, keys: "C", words: "link", run: connect },
+    { title: "Rename", group: "Steps", icon: TextCursorInput, keys: "F2", run: rename },
+    { title: "Remove", group: "Steps", icon: Trash2, keys: "Delete|Backspace", words: "delete", run: () => actions.remove([...steps], [...links]) },
+    { title: "Copy", group: "Steps", icon: Copy, keys: "Mod+C", run: () => copy() },
+    { title: "Cut", group: "Steps", icon: Scissors, keys: "Mod+X", run: () => (copy(), actions.remove([...steps], [])) },
+    { title: "Paste", group: "Steps", keys: "Mod+V", run: () => void paste() },
+    { title: "Duplicate", group: "Steps", keys: "Mod+D", run: () => actions.paste(actions.copied([...steps])) },
+    { title: "Select all", group: "Steps", keys: "Mod+A", run: () => onSelect(shown?.steps.filter((s) => !s.stale).map((s) => s.key) ?? [], []) },
+    { title: "Select nothing", group: "Steps", keys: "Escape", hidden: true, run: () => onSelect([], []) },
+    { title: "Undo", group: "Document", icon: Undo2, keys: "Mod+Z", run: session.undo },
+    { title: "Redo", group: "Document", icon: Redo2, keys: "Mod+Shift+Z|Mod+Y", run: session.redo },
+    { title: "Tidy up", group: "Document", icon: Sparkles, keys: "Shift+T", words: "layout arrange", run: () => actions.tidy() },
+    { title: "Deploy", group: "Document", icon: Rocket, keys: "Mod+Enter", words: "publish", run: () => setOpen({ what: "deploy" }) },
+    { title: "Start a run", group: "Document", icon: Play, keys: "R", run: () => setOpen({ what: "start" }) },
+    { title: "Save a copy as a file", group: "Document", icon: Download, keys: "Mod+S", inFields: true, run: () => saveFile(`${document.name || name}.cawl.xml`, session.written) },
+    { title: "Show or hide the text", group: "Document", icon: CodeXml, keys: "T", run: () => panels.toggle("text") },
+    { title: "Show or hide the palette", group: "Document", icon: PanelLeftOpen, keys: "P", run: () => panels.toggle("palette") },
+    ...(findings.list[0] ? [{ title: "Go to the first finding", group: "Document", icon: Crosshair, keys: "E", run: () => findings.list[0] && onJump(findings.list[0]) } satisfies Command] : []),
+    ...findings.list.filter((f) => f.fix.length > 0).map((f): Command => ({ title: `Mend: ${f.message}`, group: "Findings", icon: WandSparkles, run: () => onFix(f) })),
+    ...(shown?.steps ?? []).map((s): Command => ({ title: `Go to step ${s.name}`, group: "Go to", words: "node", run: () => onSelect([s.key], [], true) })),
+  ]);
+
+  const dirty = session.written !== deployed;
+  return (
+    <main className={`editor tab-${panels.tab}${panels.palette ? " with-palette" : ""}${panels.text ? " with-text" : ""}`}>
+      <header className="head">
+        <AppLink href={paths.documents()} className="faint crumb">Workflows</AppLink><ChevronRight size={13} className="faint crumb" />
+        <h1 className="cut">{document.name || name}</h1>
+        {dirty ? <span className="tag accent" title="Kept in this browser">draft</span> : <span className="tag good">deployed</span>}
+        {document.flows.length > 1 && (
+          <nav className="segments flows" aria-label="Flows">
+            {document.flows.map((f) => <button key={f.key} aria-pressed={f.key === flowKey} onClick={() => (navigate(paths.compose(name, f.key)), onSelect([], []))}>{f.name}</button>)}
+          </nav>
+        )}
+        <span className="grow" />
+        <button className="button plain icon" aria-label="Undo" title="Undo (Ctrl-Z)" disabled={!session.canUndo} onClick={session.undo}><Undo2 size={15} /></button>
+        <button className="button plain icon" aria-label="Redo" title="Redo (Ctrl-Shift-Z)" disabled={!session.canRedo} onClick={session.redo}><Redo2 size={15} /></button>
+        <button className="button plain wide-only" title="Arrange the steps (Shift-T)" onClick={() => actions.tidy()}><Sparkles size={14} />Tidy</button>
+        <button className="button plain wide-only" aria-pressed={panels.text} title="Show or hide the text (T)" onClick={() => panels.toggle("text")}><Columns2 size={15} />Text</button>
+        {deployed !== null || !dirty ? <button className="button wide-only" title="Start a run by hand (R)" onClick={() => setOpen({ what: "start" })}><Play size={13} />Run</button> : null}
+        <button className="button primary" onClick={() => setOpen({ what: "deploy" })}><Rocket size={14} />Deploy</button>
+      </header>
+      {other && (
+        <div className="stale" role="alert">
+          Another tab has changed this draft.
+          <button className="button small" onClick={() => (session.replaceAll(other.text), setOther(null))}>Take its text</button>
+          <button className="button small" onClick={() => (saveDraft(name, session.written, deployed ?? ""), setOther(null))}>Keep mine</button>
+        </div>
+      )}
+      <div className="narrow-tabs segments" role="tablist" aria-label="Parts of the view">
+        {(["canvas", "properties", "text"] as const).map((tab) => <button key={tab} role="tab" aria-checked={panels.tab === tab} aria-selected={panels.tab === tab} onClick={() => panels.setTab(tab)}>{tab[0]?.toUpperCase()}{tab.slice(1)}</button>)}
+      </div>
+      <div className="editor-body">
+        {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
+        <div className="stage">
+          {shown ? (
+            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={(key) => openStep(shown.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target, document.flows.map((f) => f.key), name, rename)}>
+              {shown.steps.filter((s) => s.kind === "node").length === 0 && <FirstSteps onAdd={() => quickAdd(where(shown))} />}
+              {document.problems.length > 0 && <div className="broken" role="status">The text has a mistake. You see the last good steps; what is dashed can't be changed until it is mended.</div>}
+            </Canvas>
+          ) : (
+            <div className="nothing grow"><h2>There is no flow to show</h2><p>The text needs a &lt;CAWL&gt; element with a &lt;flow&gt; in it. Undo brings the last text back.</p></div>
+          )}
+          <FindingsPanel findings={findings} lineOf={(offset) => session.view.state.doc.lineAt(Math.min(offset, session.view.state.doc.length)).number} open={findingsOpen} onToggle={() => setFindingsOpen(!findingsOpen)} onFix={onFix} onJump={onJump} />
+        </div>
+        <aside className="dock" style={{ width: panels.width }} aria-label="Properties and text">
+          <div className="dock-grip" role="separator" aria-orientation="vertical" aria-label="Width of the text" aria-valuenow={panels.width} aria-valuemin={320} aria-valuemax={Math.max(320, window.innerWidth - 420)} tabIndex={0} onPointerDown={panels.grip} onKeyDown={panels.gripKeys} />
+          <div className="dock-properties">
+            {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} />}
+          </div>
+          <TextPane session={session} findings={findings.list} onFix={onFix} onCaret={(offset) => {
+            const part = partAt(session.document, offset);
+            if (part && part.flow.key === flowKey && (part.step || part.link)) {
+              setSteps(new Set(part.step ? [part.step.key] : []));
+              setLinks(new Set(part.link ? [part.link.key] : []));
+            }
+          }} />
+        </aside>
+      </div>
+      {open?.what === "add" && <QuickAdd palette={palette.entries} name={document.name} where={open.where} actions={actions} onClose={() => setOpen(null)} />}
+      {open?.what === "connect" && shown && (
+        <Dialog label="Connect to" top onClose={() => setOpen(null)}>
+          <Picker
+            label="Connect to" placeholder={`Connect ${shown.steps.find((s) => s.key === open.from)?.name ?? ""} to…`} empty="No step has this name." onDone={() => setOpen(null)}
+            items={shown.steps.filter((s) => s.key !== open.from && s.kind !== "source" && !s.stale && !shown.links.some((l) => l.kind === "plain" && l.from === shown.steps.find((x) => x.key === open.from)?.name && l.to === s.name)).map((s): PickerItem => ({ id: s.key, title: s.name, detail: s.kind === "sink" ? "end of the flow" : s.invokes.map((i) => i.target).join(", "), icon: <Link2 size={15} />, run: () => actions.connect(open.from, s.key) }))}
+          />
+        </Dialog>
+      )}
+      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name))} onClose={() => setOpen(null)} />}
+      {open?.what === "start" && <StartDialog workflow={document.name} variables={[...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])].map((v) => ({ name: v.name, type: v.type, initial: v.initial }))} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
+    </main>
+  );
+}
+
+// Where a step goes if nothing is selected: into the link that ends the flow, if there is one alone.
+function where(shown: ReturnType<typeof shownFlow>): AddWhere {
+  const sink = shown?.steps.find((s) => s.kind === "sink");
+  const into = shown?.links.filter((l) => l.to === sink?.name && l.kind === "plain" && !l.stale) ?? [];
+  return into.length === 1 && into[0] ? { link: into[0].key } : {};
+}
+
+// A step that runs a flow is opened in place: a flow of this document, or another workflow.
+function openStep(target: string | undefined, flows: string[], name: string, rename: () => void) {
+  if (!target) return rename();
+  navigate(flows.includes(target) ? paths.compose(name, target) : paths.compose(target.split("/")[0] ?? target, target.split("/")[1] ?? ""));
+}
+
+function QuickAdd(props: { palette: readonly import("./palette_data").PaletteEntry[]; name: string; where: AddWhere; actions: Actions; onClose: () => void }) {
+  const groups = { service: "Services", operation: "Robots' operations", workflow: "Workflows" };
+  const add = (what: NewKind) => () => props.actions.add(what, props.where);
+  const items: PickerItem[] = [
+    { id: "empty", title: "Empty step", detail: "waits for a situation", icon: <Plus size={15} />, run: add({ kind: "empty", title: "Step" }) },
+    ...props.palette.filter((e) => e.id !== props.name).map((e): PickerItem => ({ id: `${e.kind} ${e.id}`, title: e.title, words: e.id, detail: e.detail, group: groups[e.kind], icon: <KindIcon kind={e.kind} />, run: add(e) })),
+  ];
+  return (
+    <Dialog label="Add a step" top onClose={props.onClose}>
+      <Picker label="Add a step" placeholder="What happens next?" items={items} empty="Nothing has this name." onDone={props.onClose} other={(typed) => ({ id: "other", title: `New step “${typed}”`, detail: "does nothing yet", icon: <Plus size={15} />, run: add({ kind: "empty", title: typed }) })} />
+    </Dialog>
+  );
+}
+
+function FirstSteps({ onAdd }: { onAdd: () => void }) {
+  return (
+    <div className="first-steps">
+      <h2>Add the first step</h2>
+      <p className="quiet">A step is something a robot does. It opens when its situation is true, and leads to the next.</p>
+      <button className="button primary" onClick={onAdd}><Plus size={15} />Add a step<kbd>/</kbd></button>
+      <p className="faint small">or drag one from the left onto the arrow</p>
+    </div>
+  );
+}

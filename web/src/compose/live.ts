@@ -1,0 +1,74 @@
+// Whether conditions hold now, in how many ways, and one match in words; if not, what lacks.
+import { context } from "../api/client";
+import { usePoll } from "../api/poll";
+import { query, shorten, valueWords } from "../api/sparql";
+import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
+
+export interface Live {
+  matches: number; // -1: it could not be asked
+  witness: string; // "robot = R01, booth = B03"
+  missing: string[]; // patterns that have no match, shortened
+  note: string;
+}
+export const matchesShown = 50;
+
+// Only what the ask needs of the prefixes, so that a document's own never stand in the way.
+function prologue(document: CawlDocument, body: string): string {
+  return [...prefixesOf(document)].filter(([prefix]) => body.includes(`${prefix}:`)).map(([prefix, iri]) => `PREFIX ${prefix}: <${iri.replace(/[<>"{}|^`\\\s]/g, encodeURIComponent)}>\n`).join("");
+}
+
+function term(text: string): string {
+  const variable = /^[?$]([A-Za-z]\w*)(?:\.(\w+))?$/.exec(text.trim());
+  return variable ? `?${variable[1]}${variable[2] ? `_${variable[2]}` : ""}` : text.trim();
+}
+
+// The pattern of one row; empty if a word of it lacks.
+export function constraintPattern(constraint: Constraint): string {
+  const { subject, verb, object } = constraint;
+  if (!subject.text.trim() || !verb.text.trim() || !object.text.trim()) return "";
+  const compared = /^<[^\s<>=]+>$/.test(object.text.trim()) ? null : /^(<=|>=|!=|<|>|=)\s*(.+)$/.exec(object.text.trim());
+  const value = compared ? "?value_" : term(object.text);
+  const kind = (type: string, of: string) => (type && !type.startsWith("xsd:") && of.startsWith("?") ? ` ${of} a ${type} .` : "");
+  return `${term(subject.text)} ${term(verb.text)} ${value} .${kind(subject.type, term(subject.text))}${kind(object.type, value)}${compared ? ` FILTER(${value} ${compared[1]} ${term(compared[2] ?? "")})` : ""}`;
+}
+
+export function constraintAsk(document: CawlDocument, constraint: Constraint): string {
+  const pattern = constraintPattern(constraint);
+  return pattern ? `${prologue(document, pattern)}ASK { ${pattern} }` : "";
+}
+
+function asSelect(ask: string): string {
+  return `${ask.replace(/\bASK\s*(WHERE\s*)?\{/, "SELECT * WHERE {")} LIMIT ${matchesShown}`;
+}
+
+export function useLive(document: CawlDocument, asks: readonly { id: string; ask: string; whole: boolean }[]): ReadonlyMap<string, Live> {
+  const key = asks.map((a) => a.ask).join("\n");
+  const polled = usePoll(key === "" ? "" : `live ${key}`, async (signal) => {
+    const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask, whole }): Promise<[string, Live]> => [id, await state(document, ask, whole, signal)]));
+    return new Map(entries);
+  }, 700);
+  return polled.data ?? new Map();
+}
+
+async function state(document: CawlDocument, ask: string, whole: boolean, signal: AbortSignal): Promise<Live> {
+  try {
+    const answer = await query(asSelect(ask), signal);
+    const first = answer.rows[0];
+    const witness = first ? answer.variables.filter((v) => !v.startsWith("value_")).map((v) => `${v} = ${valueWords(first[v])}`).join(", ") : "";
+    const missing = answer.rows.length === 0 && whole ? await lacks(document, ask, signal) : [];
+    return { matches: answer.rows.length, witness, missing, note: "" };
+  } catch (error) {
+    if (signal.aborted) throw error;
+    return { matches: -1, witness: "", missing: [], note: error instanceof Error ? error.message : String(error) };
+  }
+}
+
+async function lacks(document: CawlDocument, ask: string, signal: AbortSignal): Promise<string[]> {
+  try {
+    const reply = await context.explain({ question: { case: "whyNot", value: ask }, sets: 1, timeoutMs: 2000 }, { signal });
+    const prefixes = [...prefixesOf(document)];
+    return (reply.sets[0]?.missing ?? []).map((m) => m.replace(/<([^>]+)>/g, (whole, iri: string) => shorten(iri, prefixes) || whole).replace(/\s*\.$/, ""));
+  } catch {
+    return [];
+  }
+}

@@ -1,0 +1,117 @@
+// One open document: its text in an editor, the model read from it, and the way in for edits of the canvas. The editor's state
+// is the only truth and its history the only undo stack, whether an edit was typed or drawn.
+import { history, isolateHistory, redo, redoDepth, undo, undoDepth } from "@codemirror/commands";
+import { EditorState, type Extension, Text, Transaction } from "@codemirror/state";
+import { EditorView } from "@codemirror/view";
+import { type CawlDocument, flowOf, type Flow, readCawl } from "../cawl/document";
+import { EditRefused, Edits } from "../cawl/edits";
+import { announce, toast } from "../ui/toasts";
+
+export class Session {
+  readonly view: EditorView;
+  document: CawlDocument;
+  good: CawlDocument | null; // the newest without mistakes of the text
+  version = 0; // changes with each text
+  refreshed = 0; // changes when the whole text was replaced, and the canvas should show all of it
+  private readonly listeners = new Set<() => void>();
+
+  constructor(text: string, extensions: Extension) {
+    this.view = new EditorView({
+      state: EditorState.create({
+        doc: text,
+        extensions: [
+          history({ minDepth: 500 }),
+          // Every byte comes back: with CR LF alone these are the line ends, else CR is a character like others.
+          EditorState.lineSeparator.of(/\r\n/.test(text) && !/[^\r]\n|\r[^\n]/.test(text) ? "\r\n" : "\n"),
+          extensions,
+          EditorView.updateListener.of((update) => {
+            if (!update.docChanged) return;
+            const ranges: { fromA: number; toA: number; fromB: number; toB: number }[] = [];
+            update.changes.iterChangedRanges((fromA, toA, fromB, toB) => ranges.push({ fromA, toA, fromB, toB }));
+            this.read(update.state.doc.toString(), ranges);
+          }),
+        ],
+      }),
+    });
+    this.document = readCawl(this.view.state.doc.toString());
+    this.good = this.document.problems.length === 0 ? this.document : null;
+  }
+
+  subscribe = (listener: () => void) => {
+    this.listeners.add(listener);
+    return () => void this.listeners.delete(listener);
+  };
+  getVersion = () => this.version;
+
+  get text(): string {
+    return this.document.text;
+  }
+  // The text as it goes to a file or the server: with the line ends that it came with.
+  get written(): string {
+    return this.view.state.sliceDoc();
+  }
+
+  private read(text: string, changed?: { fromA: number; toA: number; fromB: number; toB: number }[]) {
+    this.document = readCawl(text, this.document, changed);
+    if (this.document.problems.length === 0) this.good = this.document;
+    this.version++;
+    for (const listener of this.listeners) listener();
+  }
+
+  // Makes an edit of the flow as one step of undo. What can't be done is said, and nothing changes. Returns what `make` gives.
+  edit<T>(flowKey: string, make: (edits: Edits, flow: Flow) => T, said = ""): T | undefined {
+    try {
+      const flow = flowOf(this.document, flowKey) ?? this.document.flows[0];
+      if (!flow) throw new EditRefused("The text has no <flow> to edit.");
+      const edits = new Edits(this.document);
+      const result = make(edits, flow);
+      if (edits.changes.length > 0)
+        this.change(edits.changes, "canvas");
+      if (said) announce(said);
+      return result;
+    } catch (error) {
+      if (!(error instanceof EditRefused)) throw error;
+      toast("bad", "That can't be done", error.message);
+      return undefined;
+    }
+  }
+
+  // Replaces pieces of the text, as one step of undo.
+  change(changes: readonly { from: number; to: number; insert: string }[], event = "fix") {
+    this.view.dispatch({
+      changes: changes.map((c) => ({ from: c.from, to: c.to, insert: Text.of(c.insert.split("\n")) })),
+      annotations: [isolateHistory.of("full"), Transaction.userEvent.of(event)],
+    });
+  }
+
+  replaceAll(text: string) {
+    this.view.dispatch({ changes: { from: 0, to: this.view.state.doc.length, insert: Text.of(text.split(/\r?\n/)) }, annotations: isolateHistory.of("full") });
+    this.refreshed++;
+  }
+
+  get canUndo(): boolean {
+    return undoDepth(this.view.state) > 0;
+  }
+  get canRedo(): boolean {
+    return redoDepth(this.view.state) > 0;
+  }
+  undo = () => {
+    if (undo(this.view)) announce("Undone");
+  };
+  redo = () => {
+    if (redo(this.view)) announce("Done again");
+  };
+
+  // Shows a range in the text, without taking the focus.
+  reveal(from: number, to: number) {
+    const length = this.view.state.doc.length;
+    this.view.dispatch({
+      selection: { anchor: Math.min(from, length), head: Math.min(to, length) },
+      effects: EditorView.scrollIntoView(Math.min(from, length), { y: "start", yMargin: 60 }),
+    });
+  }
+
+  destroy() {
+    this.view.destroy();
+  }
+}

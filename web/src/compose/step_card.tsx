@@ -1,0 +1,90 @@
+// A step on the canvas: what it does, what opens it, and what is wrong with it.
+import { Handle, Position, type Node, type NodeProps } from "@xyflow/react";
+import { Bot, CircleAlert, Clock3, Flag, Play, Repeat2, RotateCw, TriangleAlert, Unlink, Workflow, Wrench, Zap } from "lucide-react";
+import { memo } from "react";
+import type { Step } from "../cawl/document";
+import { conditionRows } from "../cawl/phrases";
+import { words } from "../cawl/names";
+
+export interface StepData extends Record<string, unknown> {
+  step: Step & { stale: boolean };
+  errors: number;
+  warnings: number;
+  serviceNames: ReadonlySet<string>; // which operations are services
+  state?: string; // of a run
+  stateLabel?: string;
+}
+export type StepNode = Node<StepData, "step">;
+
+export const StepCard = memo(function StepCard({ data, selected, isConnectable }: NodeProps<StepNode>) {
+  const { step } = data;
+  const classes = `step ${step.kind}${selected ? " selected" : ""}${step.stale ? " stale" : ""}${data.state ? ` run-${data.state}` : ""}`;
+  const handles = (
+    <>
+      {step.kind !== "source" && <Handle type="target" position={Position.Top} isConnectable={isConnectable && !step.stale} />}
+      {step.kind !== "sink" && <Handle type="source" position={Position.Bottom} isConnectable={isConnectable && !step.stale} />}
+    </>
+  );
+  if (step.kind !== "node")
+    return (
+      <div className="step-slot">
+        <div className={classes}>
+          {step.kind === "source" ? <Play size={13} /> : <Flag size={13} />}
+          <span className="cut">{step.name || "(no name)"}</span>
+          <Marks errors={data.errors} warnings={data.warnings} />
+          {handles}
+        </div>
+      </div>
+    );
+  const rows = step.condition ? conditionRows(step.condition) : [];
+  return (
+    <div className={classes}>
+      <header>
+        <span className="cut" title={step.documentation || undefined}>{step.name || "(no name)"}</span>
+        {data.stateLabel && <span className={`state-chip ${data.state}`}>{data.stateLabel}</span>}
+        {step.forEach && <span className="step-mark" title={`Once for each ${step.forEach}`}><Repeat2 size={13} /></span>}
+        {step.retry && <span className="step-mark" title={`Tried again ${step.retry} times`}><RotateCw size={12} /></span>}
+        {step.timeout && <span className="step-mark" title={`Ends after ${step.timeout}`}><Clock3 size={12} />{step.timeout}</span>}
+        {step.stale && <span className="step-mark" title="From the last text without mistakes"><Unlink size={12} /></span>}
+        <Marks errors={data.errors} warnings={data.warnings} />
+      </header>
+      {rows.length > 0 && (
+        <ul className="step-condition" aria-label="Opens when">
+          {rows.slice(0, 2).map((row, i) => (
+            <li key={i}><Zap size={11} aria-hidden /><span className="cut">{row}</span></li>
+          ))}
+          {rows.length > 2 && <li className="faint"><span className="step-more">and {rows.length - 2} more</span></li>}
+        </ul>
+      )}
+      {step.invokes.length > 0 && (
+        <ul className="step-invokes">
+          {step.invokes.slice(0, 3).map((invoke, i) => {
+            const kind = invoke.kind === "subflow" ? "workflow" : data.serviceNames.has(invoke.target) ? "service" : "operation";
+            return <li key={i} className={kind}><KindIcon kind={kind} size={13} /><span className="cut">{words(invoke.target) || "nothing yet"}</span></li>;
+          })}
+        </ul>
+      )}
+      {handles}
+    </div>
+  );
+});
+
+export function KindIcon({ kind, size = 15 }: { kind: "operation" | "service" | "workflow" | "empty"; size?: number }) {
+  const Icon = kind === "workflow" ? Workflow : kind === "service" ? Wrench : kind === "operation" ? Bot : Play;
+  return <Icon size={size} className={`kind-${kind}`} aria-hidden />;
+}
+
+function Marks({ errors, warnings }: { errors: number; warnings: number }) {
+  if (errors > 0) return <span className="step-badge bad" title={`${errors} to mend`}><CircleAlert size={13} />{errors}</span>;
+  if (warnings > 0) return <span className="step-badge wait" title={`${warnings} to look at`}><TriangleAlert size={13} />{warnings}</span>;
+  return null;
+}
+
+// What a screen reader says of a step.
+export function stepWords(data: StepData): string {
+  const { step } = data;
+  if (step.kind !== "node") return `${step.kind === "source" ? "Begin" : "End"}: ${step.name}`;
+  const does = step.invokes.map((i) => words(i.target)).join(", ");
+  const rows = step.condition ? conditionRows(step.condition) : [];
+  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.stateLabel, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
+}

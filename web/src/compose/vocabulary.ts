@@ -1,0 +1,46 @@
+// Words for subjects, verbs and objects: what the ontology and the live graph have now, under the document's prefixes.
+import { useMemo } from "react";
+import { usePoll } from "../api/poll";
+import { query, shorten } from "../api/sparql";
+
+export interface Word {
+  term: string; // as it is written in a document
+  label: string;
+  use: string; // "12 facts"
+}
+export interface Vocabulary {
+  verbs: Word[];
+  classes: Word[];
+  things: Word[];
+}
+
+const rdf = "PREFIX rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#> PREFIX owl: <http://www.w3.org/2002/07/owl#> PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> ";
+const verbsQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (MAX(?u) AS ?n) { { SELECT ?t (COUNT(*) AS ?u) { ?s ?t ?o } GROUP BY ?t } UNION { VALUES ?k { owl:ObjectProperty owl:DatatypeProperty rdf:Property docent:StateProperty } ?t a ?k BIND(0 AS ?u) } OPTIONAL { ?t rdfs:label ?l } FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 600`;
+const classesQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (MAX(?u) AS ?n) { { SELECT ?t (COUNT(DISTINCT ?s) AS ?u) { ?s a ?t } GROUP BY ?t } UNION { VALUES ?k { owl:Class rdfs:Class } ?t a ?k BIND(0 AS ?u) } OPTIONAL { ?t rdfs:label ?l } FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 400`;
+const thingsQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (SAMPLE(?c) AS ?class) { ?t a ?c . FILTER(isIRI(?t)) FILTER NOT EXISTS { ?t a docent:Run } FILTER NOT EXISTS { ?t a docent:NodeInstance } OPTIONAL { ?t rdfs:label|schema:name ?l } FILTER(?c NOT IN (owl:Class, rdfs:Class, owl:ObjectProperty, owl:DatatypeProperty, rdf:Property)) } GROUP BY ?t LIMIT 1500`;
+
+export function useVocabulary(prefixes: ReadonlyMap<string, string>): Vocabulary {
+  const polled = usePoll("vocabulary", async (signal) => Promise.all([verbsQuery, classesQuery, thingsQuery].map((text) => query(text, signal))), 30_000);
+  return useMemo(() => {
+    const [verbs, classes, things] = polled.data ?? [];
+    const words = (answer: typeof verbs, use: (row: NonNullable<typeof verbs>["rows"][number]) => string): Word[] =>
+      (answer?.rows ?? []).flatMap((row) => {
+        const iri = row["t"]?.text ?? "";
+        const term = shorten(iri, prefixes);
+        return term && !internal.test(term) ? [{ term, label: row["label"]?.text ?? "", use: use(row) }] : [];
+      });
+    const count = (noun: string) => (row: Record<string, { text: string } | undefined>) => {
+      const n = Number(row["n"]?.text ?? 0);
+      return n > 0 ? `${n} ${noun}${n === 1 ? "" : "s"}` : "";
+    };
+    const byUse = (a: Word, b: Word) => parseInt(b.use || "0", 10) - parseInt(a.use || "0", 10) || a.term.localeCompare(b.term);
+    return {
+      verbs: words(verbs, count("fact")).sort(byUse),
+      classes: words(classes, count("thing")).sort(byUse),
+      things: words(things, (row) => shorten(row["class"]?.text ?? "", prefixes)).sort((a, b) => a.term.localeCompare(b.term)),
+    };
+  }, [polled.data, prefixes]);
+}
+
+// Words of RDF's and OWL's own machinery, which no situation is made of.
+const internal = /^(owl|rdfs|sh):|^rdf:(?!type$)/;

@@ -1,0 +1,11 @@
+import { StrictMode } from "react";
+import { createRoot } from "react-dom/client";
+import { App } from "./app/app";
+import { startKeys } from "./app/commands";
+import { startTheme } from "./app/theme";
+import "./app/base.css";
+
+startTheme();
+startKeys();
+const place = document.getElementById("app");
+if (place) createRoot(place).render(<StrictMode><App /></StrictMode>);

@@ -1,0 +1,52 @@
+// Starts a run by hand, with the values that the flow begins with.
+import { CircleAlert, Play, X } from "lucide-react";
+import { useState } from "react";
+import { workflows } from "../api/client";
+import { plain, type PlainError } from "../api/errors";
+import { navigate, paths } from "../app/router";
+import type { Vocabulary } from "../compose/vocabulary";
+import { termOf } from "../api/terms";
+import { Combo } from "../ui/combo";
+import { Dialog } from "../ui/dialog";
+import { toast } from "../ui/toasts";
+
+export function StartDialog(props: {
+  workflow: string; flow: string; variables: readonly { name: string; type: string; initial: string }[]; vocabulary: Vocabulary; prefixes: ReadonlyMap<string, string>; onClose: () => void;
+}) {
+  const [values, setValues] = useState<Record<string, string>>({});
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<PlainError | null>(null);
+  const variables = props.variables.filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i);
+  const start = async () => {
+    setBusy(true);
+    try {
+      const given = Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, props.prefixes) }));
+      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: given, requestId: crypto.randomUUID?.() ?? `${Date.now()}-${Math.random()}` });
+      toast("good", "The run has begun", reply.run);
+      props.onClose();
+      navigate(paths.run(reply.run));
+    } catch (failure) {
+      setError(failure instanceof RangeError ? { kind: "refused", title: "A value can't be read", detail: failure.message } : plain(failure));
+      setBusy(false);
+    }
+  };
+  return (
+    <Dialog label="Start a run" width={480} onClose={props.onClose}>
+      <div className="sheet-head"><h2 className="grow">Start {props.workflow}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
+      <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+        <p className="quiet">{variables.length > 0 ? "Give the values that it needs at its beginning; the rest it finds by its conditions." : "It needs no values."}</p>
+        {variables.map((v) => (
+          <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
+            <span><code>${v.name}</code> <span className="faint small">{v.type}</span></span>
+            <Combo label={v.name} placeholder={v.initial || "not given"} value={values[v.name] ?? ""} onChange={(value) => setValues({ ...values, [v.name]: value })} choices={props.vocabulary.things.filter((t) => !v.type || t.use === v.type || !t.use).concat(props.vocabulary.things.filter((t) => v.type && t.use !== v.type && t.use)).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
+          </div>
+        ))}
+        {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
+      </div>
+      <div className="sheet-foot">
+        <button className="button" onClick={props.onClose}>Cancel</button>
+        <button className="button primary" disabled={busy} onClick={() => void start()}><Play size={13} />Start</button>
+      </div>
+    </Dialog>
+  );
+}

@@ -1,0 +1,195 @@
+// Composing in a real browser: by keys alone, by dragging, in the text; and what must not go wrong with it.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import type { Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, describe, expect, it } from "vitest";
+import { draft, guide, Stage, usualAnswers } from "./stage";
+
+let stage: Stage;
+beforeAll(async () => void (stage = await Stage.open()));
+afterAll(() => stage.close());
+afterEach(() => {
+  stage.answers = usualAnswers();
+  expect(stage.faults.splice(0)).toEqual([]);
+});
+
+async function newGreeter(): Promise<Page> {
+  const page = await stage.page("/compose");
+  await page.waitForSelector(".template");
+  await page.keyboard.press("n");
+  await page.keyboard.type("Greeter");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector(".first-steps");
+  return page;
+}
+async function add(page: Page, words: string) {
+  await page.keyboard.press("/");
+  await page.keyboard.type(words);
+  await page.keyboard.press("Enter");
+  await page.waitForTimeout(150);
+}
+const step = (name: string) => `.react-flow__node[data-id="${name}"]`;
+
+describe("without a mouse", () => {
+  it("a workflow is made, connected, undone 200 times and done again", async () => {
+    const page = await newGreeter();
+    const empty = await draft(page, "Greeter");
+    await add(page, "move to us");
+    await add(page, "brief");
+    await page.keyboard.press("c");
+    await page.keyboard.type("move");
+    await page.keyboard.press("Enter");
+    await stage.picture(page, "compose-by-keys");
+    const built = await draft(page, "Greeter");
+    expect(built).toContain('<node name="Brief information">');
+    expect(built).toContain('<variable name="user" type="docent:Visitor"/>');
+    expect(built).toMatch(/<link from="Brief information" to="Move to user" ext:while=/);
+    expect(await page.evaluate(() => document.activeElement?.getAttribute("data-id"))).toBe("Brief information");
+    await page.keyboard.press("Escape");
+    for (let i = 0; i < 100; i++) await page.keyboard.press("Control+z");
+    expect(await draft(page, "Greeter")).toBe(empty);
+    for (let i = 0; i < 100; i++) await page.keyboard.press("Control+y");
+    expect(await draft(page, "Greeter")).toBe(built);
+    await page.keyboard.press("Control+Enter");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector(".toast.good");
+    expect(stage.calls.find((c) => c.method === "Workflows/Deploy")?.request["cawl"]).toBe(built);
+  });
+  it("steps are moved by arrows, copied, pasted and removed", async () => {
+    const page = await newGreeter();
+    await add(page, "move to us");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("ArrowRight");
+    await page.waitForTimeout(500);
+    expect(await draft(page, "Greeter")).toMatch(/<node name="Move to user" view:x="\d+" view:y="\d+">/);
+    await page.keyboard.press("Control+c");
+    await page.keyboard.press("Control+v");
+    await page.waitForSelector(step("Move to user 2"));
+    await page.keyboard.press("Delete");
+    const text = await draft(page, "Greeter");
+    expect(text).not.toContain("Move to user 2");
+    expect(text).toContain('name="Move to user"');
+  });
+});
+
+describe("canvas and text", () => {
+  it("a step is dragged onto a link", async () => {
+    const page = await newGreeter();
+    await page.locator(".palette-item", { hasText: "Move to booth" }).dragTo(page.locator('[data-link="Begin → End"]'), { force: true });
+    await page.waitForSelector(step("Move to booth"));
+    const text = await draft(page, "Greeter");
+    expect(text).toContain('<link from="Begin" to="Move to booth"/>\n    <link from="Move to booth" to="End"/>');
+  });
+  it("what is typed shows on the canvas, and comments stay", async () => {
+    const page = await stage.page("/compose/BoothGuide");
+    await page.waitForSelector(step("Move2Booth"));
+    await page.click(step("Move2Booth"));
+    await page.locator('.properties-head input[aria-label="Name"]').fill("Lead the way");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector(step("Lead the way"));
+    expect(await draft(page, "BoothGuide")).toBe(guide.replace(/(name|to|from)="Move2Booth"/g, '$1="Lead the way"'));
+    await page.click(".cm-content");
+    await page.keyboard.press("Control+End");
+    await page.keyboard.type("<!-- the end -->");
+    expect(await draft(page, "BoothGuide")).toContain("<!-- the end -->");
+  });
+  it("broken text keeps the last good canvas", async () => {
+    const page = await stage.page("/compose/BoothGuide");
+    await page.waitForSelector(step("InfoBooth"));
+    await page.click(".cm-content");
+    await page.keyboard.press("Control+Home");
+    await page.keyboard.type("<");
+    await page.waitForSelector(".broken");
+    expect(await page.locator(".react-flow__node").count()).toBe(5);
+    expect(await page.locator(".finding, .findings-bar .bad").count()).toBeGreaterThan(0);
+    await stage.picture(page, "compose-broken-text");
+    await page.keyboard.press("Backspace");
+    await page.waitForSelector(".broken", { state: "detached" });
+  });
+  it("a misspelt verb is mended by the offered remedy", async () => {
+    const page = await stage.page("/compose/BoothGuide");
+    await page.click(step("InfoBooth"));
+    await page.locator('input[aria-label="Verb"]').first().fill("docent:isAtt");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector(".step-badge.wait");
+    await stage.picture(page, "compose-finding");
+    await page.locator(".property-findings .button", { hasText: "Mend it" }).click();
+    await page.waitForSelector(".step-badge", { state: "detached" });
+    expect(await draft(page, "BoothGuide")).not.toContain("isAtt");
+  });
+  it("the address restores what was selected", async () => {
+    const page = await stage.page("/compose/BoothGuide?step=InfoBooth");
+    await page.waitForSelector(`${step("InfoBooth")} .step.selected`);
+    await page.click(step("Move2User"));
+    await page.waitForFunction(() => location.search === "?step=Move2User");
+    await page.reload();
+    await page.waitForSelector(`${step("Move2User")} .step.selected`);
+  });
+});
+
+describe("what is not usual", () => {
+  it("without a server, the palette says why and composing goes on", async () => {
+    stage.answers = null;
+    const page = await stage.page("/compose");
+    await page.waitForSelector(".stale");
+    await page.keyboard.press("n");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector(".palette .notice");
+    expect(await page.locator(".palette .notice").innerText()).toContain("docent serve");
+    await add(page, "Wave");
+    await page.waitForSelector(step("Wave"));
+    await stage.picture(page, "compose-without-server");
+    stage.answers = usualAnswers();
+    await page.waitForSelector(".stale", { state: "detached" });
+  });
+  it("markup in names and literals stays text", async () => {
+    const page = await newGreeter();
+    await add(page, "<img src=x onerror=document.title=1>");
+    await page.waitForSelector(".step header");
+    expect(await page.locator(".step header").first().innerText()).toContain("<img src=x");
+    expect(await page.locator(".canvas img").count()).toBe(0);
+    expect(await draft(page, "Greeter")).toContain('name="&lt;img src=x onerror=document.title=1>"');
+  });
+  it("two tabs on one document: the second says so", async () => {
+    const page = await newGreeter();
+    const other = await page.context().newPage();
+    await other.goto(page.url());
+    await other.waitForSelector(".first-steps");
+    await add(page, "Wave");
+    await other.waitForSelector('.stale[role="alert"]');
+    await other.getByText("Take its text").click();
+    await other.waitForSelector(step("Wave"));
+  });
+  it("a text of 2,000 steps is open, and a key is answered at once", async () => {
+    const page = await stage.page("/compose");
+    const nodes = Array.from({ length: 2000 }, (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`).join("\n");
+    const links = Array.from({ length: 1999 }, (_, i) => `    <link from="n${i}" to="n${i + 1}"/>`).join("\n");
+    await page.evaluate((text) => localStorage.setItem("docent.draft.Big", JSON.stringify({ text, base: "", savedMs: 1 })), `<CAWL name="Big">\n  <flow name="F">\n    <source name="s"/>\n${nodes}\n    <sink name="t"/>\n    <link from="s" to="n0"/>\n${links}\n    <link from="n1999" to="t"/>\n  </flow>\n</CAWL>`);
+    await page.goto(`${stage.url}/compose/Big`);
+    await page.waitForSelector(".react-flow__node");
+    await page.keyboard.press("/");
+    await page.waitForSelector(".picker", { timeout: 3000 });
+  });
+});
+
+describe("for everybody", () => {
+  const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  for (const dark of [false, true])
+    for (const [name, path, wait] of [["workflows", "/compose", ".template"], ["compose", "/compose/BoothGuide?step=Move2Booth", ".constraint"]] as const)
+      it(`${name} has no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
+        const page = await stage.page(path, { dark });
+        await page.waitForSelector(wait);
+        await page.waitForTimeout(300);
+        await stage.picture(page, `${name}-${dark ? "dark" : "light"}`);
+        const serious = await page.evaluate(`${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`);
+        expect(serious).toEqual([]);
+      });
+  it("fits a small window", async () => {
+    const page = await stage.page("/compose/BoothGuide", { width: 390, height: 780 });
+    await page.waitForSelector(step("InfoBooth"));
+    await stage.picture(page, "compose-small");
+    await page.getByRole("tab", { name: "Text" }).click();
+    await page.waitForSelector(".cm-content");
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
+  });
+});
