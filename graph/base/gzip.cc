@@ -13,6 +13,9 @@ namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // zlib's largest window, and only gzip
 constexpr size_t kPiece = 64u << 10;
+constexpr int kQuickly = 3;      // of zlib's 1 to 9
+constexpr int kMemoryLevel = 8;  // zlib's default
+constexpr size_t kMostAtOnce = size_t{1} << 30;
 
 // Frees the stream at the end of the scope.
 struct Inflater {
@@ -60,6 +63,28 @@ absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, st
     return absl::InvalidArgumentError(cut ? "the gzip data ends too early: was the file cut?"
                                           : absl::StrCat("the gzip data is damaged near byte ", taken));
   }
+}
+
+std::string Gzip(std::string_view bytes) {
+  z_stream stream{};
+  if (deflateInit2(&stream, kQuickly, Z_DEFLATED, kGzipWindow, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
+    return "";
+  std::string out;
+  int state = Z_OK;
+  for (size_t taken = 0; state != Z_STREAM_END;) {
+    const size_t given = std::min<size_t>(bytes.size() - taken, kMostAtOnce);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + taken));
+    stream.avail_in = static_cast<uInt>(given);
+    const size_t before = out.size();
+    out.resize(before + deflateBound(&stream, given));
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
+    stream.avail_out = static_cast<uInt>(out.size() - before);
+    state = deflate(&stream, taken + given == bytes.size() ? Z_FINISH : Z_NO_FLUSH);
+    taken += given - stream.avail_in;
+    out.resize(out.size() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  return out;
 }
 
 }  // namespace docent

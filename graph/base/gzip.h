@@ -18,6 +18,9 @@ inline bool IsGzip(std::string_view bytes) {
 // naming `limit_name`: the data unpacks to more than `most_bytes`; unpacking stops there.
 absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name);
 
+// The bytes as one member, packed quickly rather than tightly.
+std::string Gzip(std::string_view bytes);
+
 }  // namespace docent
 
 #endif  // DOCENT_GRAPH_BASE_GZIP_H_

@@ -1,9 +1,12 @@
 #include "kb_server/http/http_connection.h"
 
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/bind_executor.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -30,6 +33,18 @@ constexpr size_t kReadBytes = 16u << 10;   // at once
 constexpr size_t kPieceBytes = 64u << 10;  // written at once, each with the write timeout
 constexpr size_t kDrainBytes = 4u << 20;   // read and dropped after a refusal, at most
 constexpr std::chrono::seconds kDrainTime{2};
+constexpr std::chrono::milliseconds kDrainLook{10};
+// A client that vanished without a word is noticed after about two minutes of silence.
+constexpr int kKeepAliveIdleSeconds = 60, kKeepAliveEverySeconds = 15, kKeepAliveProbes = 4;
+constexpr int kSwitchingProtocols = 101, kNotModified = 304;
+
+void ProbeSilence(int socket) {
+  const int on = 1;
+  setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof(on));
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPIDLE, &kKeepAliveIdleSeconds, sizeof(int));
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPINTVL, &kKeepAliveEverySeconds, sizeof(int));
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPCNT, &kKeepAliveProbes, sizeof(int));
+}
 
 // RFC 9110 section 5.6.7: "Sun, 06 Nov 1994 08:49:37 GMT".
 std::string HttpDate(TimeMicros now_us) {
@@ -61,6 +76,7 @@ HttpConnection::HttpConnection(Socket socket, HttpShared* shared)
   wake_.expires_at(net::steady_timer::time_point::max());
   ErrorCode ignored;
   stream_.socket().set_option(net::ip::tcp::no_delay(true), ignored);
+  ProbeSilence(stream_.socket().native_handle());
   ++shared_.open;
 }
 
@@ -123,8 +139,9 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   std::shared_ptr<MemoryUse> body_memory(new MemoryUse(SIZE_MAX, shared_.bodies.get()),
                                          [budget = shared_.bodies](MemoryUse* use) { delete use; });
   HttpRequest request;
-  const HttpHandler* handler = nullptr;
-  std::optional<HttpResponse> refusal = CheckHead(head, &request, &handler);
+  const HttpRoute* route = nullptr;
+  std::optional<HttpResponse> refusal = CheckHead(head, &request, &route);
+  shared_with_ = shared_.guard.SharedWith(request);
   if (refusal && head.has_body()) {
     co_await RefuseAndClose(*std::move(refusal));
     co_return false;
@@ -143,17 +160,18 @@ net::awaitable<bool> HttpConnection::ServeOne() {
     });
   });
   if (refusal) {
-    ++shared_.refused;
+    if (refusal->status >= 400) ++shared_.refused;
     HttpExchange(std::move(request), answer_).Respond(*std::move(refusal));
   } else {
     WatchClient(answer_);
-    (*handler)(std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory)));
+    route->handler(std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory)));
   }
   ++shared_.requests;
   const bool sent = co_await SendAnswer(*answer_, head_only, head.minor_version > 0, head.keep_alive);
+  if (upgraded_) co_await AwaitUpgradedEnd();
   ErrorCode ignored;
   stream_.socket().cancel(ignored);  // the watch
-  co_return sent&& head.keep_alive;
+  co_return sent&& head.keep_alive && !upgraded_;
 }
 
 net::awaitable<bool> HttpConnection::ReadHead(HttpHeadReader& reader) {
@@ -211,7 +229,7 @@ net::awaitable<bool> HttpConnection::ReadBody(const HttpHead& head, std::string*
 }
 
 std::optional<HttpResponse> HttpConnection::CheckHead(HttpHead& head, HttpRequest* request,
-                                                      const HttpHandler** handler) const {
+                                                      const HttpRoute** route) const {
   request->method = std::move(head.method);
   request->headers = std::move(head.fields);
   if (request->Header("host").empty() &&
@@ -220,6 +238,7 @@ std::optional<HttpResponse> HttpConnection::CheckHead(HttpHead& head, HttpReques
   }
   const std::string target = TakeHost(head.target, &request->headers);
   if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
+  if (std::optional<HttpResponse> preflight = shared_.guard.Preflight(*request)) return preflight;
   if (!target.starts_with('/')) return TextResponse(400, "the request target must be a path");
   const size_t question = target.find('?');
   const std::optional<std::string> path = PercentDecode(target.substr(0, question), false);
@@ -237,13 +256,11 @@ std::optional<HttpResponse> HttpConnection::CheckHead(HttpHead& head, HttpReques
   request->raw_path = target.substr(0, question);
   request->parameters = *std::move(parameters);
 
-  if (std::optional<HttpResponse> encoded = RefuseEncoding(request->Header("content-encoding")))
-    return encoded;
-
   HttpResponse refusal;
-  *handler = shared_.routes.Find(request->method, request->path, &refusal);
-  if (*handler == nullptr) return refusal;
-  return std::nullopt;
+  *route = shared_.routes.Find(*request, &refusal);
+  if (*route == nullptr) return refusal;
+  if ((*route)->any_encoding) return std::nullopt;
+  return RefuseEncoding(request->Header("content-encoding"));
 }
 
 std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length, bool chunks,
@@ -252,19 +269,24 @@ std::string HttpConnection::HeadText(const HttpResponse& response, std::optional
   std::string head = Concat("HTTP/1.1 ", std::to_string(response.status), " ",
                             std::string_view(reason.data(), reason.size()), "\r\n");
   if (!response.content_type.empty()) absl::StrAppend(&head, "Content-Type: ", response.content_type, "\r\n");
-  if (length) {
+  if (response.status == kNotModified || response.status == kSwitchingProtocols) {
+    // No body, and no length of one: RFC 9110 section 8.6.
+  } else if (length) {
     absl::StrAppend(&head, "Content-Length: ", *length, "\r\n");
   } else if (chunks) {
     head += "Transfer-Encoding: chunked\r\n";
   }
   if (shared_.options.clock != nullptr)
     absl::StrAppend(&head, "Date: ", HttpDate(shared_.options.clock->Now()), "\r\n");
-  for (const auto& [name, value] : response.headers) absl::StrAppend(&head, name, ": ", value, "\r\n");
+  for (const HttpFields* fields : {&response.headers, &shared_with_}) {
+    for (const auto& [name, value] : *fields) absl::StrAppend(&head, name, ": ", value, "\r\n");
+  }
   // Whatever a browser makes of a text that came from the graph, it is not a page of ours.
   head += "X-Content-Type-Options: nosniff\r\n";
-  if (!keep_alive) {
+  const bool upgraded = response.status == kSwitchingProtocols;
+  if (!keep_alive && !upgraded) {
     head += "Connection: close\r\n";
-  } else if (!chunks) {
+  } else if (!chunks && !upgraded) {
     head += "Connection: keep-alive\r\n";
   }
   return head + "\r\n";
@@ -279,6 +301,13 @@ net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_on
     std::string bytes;
     if (progress.head) {
       streamed = progress.streamed;
+      if (progress.upgraded != nullptr) {
+        upgraded_ = true;
+        reading_upgraded_ = true;
+        chunks = false;
+        net::co_spawn(stream_.get_executor(), ReadUpgraded(std::move(progress.upgraded), answer_),
+                      net::detached);
+      }
       const bool lasting = keep_alive && (!streamed || chunks);
       bytes = HeadText(*progress.head,
                        streamed ? std::nullopt : std::optional<size_t>(progress.head->body.size()), chunks,
@@ -299,6 +328,35 @@ net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_on
     if (progress.ended || (progress.head && head_only)) co_return chunks || !streamed;
     co_await WaitForWake();
     if (closed_) co_return false;
+  }
+}
+
+net::awaitable<void> HttpConnection::ReadUpgraded(std::shared_ptr<HttpUpgradeReader> reader,
+                                                  std::shared_ptr<HttpAnswer> answer) {
+  const auto self = shared_from_this();
+  ErrorCode error;
+  while (!error && !closed_) {
+    if (!unread_.empty()) reader->OnBytes(std::exchange(unread_, {}));
+    // Not by the stream, whose time limits are those of the answer.
+    const size_t bytes = co_await stream_.socket().async_read_some(
+        net::buffer(buffer_), net::redirect_error(net::use_awaitable, error));
+    unread_ = std::string_view(buffer_.data(), bytes);
+  }
+  reading_upgraded_ = false;
+  answer->SetGone();
+  closed_ = true;
+  woken_ = true;
+  wake_.cancel();
+}
+
+net::awaitable<void> HttpConnection::AwaitUpgradedEnd() {
+  ErrorCode ignored;
+  stream_.socket().shutdown(Socket::shutdown_send, ignored);
+  net::steady_timer pause(stream_.get_executor());
+  for (auto waited = std::chrono::milliseconds(0); reading_upgraded_ && waited < kDrainTime;
+       waited += kDrainLook) {
+    pause.expires_after(kDrainLook);
+    co_await pause.async_wait(net::redirect_error(net::use_awaitable, ignored));
   }
 }
 

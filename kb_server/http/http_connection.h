@@ -77,15 +77,18 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   Awaitable<bool> ReadBody(const HttpHead& head, std::string* body, MemoryUse& memory);
   // Waits for bytes and puts them into unread_, until the stream's time is over; false: there will be none.
   Awaitable<bool> ReadMore();
-  // The check that needs no body; nullopt: go on, `*handler` is set.
-  std::optional<HttpResponse> CheckHead(HttpHead& head, HttpRequest* request,
-                                        const HttpHandler** handler) const;
+  // The check that needs no body; nullopt: go on, `*route` is set.
+  std::optional<HttpResponse> CheckHead(HttpHead& head, HttpRequest* request, const HttpRoute** route) const;
   // `chunks`: the client knows them (HTTP/1.1).
   Awaitable<bool> SendAnswer(HttpAnswer& answer, bool head_only, bool chunks, bool keep_alive);
   // Status line and headers; `length` nullopt: chunked, or until the end of the connection.
   std::string HeadText(const HttpResponse& response, std::optional<size_t> length, bool chunks,
                        bool keep_alive) const;
   Awaitable<bool> Send(std::string bytes);
+  // Gives what the client sends to `reader`, until it goes away or the connection is closed.
+  Awaitable<void> ReadUpgraded(std::shared_ptr<HttpUpgradeReader> reader, std::shared_ptr<HttpAnswer> answer);
+  // After the last byte of an answer that was not HTTP: lets the client read it before the connection is closed.
+  Awaitable<void> AwaitUpgradedEnd();
   // Answers without having read the whole request, then closes in a way that lets the client read the answer: what else
   // it sent is dropped, and never read as a request.
   Awaitable<void> RefuseAndClose(HttpResponse response);
@@ -105,6 +108,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   bool closed_ = false;
   std::optional<SendBudget::Share> share_;  // of what the client has not taken
   std::shared_ptr<HttpAnswer> answer_;      // of the request in work
+  HttpFields shared_with_;                  // headers of its answer, for the page of another server
+  bool upgraded_ = false;                   // no longer HTTP
+  bool reading_upgraded_ = false;
 };
 
 }  // namespace docent::server

@@ -12,12 +12,17 @@ constexpr absl::Duration kLookAround = absl::Milliseconds(100);
 }  // namespace
 
 HttpAnswer::Progress HttpAnswer::Take() {
-  absl::MutexLock lock(&mutex_);
-  woken_ = false;
+  std::vector<std::function<void()>> on_room;
   Progress taken;
-  std::swap(taken, progress_);
-  progress_.ended = taken.ended;
-  progress_.aborted = taken.aborted;
+  {
+    absl::MutexLock lock(&mutex_);
+    woken_ = false;
+    std::swap(taken, progress_);
+    progress_.ended = taken.ended;
+    progress_.aborted = taken.aborted;
+    on_room.swap(on_room_);
+  }
+  for (const auto& callback : on_room) callback();
   return taken;
 }
 
@@ -34,6 +39,7 @@ void HttpAnswer::CountIn(SendBudget::Share* share) {
 
 void HttpAnswer::SetGone() {
   std::vector<std::function<void()>> callbacks;
+  std::vector<std::function<void()>> dropped;  // after the mutex, which what they hold may need
   {
     absl::MutexLock lock(&mutex_);
     if (gone_) return;
@@ -41,6 +47,7 @@ void HttpAnswer::SetGone() {
     if (share_ != nullptr) share_->Release(progress_.bytes());
     share_ = nullptr;
     wake_ = nullptr;
+    dropped.swap(on_room_);
     if (!progress_.ended) callbacks.swap(on_gone_);
     on_gone_.clear();
   }
@@ -113,6 +120,39 @@ bool HttpExchange::Write(std::string_view piece, const std::function<bool()>& gi
   answer_->Count(piece.size());
   answer_->Wake();
   return true;
+}
+
+bool HttpExchange::Push(std::string_view piece) {
+  absl::MutexLock lock(&answer_->mutex_);
+  if (answer_->gone_ || answer_->progress_.ended) return false;
+  answer_->progress_.data.append(piece);
+  answer_->Count(piece.size());
+  answer_->Wake();
+  return true;
+}
+
+void HttpExchange::OnRoom(std::function<void()> callback) {
+  {
+    absl::MutexLock lock(&answer_->mutex_);
+    if (!answer_->HasRoom()) {
+      answer_->on_room_.push_back(std::move(callback));
+      return;
+    }
+  }
+  callback();
+}
+
+void HttpExchange::Upgrade(HttpFields headers, std::shared_ptr<HttpUpgradeReader> reader) {
+  absl::MutexLock lock(&answer_->mutex_);
+  if (answer_->begun_) return;
+  answer_->begun_ = true;
+  answer_->progress_.streamed = true;
+  answer_->progress_.upgraded = std::move(reader);
+  HttpResponse& head = answer_->progress_.head.emplace();
+  head.status = 101;
+  head.content_type.clear();
+  head.headers = std::move(headers);
+  answer_->Wake();
 }
 
 void HttpExchange::End() {

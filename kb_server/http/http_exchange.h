@@ -22,13 +22,22 @@ class MemoryUse;
 
 namespace docent::server {
 
+// Reader of what a client sends on a connection that is no longer HTTP (RFC 9110 section 7.8).
+class HttpUpgradeReader {
+ public:
+  virtual ~HttpUpgradeReader() = default;
+  // The next bytes. On a network thread, one call at a time: it must not block.
+  virtual void OnBytes(std::string_view bytes) = 0;
+};
+
 // What the connection and the handler share. Handlers use HttpExchange below.
 class HttpAnswer {
  public:
   // The connection's side: what came since the last call.
   struct Progress {
-    std::optional<HttpResponse> head;  // once. Its body belongs to the answer
-    bool streamed = false;             // with head: more may follow
+    std::optional<HttpResponse> head;             // once. Its body belongs to the answer
+    bool streamed = false;                        // with head: more may follow
+    std::shared_ptr<HttpUpgradeReader> upgraded;  // with head: what follows is not HTTP
     std::string data;
     bool ended = false;    // all has been said
     bool aborted = false;  // ended before all was said
@@ -63,6 +72,7 @@ class HttpAnswer {
   SendBudget::Share* share_ ABSL_GUARDED_BY(mutex_) = nullptr;
   std::function<void()> wake_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> on_gone_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::function<void()>> on_room_ ABSL_GUARDED_BY(mutex_);
 };
 
 class HttpExchange {
@@ -90,6 +100,15 @@ class HttpExchange {
   // thread. `give_up` is called now and then meanwhile; where it is true the answer is aborted. False: stop, the client is
   // gone or given up.
   bool Write(std::string_view piece, const std::function<bool()>& give_up = nullptr);
+  // The next piece, without waiting, for a thread that may not wait: it looks at full() before, and goes on when OnRoom
+  // says so. False: the client is gone.
+  bool Push(std::string_view piece);
+  // `callback` is called once when the next Write would not wait: at once, or on a network thread. It must not block. It is
+  // not called for a client that goes away first.
+  void OnRoom(std::function<void()> callback);
+  // The answer 101 with `headers`; what is pushed then goes to the client as it is, and what it sends to `reader`. End closes
+  // the connection.
+  void Upgrade(HttpFields headers, std::shared_ptr<HttpUpgradeReader> reader);
   void End();
   // The answer cannot be completed: the connection is cut, so that the client sees that something is missing.
   void Abort();

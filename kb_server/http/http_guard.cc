@@ -15,6 +15,11 @@ namespace docent::server {
 namespace {
 
 constexpr uint16_t kHttpPort = 80, kHttpsPort = 443;
+constexpr char kPreflightSeconds[] = "7200";  // the longest that Chromium keeps an answer
+// Those that a page may read of every answer stand in the Fetch standard; these are ours, and Connect's.
+constexpr char kExposedHeaders[] =
+    "Docent-Revision, Location, ETag, Retry-After, Allow, Accept-Post, Content-Encoding, "
+    "Connect-Content-Encoding";
 
 bool IsLoopback(const std::string& host) {
   if (host == "localhost") return true;
@@ -31,8 +36,23 @@ bool IsAddress(const std::string& host) {
 
 }  // namespace
 
-HttpGuard::HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts)
-    : port_(port), allowed_hosts_(std::move(allowed_hosts)) {}
+HttpGuard::HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts,
+                     std::vector<std::string> allowed_origins)
+    : port_(port), allowed_hosts_(std::move(allowed_hosts)), allowed_origins_(std::move(allowed_origins)) {}
+
+absl::Status HttpGuard::CheckOrigin(std::string_view origin) {
+  std::string_view host = origin;
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (host.size() == origin.size() && origin.starts_with(scheme)) host.remove_prefix(scheme.size());
+  }
+  if (host.size() != origin.size() && host.find_first_of("/?#@* ,") == std::string_view::npos &&
+      SplitHostAndPort(host))
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("\"", ToAbsl(origin),
+                   "\" is no origin of a web page: give scheme, host and port without a path, "
+                   "such as http://localhost:5173"));
+}
 
 bool HttpGuard::IsOwnName(const HostAndPort& asked, uint16_t default_port) const {
   const uint16_t port = asked.port.value_or(default_port);
@@ -74,13 +94,38 @@ std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const 
                           " or its address, or start it with --http-name and that name"));
   }
   const std::string origin = request.Header("origin");
-  if (!origin.empty() && !IsAllowedOrigin(origin, host)) {
-    return TextResponse(403, absl::StrCat("requests from web pages of ", origin,
-                                          " are refused: only pages under a name of this server may send "
-                                          "them. Let one proxy serve both, and start "
-                                          "the server with --http-name and the proxy's name"));
+  if (!origin.empty() && !IsAllowedOrigin(origin, host) && SharedWith(request).empty()) {
+    return TextResponse(403,
+                        absl::StrCat("requests from web pages of ", origin,
+                                     " are refused: only pages under a name of this server may send "
+                                     "them. Let one proxy serve both, and start "
+                                     "the server with --http-name and the proxy's name; or start it with "
+                                     "--http-origin and that origin"));
   }
   return std::nullopt;
+}
+
+HttpFields HttpGuard::SharedWith(const HttpRequest& request) const {
+  const std::string origin = request.Header("origin");
+  if (origin.empty() ||
+      std::find(allowed_origins_.begin(), allowed_origins_.end(), origin) == allowed_origins_.end())
+    return {};
+  return {{"Access-Control-Allow-Origin", origin},
+          {"Access-Control-Expose-Headers", kExposedHeaders},
+          {"Vary", "Origin"}};
+}
+
+std::optional<HttpResponse> HttpGuard::Preflight(const HttpRequest& request) const {
+  if (request.method != "OPTIONS" || request.Header("access-control-request-method").empty() ||
+      SharedWith(request).empty())
+    return std::nullopt;
+  HttpResponse response;
+  response.content_type.clear();
+  response.headers = {{"Access-Control-Allow-Methods", "GET, HEAD, POST, PUT, PATCH, DELETE"},
+                      {"Access-Control-Max-Age", kPreflightSeconds}};
+  const std::string headers = request.Header("access-control-request-headers");
+  if (!headers.empty()) response.headers.emplace_back("Access-Control-Allow-Headers", headers);
+  return response;
 }
 
 }  // namespace docent::server

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "kb_server/work/http_message.h"
 
 namespace docent::server {
@@ -16,12 +17,22 @@ namespace docent::server {
 class HttpGuard {
  public:
   // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
-  // loopback names with `port` or without one, which are always allowed.
-  HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
+  // loopback names with `port` or without one, which are always allowed. `allowed_origins`: of pages of other servers that
+  // may send requests and read the answers (CORS), "https://app.example.org".
+  HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts,
+            std::vector<std::string> allowed_origins = {});
+
+  // INVALID_ARGUMENT for what no browser sends as Origin: anything but scheme, host and port.
+  static absl::Status CheckOrigin(std::string_view origin);
 
   // nullopt: go on. Otherwise the refusal: 400 for a request without Host, 403 for a Host or Origin that is not
   // allowed.
   std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
+  // The answer to a browser that asks whether a page of another server may send a request (CORS preflight); nullopt: it is
+  // another request. Of requests that are not refused.
+  std::optional<HttpResponse> Preflight(const HttpRequest& request) const;
+  // What lets the page of another server read the answer; nothing for requests of others.
+  HttpFields SharedWith(const HttpRequest& request) const;
   // The host of requests that need not name one.
   std::string OwnName() const;
 
@@ -35,6 +46,7 @@ class HttpGuard {
 
   const uint16_t port_;
   const std::vector<std::string> allowed_hosts_;
+  const std::vector<std::string> allowed_origins_;
 };
 
 }  // namespace docent::server

@@ -30,25 +30,32 @@ net::awaitable<void> Serve(std::shared_ptr<HttpConnection> connection, bool turn
 
 }  // namespace
 
-void HttpRoutes::Add(const std::string& method, const std::string& path, HttpHandler handler) {
-  if (method == "GET") handlers_[path].emplace("HEAD", handler);
-  handlers_[path].insert_or_assign(method, std::move(handler));
+void HttpRoutes::Put(const std::string& method, const std::string& path, const HttpRoute& route) {
+  if (method == "GET") routes_[path].emplace("HEAD", route);
+  routes_[path].insert_or_assign(method, route);
 }
 
-const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& path,
-                                    HttpResponse* refusal) const {
-  auto methods = handlers_.find(path);
-  for (size_t end = path.size(); methods == handlers_.end() && end != 0;) {
+void HttpRoutes::SetFallback(std::function<bool(const HttpRequest&)> takes, HttpHandler handler) {
+  fallback_takes_ = std::move(takes);
+  fallback_ = {std::move(handler)};
+}
+
+const HttpRoute* HttpRoutes::Find(const HttpRequest& request, HttpResponse* refusal) const {
+  const std::string& path = request.path;
+  auto methods = routes_.find(path);
+  for (size_t end = path.size(); methods == routes_.end() && end != 0;) {
     end = path.rfind('/', end - 1);
     if (end == std::string::npos) break;
-    methods = handlers_.find(path.substr(0, end) + "/*");
+    methods = routes_.find(path.substr(0, end) + "/*");
   }
-  if (methods == handlers_.end()) {
+  if (methods == routes_.end()) {
+    const bool reads = request.method == "GET" || request.method == "HEAD";
+    if (reads && fallback_takes_ && fallback_takes_(request)) return &fallback_;
     *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path, "; there are ", Paths()));
     return nullptr;
   }
-  const auto handler = methods->second.find(method);
-  if (handler != methods->second.end()) return &handler->second;
+  const auto route = methods->second.find(request.method);
+  if (route != methods->second.end()) return &route->second;
   std::string allowed;
   for (const auto& [name, ignored] : methods->second)
     absl::StrAppend(&allowed, allowed.empty() ? "" : ", ", name);
@@ -59,9 +66,12 @@ const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& 
 
 std::string HttpRoutes::Paths() const {
   std::string paths;
-  for (const auto& [path, ignored] : handlers_) {
-    if (path.ends_with('/') || path.ends_with("/*")) continue;  // of one that is named without them
-    absl::StrAppend(&paths, paths.empty() ? "" : ", ", path);
+  for (const auto& [path, ignored] : routes_) {
+    const bool is_prefix = path.ends_with("/*");
+    if (path.ends_with('/') || (is_prefix && routes_.count(path.substr(0, path.size() - 2)) > 0))
+      continue;  // of one that is named without them
+    absl::StrAppend(&paths, paths.empty() ? "" : ", ",
+                    is_prefix ? path.substr(0, path.size() - 1) + "…" : path);
   }
   return paths;
 }
@@ -93,7 +103,7 @@ std::shared_ptr<HttpConnection> LeastMissed(const std::list<std::weak_ptr<HttpCo
 
 struct HttpServer::Impl {
   Impl(const HttpServerOptions& options, HttpRoutes routes, uint16_t port)
-      : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts),
+      : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts, options.allowed_origins),
                std::make_shared<MemoryBudget>("http_bodies_bytes", options.bodies_bytes)} {}
 
   net::awaitable<void> AcceptLoop();

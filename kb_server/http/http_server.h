@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,25 +29,42 @@ namespace docent::server {
 
 class SendBudget;
 
+struct HttpRoute {
+  HttpHandler handler;
+  bool any_encoding = false;  // the handler looks at Content-Encoding itself; otherwise it is gzip or none
+};
+
 // Which handler answers what. Filled before the server starts.
 class HttpRoutes {
  public:
   // `path` exactly; with "/*" at its end, whatever lies below. A GET route answers HEAD as well.
-  void Add(const std::string& method, const std::string& path, HttpHandler handler);
+  void Add(const std::string& method, const std::string& path, HttpHandler handler) {
+    Put(method, path, {std::move(handler)});
+  }
+  // The same for a handler that answers for encodings that it does not read.
+  void AddAnyEncoding(const std::string& method, const std::string& path, HttpHandler handler) {
+    Put(method, path, {std::move(handler), true});
+  }
 
-  // The handler, or null with `*refusal` saying why: 404, or 405 with the header Allow.
-  const HttpHandler* Find(std::string_view method, const std::string& path, HttpResponse* refusal) const;
+  // Answers GET and HEAD of paths that have no route, where `takes` says so. Both on a network thread.
+  void SetFallback(std::function<bool(const HttpRequest&)> takes, HttpHandler handler);
+
+  // The route, or null with `*refusal` saying why: 404, or 405 with the header Allow.
+  const HttpRoute* Find(const HttpRequest& request, HttpResponse* refusal) const;
 
  private:
+  void Put(const std::string& method, const std::string& path, const HttpRoute& route);
   std::string Paths() const;
 
-  std::map<std::string, std::map<std::string, HttpHandler, std::less<>>>
-      handlers_;  // path → method → handler
+  std::map<std::string, std::map<std::string, HttpRoute, std::less<>>> routes_;  // path → method → route
+  std::function<bool(const HttpRequest&)> fallback_takes_;
+  HttpRoute fallback_;
 };
 
 struct HttpServerOptions {
   std::string listen = "127.0.0.1:7480";           // address or host name, and port; port 0 takes a free one
   std::vector<std::string> allowed_hosts;          // beside the loopback names: see HttpGuard
+  std::vector<std::string> allowed_origins;        // of other servers' pages: see HttpGuard
   int threads = 2;                                 // network threads, 1 … 64
   size_t connections = Limits{}.http_connections;  // beyond: idle and slow ones are closed, or 503
   size_t body_bytes = Limits{}.http_body_bytes;    // beyond: 413

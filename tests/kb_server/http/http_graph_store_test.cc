@@ -24,12 +24,12 @@ class GraphStoreHandlersTest : public ::testing::Test {
     request.headers = {{"content-type", "text/turtle"}};
     request.body = body;
     HttpResponse refusal;
-    const HttpHandler* handler = routes_.Find(method, request.path, &refusal);
-    if (handler == nullptr) return refusal;
+    const HttpRoute* route = routes_.Find(request, &refusal);
+    if (route == nullptr) return refusal;
     const auto answer = std::make_shared<HttpAnswer>();
     absl::Notification answered;
     answer->OnProgress([&answered] { answered.Notify(); });
-    (*handler)(std::make_shared<HttpExchange>(std::move(request), answer));
+    route->handler(std::make_shared<HttpExchange>(std::move(request), answer));
     answered.WaitForNotification();
     return *answer->Take().head;
   }
