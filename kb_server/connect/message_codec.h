@@ -1,0 +1,34 @@
+// Messages between their binary form, which gRPC carries, and JSON, by descriptors alone: a message that is new in proto needs
+// no code. Pure functions; any thread.
+#ifndef DOCENT_KB_SERVER_CONNECT_MESSAGE_CODEC_H_
+#define DOCENT_KB_SERVER_CONNECT_MESSAGE_CODEC_H_
+
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+
+namespace google::protobuf {
+class Descriptor;
+class ServiceDescriptor;
+}  // namespace google::protobuf
+
+namespace docent::server {
+
+enum class MessageCodec { kJson, kProto };
+
+// A service of this program by its full name, "docent.v1.Fleet"; null: there is none.
+const google::protobuf::ServiceDescriptor* FindService(const std::string& name);
+
+// What a client sent as the binary form. An empty text as JSON is a message without fields. INVALID_ARGUMENT where it is no
+// message of this type; JSON has no fields that the type does not have.
+absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type, MessageCodec codec,
+                                     std::string_view text);
+
+// The binary form as the client wants it. INTERNAL where it is none.
+absl::StatusOr<std::string> FromBinary(const google::protobuf::Descriptor& type, MessageCodec codec,
+                                       std::string bytes);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_CONNECT_MESSAGE_CODEC_H_
