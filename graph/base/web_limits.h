@@ -1,0 +1,21 @@
+// Limits of the browser app's files and of its live connections. As in limits.h, an error at a limit gives its name and value.
+#ifndef DOCENT_GRAPH_BASE_WEB_LIMITS_H_
+#define DOCENT_GRAPH_BASE_WEB_LIMITS_H_
+
+#include <cstddef>
+
+namespace docent {
+
+struct WebLimits {
+  size_t web_files = 10000;              // files of the browser app
+  size_t web_bytes = 256u << 20;         // bytes of all files of the browser app
+  size_t live_streams = 256;             // streams of one live connection at the same time
+  size_t live_message_bytes = 1u << 20;  // one message of a client on a live connection
+  int live_follow_ms = 50;               // least time between two answers of a read that is followed
+  int live_ping_ms = 20000;              // time after which a live connection without traffic is probed
+  int live_silence_ms = 60000;           // time after which a live connection that sends nothing is closed
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_WEB_LIMITS_H_
