@@ -99,6 +99,16 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
+      ->add_option("--web", settings->web_folder,
+                   "Folder of the built browser app, in place of the one that comes along")
+      ->type_name("FOLDER");
+  command
+      ->add_option(
+          "--http-origin", settings->http_origins,
+          "Origin of web pages of another server that may use HTTP (CORS), such as http://localhost:5173")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
+  command
       ->add_option("--default-graph", arguments->default_graph,
                    "What queries without GRAPH see: all graphs (union), or docent:default alone (strict)")
       ->check(CLI::IsMember({"union", "strict"}))

@@ -13,11 +13,13 @@
 #include "graph/log/sqlite_log.h"
 #include "kb_server/door/descriptors.h"
 #include "kb_server/http/http_graph_store.h"
+#include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_health.h"
 #include "kb_server/http/http_sparql.h"
 #include "kb_server/server_metrics.h"
 #include "kb_server/start_files.h"
 #include "kb_server/turn/spatial_functions.h"
+#include "kb_server/web/app_routes.h"
 #include "spdlog/spdlog.h"
 
 namespace docent::server {
@@ -61,6 +63,9 @@ Server::Server(const ServerSettings& settings)
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress) {
+  for (const std::string& origin : settings.http_origins) {
+    if (absl::Status status = HttpGuard::CheckOrigin(origin); !status.ok()) return status;
+  }
   for (const std::string& entry : settings.allow) {
     if (absl::Status status = RemoteAccess::CheckAllowed(entry); !status.ok()) return status;
   }
@@ -168,6 +173,7 @@ Server::~Server() {
     if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(2)) && writer_) writer_->EndTurns();
   });
   http_server_.reset();
+  if (live_) live_->Stop();
   if (grpc_server_) grpc_server_->Stop(deadline);
   inbox_.Close();
   const bool snapshot = writer_thread_.joinable();
@@ -177,6 +183,8 @@ Server::~Server() {
   if (snapshot) LeaveSnapshot();
   proxies_.reset();  // after the writer, which sends to the last
   workers_.reset();
+  calls_.reset();  // after the workers, which may begin some
+  live_.reset();
   grpc_server_.reset();
 }
 
@@ -202,6 +210,7 @@ absl::Status Server::StartGrpc(size_t connections) {
 absl::Status Server::StartHttp(size_t connections) {
   auto address = ParseAddress(settings_.http_address, settings_.insecure);
   if (!address.ok()) return address.status();
+  if (absl::Status status = ReadApp(); !status.ok()) return status;
   AddServerMetrics({writer_.get(), proxies_.get(), &leases_, &inbox_, &queries_, snapshots_.get(), log_.get(),
                     history_.get(), &query_memory_, &dictionary_, &grpc_server_->listener(), &send_budget_,
                     subscriptions_.get()},
@@ -211,9 +220,17 @@ absl::Status Server::StartHttp(size_t connections) {
   AddMetricsRoute(&routes, &metrics_);
   AddSparqlRoutes(&routes, &ports_, &metrics_);
   AddGraphStoreRoutes(&routes, &ports_);
+  calls_ = std::make_unique<RpcChannel>(grpc_server_->InProcess());
+  connect_ = {calls_.get(), workers_.get(), settings_.limits};
+  AddConnectRoutes(&routes, GrpcServer::ServiceNames(), &connect_);
+  live_ = std::make_unique<Live>(
+      LivePorts{calls_.get(), workers_.get(), &queries_, GrpcServer::ServiceNames(), WebLimits{}});
+  live_->AddRoute(&routes);
+  AddAppRoutes(&routes, &app_);
   HttpServerOptions options;
   options.listen = settings_.http_address;
   options.allowed_hosts = settings_.http_names;
+  options.allowed_origins = settings_.http_origins;
   options.connections = connections;
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;
@@ -227,6 +244,21 @@ absl::Status Server::StartHttp(size_t connections) {
   http_server_ = *std::move(server);
   http_address_ = http_server_->address();
   AddHttpMetrics(&metrics_, http_server_.get());
+  metrics_.AddGaugeFunction("docent_live_connections", "Open WebSocket connections at /live.",
+                            [this] { return static_cast<double>(live_->open()); });
+  return absl::OkStatus();
+}
+
+// An app that is named has to be there; without the one that comes with the program the server is whole.
+absl::Status Server::ReadApp() {
+  const std::string folder = settings_.web_folder.empty() ? AppFiles::FindFolder() : settings_.web_folder;
+  if (folder.empty()) return absl::OkStatus();
+  absl::StatusOr<AppFiles> app = AppFiles::Read(folder);
+  if (!app.ok() && !settings_.web_folder.empty())
+    return absl::Status(app.status().code(),
+                        absl::StrCat(app.status().message(), "; choose another with --web"));
+  if (!app.ok()) spdlog::warn("the web app is left out: {}", std::string(app.status().message()));
+  if (app.ok()) app_ = *std::move(app);
   return absl::OkStatus();
 }
 

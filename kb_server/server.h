@@ -13,14 +13,17 @@
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
 #include "graph/base/memory_budget.h"
+#include "kb_server/connect/connect_routes.h"
 #include "kb_server/door/door_clock.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/door/send_budget.h"
 #include "kb_server/grpc/grpc_server.h"
 #include "kb_server/http/http_server.h"
+#include "kb_server/live/live.h"
 #include "kb_server/robots/fleet_leases.h"
 #include "kb_server/robots/lease_watch.h"
+#include "kb_server/web/app_files.h"
 #include "kb_server/work/load_runner.h"
 #include "kb_server/work/remote_access.h"
 #include "kb_server/work/update_runner.h"
@@ -35,8 +38,10 @@ struct ServerSettings {
   std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
   std::string http_address = "127.0.0.1:7480";
   std::vector<std::string>
-      http_names;         // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
-  bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
+      http_names;  // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
+  std::vector<std::string> http_origins;  // origins of other servers' web pages that may use HTTP (CORS)
+  std::string web_folder;  // of the built browser app; empty: the one that comes with the program
+  bool insecure = false;   // allow addresses other than loopback although nothing authenticates clients
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
@@ -80,6 +85,7 @@ class Server {
   void LeaveSnapshot();
   absl::Status StartGrpc(size_t connections);
   absl::Status StartHttp(size_t connections);
+  absl::Status ReadApp();
 
   const ServerSettings settings_;
   DoorClock clock_;
@@ -108,6 +114,10 @@ class Server {
   LoadRunner loads_{&ports_};
   std::unique_ptr<RemoteAccess> remote_;
   std::unique_ptr<GrpcServer> grpc_server_;
+  AppFiles app_;
+  ConnectPorts connect_;
+  std::unique_ptr<RpcChannel> calls_;  // of HTTP clients
+  std::unique_ptr<Live> live_;
   std::unique_ptr<HttpServer> http_server_;
   std::thread writer_thread_;
   mutable absl::Mutex status_mutex_;

@@ -54,6 +54,18 @@ absl::Status GrpcServer::Build(const Limits& limits) {
   return absl::OkStatus();
 }
 
+std::vector<std::string> GrpcServer::ServiceNames() {
+  return {v1::Context::service_full_name(), v1::Ontologies::service_full_name(),
+          v1::Workflows::service_full_name(), v1::RobotServices::service_full_name(),
+          v1::Fleet::service_full_name()};
+}
+
+std::shared_ptr<grpc::Channel> GrpcServer::InProcess() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);  // what the services make is bounded by themselves
+  return server_->InProcessChannel(arguments);
+}
+
 void GrpcServer::Stop(std::chrono::system_clock::time_point deadline) {
   listener_->Stop();
   if (server_) server_->Shutdown(deadline);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "kb_server/grpc/grpc_listener.h"
@@ -22,6 +23,11 @@ class GrpcServer {
                                                            const ServicePorts& ports, FleetLeases* leases);
   // No new connections and calls from now on; those that are under way may go on until `deadline`.
   void Stop(std::chrono::system_clock::time_point deadline);
+
+  // Full names of its services, "docent.v1.Fleet", but for health and reflection.
+  static std::vector<std::string> ServiceNames();
+  // To call it without a network.
+  std::shared_ptr<grpc::Channel> InProcess();
 
   GrpcListener& listener() { return *listener_; }
 

@@ -45,7 +45,8 @@ def begin_server(data):
     """The process and its gRPC address."""
     server = subprocess.Popen([DOCENT, "serve", "--data", data, "--grpc", "127.0.0.1:0", "--http", "127.0.0.1:0"],
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    return server, re.search(r"grpc=(\S+)", server.stdout.readline()).group(1)
+    grpc, server.http = re.search(r"grpc=(\S+) http=(\S+)", server.stdout.readline()).groups()
+    return server, grpc
 
 
 def end(program):
@@ -181,6 +182,33 @@ class Grpc(unittest.TestCase):
         self.assertRegex(out, r"^Welcome-\d+\n")
         self.assertRegex(out, r"- run done\n$")
         self.assertEqual(adapter.stdout.readline(), "says: Welcome!\n")
+
+
+class Http(unittest.TestCase):
+    """The commands and programs of the page on HTTP about the API, on a new server, in order."""
+
+    def test_the_api_answers_as_the_page_says(self):
+        page = (ROOT / "docs/reference/http.md").read_text(encoding="utf-8")
+        section = page[page.index("## The API"):page.index("### Errors of the API")]
+        commands = 0
+        with tempfile.TemporaryDirectory() as folder:
+            server, _ = begin_server(pathlib.Path(folder) / "data")
+            self.addCleanup(end, server)
+            for language, text in BLOCK.findall(section):
+                text = text.replace("127.0.0.1:7480", server.http)
+                if language == "python":
+                    out = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60)
+                    self.assertEqual((out.stderr, out.stdout.splitlines()[-1]), ("", "{}"))
+                    self.assertIn("urn:B03", out.stdout)
+                if language != "text":
+                    continue
+                for example in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+                    command, expected = re.match(r"((?:.*\\\n)*.*)\n(.*)", example, re.DOTALL).groups()
+                    commands += 1
+                    with self.subTest(command):
+                        out = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+                        self.assertEqual(out.stdout.strip(), expected.strip())
+        self.assertGreater(commands, 3)
 
 
 if __name__ == "__main__":

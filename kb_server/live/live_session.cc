@@ -1,0 +1,144 @@
+#include "kb_server/live/live_session.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/base/text.h"
+#include "kb_server/connect/connect_error.h"
+
+namespace docent::server {
+namespace {
+
+grpc::Status ToGrpcStatus(const absl::Status& status) {
+  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const LivePorts* ports, const std::shared_ptr<HttpExchange>& exchange)
+    : ports_(*ports),
+      exchange_(exchange),
+      reader_(ports->limits.live_message_bytes),
+      heard_(absl::Now()),
+      probed_(heard_) {}
+
+void LiveSession::Begin() {
+  exchange_->OnGone([weak = weak_from_this()] {
+    if (const std::shared_ptr<LiveSession> self = weak.lock()) self->EndAll();
+  });
+  Send(absl::StrCat("{\"hello\":{\"revision\":\"", ports_.queries->Newest()->revision().value(), "\"}}"));
+}
+
+void LiveSession::Send(std::string_view json) {
+  exchange_->Push(WebSocketFrame(WebSocketOpcode::kText, json));
+}
+
+void LiveSession::SendEnd(const std::string& id, const grpc::Status& status) {
+  {
+    absl::MutexLock lock(&mutex_);
+    streams_.erase(id);
+  }
+  Send(Concat("{\"id\":", id, ",\"end\":{", status.ok() ? "" : Concat("\"error\":", ConnectErrorJson(status)),
+              "}}"));
+}
+
+void LiveSession::OnBytes(std::string_view bytes) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (closed_) return;
+    heard_ = absl::Now();
+  }
+  for (const WebSocketReader::Event& event : reader_.Read(bytes)) {
+    switch (event.opcode) {
+      case WebSocketOpcode::kText:
+        Take(event.payload);
+        break;
+      case WebSocketOpcode::kPing:
+        exchange_->Push(WebSocketFrame(WebSocketOpcode::kPong, event.payload));
+        break;
+      case WebSocketOpcode::kClose:
+        Close(event.payload);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+void LiveSession::Take(const std::string& text) {
+  std::string id;
+  const absl::StatusOr<LiveRequest> request = ReadLiveRequest(text, ports_.services, &id);
+  if (!request.ok()) {
+    // A stream that is there under this id goes on.
+    return Send(
+        Concat("{\"id\":", id, ",\"refused\":", ConnectErrorJson(ToGrpcStatus(request.status())), "}"));
+  }
+  if (!request->end) return BeginStream(*request);
+  std::shared_ptr<LiveStream> stream;
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto found = streams_.find(request->id);
+    if (found == streams_.end()) return;  // it has ended by itself
+    stream = found->second;
+  }
+  stream->End();
+  SendEnd(request->id, grpc::Status::OK);
+}
+
+void LiveSession::BeginStream(const LiveRequest& request) {
+  const std::shared_ptr<LiveStream> stream = MakeLiveStream(shared_from_this(), request);
+  absl::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (closed_) return;
+    if (streams_.size() >= ports_.limits.live_streams) {
+      status = absl::ResourceExhaustedError(
+          absl::StrCat("this connection follows as much as it may: the limit live_streams is ",
+                       ports_.limits.live_streams));
+    } else if (!streams_.emplace(request.id, stream).second) {
+      status = absl::AlreadyExistsError(absl::StrCat("the id ", request.id, " is in use"));
+    }
+  }
+  if (!status.ok())
+    return Send(Concat("{\"id\":", request.id, ",\"refused\":", ConnectErrorJson(ToGrpcStatus(status)), "}"));
+  status = stream->Begin(ports_.queries->Newest()->revision().value());
+  if (!status.ok()) SendEnd(request.id, ToGrpcStatus(status));
+}
+
+void LiveSession::Look(absl::Time now, uint64_t newest) {
+  std::vector<std::shared_ptr<LiveStream>> streams;
+  bool silent = false, probe = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (closed_) return;
+    silent = now - heard_ > absl::Milliseconds(ports_.limits.live_silence_ms);
+    probe = now - std::max(heard_, probed_) > absl::Milliseconds(ports_.limits.live_ping_ms);
+    if (probe) probed_ = now;
+    for (const auto& [id, stream] : streams_) streams.push_back(stream);
+  }
+  if (silent)
+    return Close(WebSocketClose(kWebSocketGoingAway, "nothing came for the time of live_silence_ms"));
+  if (probe) exchange_->Push(WebSocketFrame(WebSocketOpcode::kPing, ""));
+  for (const auto& stream : streams) stream->Look(now, newest);
+}
+
+void LiveSession::Close(std::string_view frame) {
+  EndAll();
+  exchange_->Push(frame);
+  exchange_->End();
+}
+
+void LiveSession::EndAll() {
+  absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams;
+  {
+    absl::MutexLock lock(&mutex_);
+    closed_ = true;
+    streams.swap(streams_);
+  }
+  for (const auto& [id, stream] : streams) stream->End();
+}
+
+}  // namespace docent::server

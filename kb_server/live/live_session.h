@@ -1,0 +1,72 @@
+// One live connection: reads what the tab asks for, and sends what its streams say. Private to this folder.
+#ifndef DOCENT_KB_SERVER_LIVE_LIVE_SESSION_H_
+#define DOCENT_KB_SERVER_LIVE_LIVE_SESSION_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "kb_server/http/http_exchange.h"
+#include "kb_server/live/live.h"
+#include "kb_server/live/live_request.h"
+#include "kb_server/live/websocket.h"
+
+namespace docent::server {
+
+// What a tab follows under one id. Thread-safe.
+class LiveStream {
+ public:
+  virtual ~LiveStream() = default;
+  // Before the first message. `newest` is the newest revision.
+  virtual absl::Status Begin(uint64_t newest) = 0;
+  // Now and then. Must not block.
+  virtual void Look(absl::Time now, uint64_t newest) = 0;
+  // Nothing more is sent under its id.
+  virtual void End() = 0;
+};
+
+class LiveSession final : public HttpUpgradeReader, public std::enable_shared_from_this<LiveSession> {
+ public:
+  LiveSession(const LivePorts* ports, const std::shared_ptr<HttpExchange>& exchange);
+  // When the connection is upgraded.
+  void Begin();
+  void OnBytes(std::string_view bytes) override;
+  void Look(absl::Time now, uint64_t newest);
+
+  // For its streams, any thread.
+
+  const LivePorts& ports() const { return ports_; }
+  // One message, whole JSON. Its stream asks `exchange` for room before it makes the next one.
+  void Send(std::string_view json);
+  // The last message of the stream `id`: {"id":…,"end":…}.
+  void SendEnd(const std::string& id, const grpc::Status& status);
+  const std::shared_ptr<HttpExchange>& exchange() const { return exchange_; }
+
+ private:
+  void Take(const std::string& text);
+  void BeginStream(const LiveRequest& request);
+  void EndAll();
+  void Close(std::string_view frame);
+
+  const LivePorts& ports_;
+  const std::shared_ptr<HttpExchange> exchange_;
+  WebSocketReader reader_;  // of the network thread
+  absl::Mutex mutex_;
+  absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
+  absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
+  absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+// A stream of messages, or a read that is asked again and again: as the method is.
+std::shared_ptr<LiveStream> MakeLiveStream(const std::shared_ptr<LiveSession>& session,
+                                           const LiveRequest& request);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_LIVE_LIVE_SESSION_H_

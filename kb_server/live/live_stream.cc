@@ -1,0 +1,244 @@
+// The two kinds of what a tab follows: a stream of a service, and a read that is asked again when there is a new revision.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/base/fingerprint.h"
+#include "graph/base/text.h"
+#include "kb_server/connect/connect_error.h"
+#include "kb_server/connect/message_codec.h"
+#include "kb_server/live/live_session.h"
+#include "kb_server/live/resume_point.h"
+
+namespace docent::server {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr size_t kLargeBytes = 64u << 10;  // beyond, a worker writes the JSON
+constexpr absl::Duration kReadTime = absl::Seconds(30);
+constexpr double kBytesPerSecond = 2e6;  // of one read that is followed: larger answers come less often
+
+std::string PathOf(const pb::MethodDescriptor& method) {
+  return absl::StrCat("/", method.service()->full_name(), "/", method.name());
+}
+
+std::unique_ptr<pb::Message> Parse(const pb::Descriptor& type, const std::string& bytes) {
+  std::unique_ptr<pb::Message> message(pb::MessageFactory::generated_factory()->GetPrototype(&type)->New());
+  if (!message->ParseFromString(bytes)) return nullptr;
+  return message;
+}
+
+std::string MessageJson(const std::string& id, std::string_view json,
+                        const std::optional<std::string>& resume) {
+  return Concat("{\"id\":", id, ",\"message\":", json,
+                resume ? Concat(",\"resume\":", JsonString(*resume)) : "", "}");
+}
+
+grpc::Status ToGrpcStatus(const absl::Status& status) {
+  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
+}
+
+absl::Status RunWhereThereIsTime(WorkerPool* workers, size_t bytes, std::function<void()> work) {
+  if (workers != nullptr && bytes > kLargeBytes) return workers->Submit(std::move(work));
+  work();
+  return absl::OkStatus();
+}
+
+// What both kinds have: one call at a time, whose sink lets go of the stream when the tab has ended it.
+class StreamBase : public LiveStream, public std::enable_shared_from_this<StreamBase> {
+ public:
+  StreamBase(std::shared_ptr<LiveSession> session, const LiveRequest& request)
+      : session_(std::move(session)), request_(request), method_(*request.method) {}
+
+  void End() override {
+    std::shared_ptr<RpcCall> call;
+    {
+      absl::MutexLock lock(&mutex_);
+      ended_ = true;
+      call = call_.lock();
+    }
+    if (call != nullptr) call->Cancel();
+  }
+
+ protected:
+  // Sends unless the tab has ended the stream: with the mutex held, so that nothing comes after its end.
+  void SendLive(std::string_view json) {
+    absl::MutexLock lock(&mutex_);
+    if (!ended_) session_->Send(json);
+  }
+  void EndLive(const grpc::Status& status) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (std::exchange(ended_, true)) return;
+    }
+    session_->SendEnd(request_.id, status);
+  }
+  void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink) {
+    const std::shared_ptr<RpcCall> call =
+        session_->ports().calls->Start(PathOf(method_), {std::move(request)}, deadline, std::move(sink));
+    bool ended = false;
+    {
+      absl::MutexLock lock(&mutex_);
+      call_ = call;
+      ended = ended_;
+    }
+    if (ended) call->Cancel();
+  }
+
+  const std::shared_ptr<LiveSession> session_;
+  const LiveRequest request_;
+  const pb::MethodDescriptor& method_;
+  absl::Mutex mutex_;
+  std::weak_ptr<RpcCall> call_ ABSL_GUARDED_BY(mutex_);
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+class ServiceStream final : public StreamBase {
+ public:
+  ServiceStream(std::shared_ptr<LiveSession> session, const LiveRequest& request)
+      : StreamBase(std::move(session), request), place_(*request.method) {}
+
+  absl::Status Begin(uint64_t newest) override {
+    const absl::StatusOr<std::string> binary =
+        ToBinary(*method_.input_type(), MessageCodec::kJson, request_.request);
+    if (!binary.ok()) return binary.status();
+    const std::unique_ptr<pb::Message> request = Parse(*method_.input_type(), *binary);
+    if (request == nullptr) return absl::InternalError("the request cannot be read back");
+    if (absl::Status status = place_.Begin(request_.resume, newest, request.get()); !status.ok())
+      return status;
+    const std::optional<std::string> first = place_.first();
+    SendLive(Concat("{\"id\":", request_.id, ",\"begun\":true",
+                    first ? Concat(",\"resume\":", JsonString(*first)) : "", "}"));
+    Start(request->SerializeAsString(), absl::InfiniteFuture(), std::make_shared<Sink>(Self()));
+    return absl::OkStatus();
+  }
+  void Look(absl::Time, uint64_t) override {}
+
+ private:
+  struct Sink final : RpcSink {
+    explicit Sink(std::shared_ptr<ServiceStream> of) : stream(std::move(of)) {}
+    void OnMessage(std::string bytes, const std::shared_ptr<RpcCall>& call) override {
+      const size_t size = bytes.size();
+      const absl::Status begun = RunWhereThereIsTime(
+          stream->session_->ports().workers, size,
+          [stream = stream, bytes = std::move(bytes), call] { stream->Tell(bytes, call); });
+      if (begun.ok()) return;
+      stream->EndLive(ToGrpcStatus(begun));
+      call->Cancel();
+    }
+    void OnEnd(const grpc::Status& status) override { stream->EndLive(status); }
+    const std::shared_ptr<ServiceStream> stream;
+  };
+
+  std::shared_ptr<ServiceStream> Self() {
+    return std::static_pointer_cast<ServiceStream>(shared_from_this());
+  }
+
+  void Tell(const std::string& bytes, const std::shared_ptr<RpcCall>& call) {
+    const std::unique_ptr<pb::Message> reply = Parse(*method_.output_type(), bytes);
+    if (reply != nullptr && place_.IsNew(*reply)) {
+      const absl::StatusOr<std::string> json = FromBinary(*method_.output_type(), MessageCodec::kJson, bytes);
+      if (json.ok()) SendLive(MessageJson(request_.id, *json, place_.Next(*reply)));
+    }
+    session_->exchange()->OnRoom([call] { call->Next(); });
+  }
+
+  ResumePoint place_;  // of one event at a time
+};
+
+class FollowedRead final : public StreamBase {
+ public:
+  using StreamBase::StreamBase;
+
+  absl::Status Begin(uint64_t newest) override {
+    absl::StatusOr<std::string> binary =
+        ToBinary(*method_.input_type(), MessageCodec::kJson, request_.request);
+    if (!binary.ok()) return binary.status();
+    binary_ = *std::move(binary);
+    every_ = std::max(request_.every, absl::Milliseconds(session_->ports().limits.live_follow_ms));
+    SendLive(Concat("{\"id\":", request_.id, ",\"begun\":true}"));
+    Ask(absl::Now(), newest);
+    return absl::OkStatus();
+  }
+  void Look(absl::Time now, uint64_t newest) override {
+    {
+      absl::MutexLock lock(&state_mutex_);
+      if (asking_ || now < due_ || newest == asked_) return;
+    }
+    if (!session_->exchange()->full())
+      Ask(now, newest);  // a tab that reads slowly gets the newest answer later
+  }
+
+ private:
+  struct Sink final : RpcSink {
+    explicit Sink(std::shared_ptr<FollowedRead> of) : read(std::move(of)) {}
+    void OnMessage(std::string bytes, const std::shared_ptr<RpcCall>& call) override {
+      answer = std::move(bytes);
+      call->Next();
+    }
+    void OnEnd(const grpc::Status& status) override {
+      if (!status.ok()) return read->EndLive(status);
+      const size_t size = answer.size();
+      const absl::Status begun =
+          RunWhereThereIsTime(read->session_->ports().workers, size,
+                              [read = read, answer = std::move(answer)] { read->Tell(answer); });
+      if (!begun.ok()) read->EndLive(ToGrpcStatus(begun));
+    }
+    const std::shared_ptr<FollowedRead> read;
+    std::string answer;
+  };
+
+  void Ask(absl::Time now, uint64_t newest) {
+    {
+      absl::MutexLock lock(&state_mutex_);
+      asking_ = true;
+      asked_ = newest;
+      due_ = now + every_;
+    }
+    Start(binary_, now + kReadTime,
+          std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())));
+  }
+
+  void Tell(const std::string& answer) {
+    const std::string mark = absl::StrCat(absl::Hex(Fingerprint(answer), absl::kZeroPad16));
+    bool is_new = false;
+    {
+      absl::MutexLock lock(&state_mutex_);
+      is_new = mark != told_ && !(told_.empty() && mark == request_.resume);
+      told_ = mark;
+    }
+    if (is_new) {
+      const absl::StatusOr<std::string> json =
+          FromBinary(*method_.output_type(), MessageCodec::kJson, answer);
+      if (json.ok()) SendLive(MessageJson(request_.id, *json, mark));
+    }
+    absl::MutexLock lock(&state_mutex_);
+    asking_ = false;
+    due_ = std::max(due_, absl::Now() + absl::Seconds(static_cast<double>(answer.size()) / kBytesPerSecond));
+  }
+
+  std::string binary_;  // the request
+  absl::Duration every_;
+  absl::Mutex state_mutex_;
+  bool asking_ ABSL_GUARDED_BY(state_mutex_) = true;  // until it has begun, too
+  uint64_t asked_ ABSL_GUARDED_BY(state_mutex_) = 0;  // the revision
+  absl::Time due_ ABSL_GUARDED_BY(state_mutex_) = absl::InfinitePast();
+  std::string told_ ABSL_GUARDED_BY(state_mutex_);  // mark of the answer that the tab has
+};
+
+}  // namespace
+
+std::shared_ptr<LiveStream> MakeLiveStream(const std::shared_ptr<LiveSession>& session,
+                                           const LiveRequest& request) {
+  if (request.method->server_streaming()) return std::make_shared<ServiceStream>(session, request);
+  return std::make_shared<FollowedRead>(session, request);
+}
+
+}  // namespace docent::server

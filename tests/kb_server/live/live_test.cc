@@ -1,0 +1,231 @@
+// Live connections over HTTP to services of the test.
+#include "kb_server/live/live.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/store/graph_writer.h"
+#include "tests/kb_server/connect/test_services.h"
+#include "tests/kb_server/http/http_client.h"
+#include "tests/kb_server/live/websocket_client.h"
+
+namespace docent::server {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class LiveTest : public ::testing::Test {
+ protected:
+  void SetUp() override { Start({}); }
+  void TearDown() override { Stop(); }
+  void Start(WebLimits limits) {
+    Stop();
+    grpc::ServerBuilder builder;
+    builder.RegisterService(&fleet_);
+    builder.RegisterService(&workflows_);
+    grpc_ = builder.BuildAndStart();
+    calls_ = std::make_unique<RpcChannel>(grpc_->InProcessChannel({}));
+    workers_ = std::make_unique<WorkerPool>(WorkerPoolLimits{2, /*open=*/8, 100});
+    Publish(41);
+    live_ = std::make_unique<Live>(LivePorts{
+        calls_.get(), workers_.get(), &queries_, {"docent.v1.Fleet", "docent.v1.Workflows"}, limits});
+    HttpRoutes routes;
+    live_->AddRoute(&routes);
+    HttpServerOptions options;
+    options.listen = "127.0.0.1:0";
+    http_ = *HttpServer::Start(options, std::move(routes));
+  }
+  void Stop() {
+    http_.reset();
+    if (live_) live_->Stop();
+    workers_.reset();
+    calls_.reset();
+    live_.reset();
+    if (grpc_) grpc_->Shutdown(std::chrono::system_clock::now());
+  }
+  void Publish(uint64_t revision) {
+    GraphWriter writer(std::make_shared<const GraphVersion>());
+    queries_.Publish(writer.Freeze(Revision(revision)));
+  }
+  static bool Soon(const std::function<bool()>& what) {
+    for (int i = 0; i < 3000 && !what(); ++i) absl::SleepFor(absl::Milliseconds(10));
+    return what();
+  }
+
+  TestFleet fleet_;
+  TestWorkflows workflows_;
+  QueryPort queries_;
+  std::unique_ptr<grpc::Server> grpc_;
+  std::unique_ptr<RpcChannel> calls_;
+  std::unique_ptr<WorkerPool> workers_;
+  std::unique_ptr<Live> live_;
+  std::unique_ptr<HttpServer> http_;
+};
+
+TEST_F(LiveTest, StreamsAndReadsShareAConnection) {
+  WebSocketClient tab(http_->port());
+  EXPECT_THAT(tab.head(), StartsWith("HTTP/1.1 101 "));
+  EXPECT_THAT(tab.head(), HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo="));
+  EXPECT_EQ(tab.Receive(), R"({"hello":{"revision":"41"}})");
+  tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"begun":true,"resume":"41:0"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"message":{"revision":"1"},"resume":"0:1"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"message":{"revision":"2"},"resume":"1:1"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"message":{"revision":"3"},"resume":"2:1"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"end":{}})");
+  tab.Send(
+      R"({"id":1,"call":"docent.v1.Workflows/Watch","request":{"run":"fail"}})");  // the id is free again
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"begun":true,"resume":"41:0"})");
+  EXPECT_THAT(tab.Receive(), HasSubstr("\"message\""));
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"end":{"error":{"code":"out_of_range","message":"too old"}}})");
+  tab.Send(R"({"id":"r","call":"docent.v1.Fleet/List"})");
+  EXPECT_EQ(tab.Receive(), R"({"id":"r","begun":true})");
+  EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":"r","message":{"robots":[{"label":"R01"}]},"resume":")"));
+}
+
+TEST_F(LiveTest, AReadIsToldWhenItsAnswerChanges) {
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.Send(R"({"id":1,"call":"docent.v1.Fleet/List","everyMs":1})");
+  tab.Receive();
+  const std::string first = tab.Receive();
+  Publish(42);  // the answer is the same
+  absl::SleepFor(absl::Milliseconds(200));
+  fleet_.SetLabel("R02");
+  Publish(43);
+  EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":1,"message":{"robots":[{"label":"R02"}]})"));
+  // A tab that comes back with what it has gets nothing until something changes.
+  WebSocketClient again(http_->port());
+  again.Receive();
+  fleet_.SetLabel("R01");
+  const std::string mark =
+      first.substr(first.find("\"resume\""), first.size() - first.find("\"resume\"") - 1);
+  again.Send(R"({"id":1,"call":"docent.v1.Fleet/List",)" + mark + "}");
+  EXPECT_EQ(again.Receive(), R"({"id":1,"begun":true})");
+  absl::SleepFor(absl::Milliseconds(200));
+  fleet_.SetLabel("R03");
+  Publish(44);
+  EXPECT_THAT(again.Receive(), HasSubstr("R03"));
+}
+
+TEST_F(LiveTest, ATabEndsItsStreams) {
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch","request":{"run":"hang"}})");
+  tab.Receive();
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 1; }));
+  tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch"})");
+  EXPECT_THAT(tab.Receive(), HasSubstr(R"({"id":1,"refused":{"code":"already_exists")"));
+  tab.Send(R"({"id":1,"end":true})");
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"end":{}})");
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 0 && workflows_.ended; }));
+  tab.Send(R"({"id":1,"end":true})");  // it has ended
+  tab.Send(R"({"id":2,"call":"docent.v1.Fleet/Join"})");
+  EXPECT_THAT(tab.Receive(), HasSubstr(R"({"id":2,"refused":{"code":"failed_precondition")"));
+  tab.Send("nonsense");
+  EXPECT_THAT(tab.Receive(), HasSubstr(R"({"id":null,"refused":{"code":"invalid_argument")"));
+  tab.Send(R"({"id":3,"call":"docent.v1.Fleet/List","request":{"no":1}})");
+  EXPECT_THAT(tab.Receive(), HasSubstr(R"({"id":3,"end":{"error":{"code":"invalid_argument")"));
+}
+
+TEST_F(LiveTest, ATabThatLeavesLeavesNothing) {
+  for (int i = 0; i < 20; ++i) {
+    WebSocketClient tab(http_->port());
+    tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch","request":{"run":"hang"}})");
+    tab.Send(R"({"id":2,"call":"docent.v1.Fleet/List"})");
+    if (i % 2 == 0) tab.Receive();
+    if (i % 3 == 0) tab.SendBytes(ClientFrame(0x88, std::string("\x03\xe8", 2)));
+  }
+  EXPECT_TRUE(
+      Soon([this] { return calls_->open() == 0 && live_->open() == 0 && http_->counts().open == 0; }));
+}
+
+TEST_F(LiveTest, ClosesAsItIsAsked) {
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.SendBytes(ClientFrame(0x89, "are you there"));
+  uint8_t first = 0;
+  EXPECT_EQ(tab.Receive(&first), "are you there");
+  EXPECT_EQ(first, 0x8a);
+  tab.SendBytes(ClientFrame(0x88, std::string("\x03\xe8", 2)));
+  EXPECT_EQ(tab.Receive(&first), std::string("\x03\xe8", 2));
+  EXPECT_EQ(first, 0x88);
+  EXPECT_TRUE(tab.Ended());
+}
+
+TEST_F(LiveTest, OtherRequestsAndOtherPagesAreRefused) {
+  HttpClient client(http_->port());
+  const HttpReply plain = client.Ask("GET", "/live");
+  EXPECT_EQ(plain.status, 426);
+  EXPECT_EQ(plain.headers.at("upgrade"), "websocket");
+  EXPECT_EQ(client.Ask("POST", "/live").status, 405);
+  EXPECT_THAT(WebSocketClient(http_->port(), "Origin: http://evil.example\r\n").head(),
+              StartsWith("HTTP/1.1 403 "));
+  EXPECT_THAT(
+      WebSocketClient(http_->port(), absl::StrCat("Origin: http://localhost:", http_->port(), "\r\n")).head(),
+      StartsWith("HTTP/1.1 101 "));
+}
+
+TEST_F(LiveTest, ATabFollowsSoMuchAndNoMore) {
+  WebLimits limits;
+  limits.live_streams = 2;
+  limits.live_message_bytes = 100;
+  Start(limits);
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  for (int i = 1; i <= 2; ++i) {
+    tab.Send(
+        absl::StrCat(R"({"id":)", i, R"(,"call":"docent.v1.Workflows/Watch","request":{"run":"hang"}})"));
+    EXPECT_THAT(tab.Receive(), HasSubstr("begun"));
+  }
+  tab.Send(R"({"id":3,"call":"docent.v1.Workflows/Watch"})");
+  EXPECT_THAT(tab.Receive(), HasSubstr("the limit live_streams is 2"));
+  tab.Send(std::string(101, ' '));
+  EXPECT_THAT(tab.Receive(), HasSubstr("live_message_bytes = 100"));
+  EXPECT_TRUE(tab.Ended());
+}
+
+TEST_F(LiveTest, SilentConnectionsAreProbedAndThenClosed) {
+  WebLimits limits;
+  limits.live_ping_ms = 50;
+  limits.live_silence_ms = 400;
+  Start(limits);
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  uint8_t first = 0;
+  tab.Receive(&first);
+  EXPECT_EQ(first, 0x89);
+  std::string frame;
+  while (first == 0x89) frame = tab.Receive(&first);
+  EXPECT_EQ(first, 0x88);
+  EXPECT_THAT(frame, HasSubstr("live_silence_ms"));
+  EXPECT_TRUE(tab.Ended());
+  EXPECT_TRUE(Soon([this] { return live_->open() == 0; }));
+}
+
+TEST_F(LiveTest, ATabThatDoesNotReadHoldsUpItsStreamAndNoMore) {
+  workflows_.count = UINT64_MAX;
+  workflows_.detail = std::string(10000, 'x');
+  WebSocketClient tab(http_->port());
+  tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch"})");
+  uint64_t before = 0;
+  EXPECT_TRUE(Soon([&] {  // it stands still
+    before = workflows_.written;
+    absl::SleepFor(absl::Milliseconds(100));
+    return before > 0 && before == workflows_.written;
+  }));
+  EXPECT_LT(before, 3000u);
+  WebSocketClient other(http_->port());
+  EXPECT_THAT(other.Receive(), HasSubstr("hello"));
+  tab.Close();
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 0 && workflows_.ended; }));
+}
+
+}  // namespace
+}  // namespace docent::server
