@@ -203,7 +203,7 @@ class Http(unittest.TestCase):
                 if language != "text":
                     continue
                 for example in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
-                    command, expected = re.match(r"((?:.*\\\n)*.*)\n(.*)", example, re.DOTALL).groups()
+                    command, expected = re.match(r"((?:[^\n]*\\\n)*[^\n]*)\n(.*)", example, re.DOTALL).groups()
                     commands += 1
                     with self.subTest(command):
                         out = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
