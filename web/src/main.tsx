@@ -4,6 +4,7 @@ import { App } from "./app/app";
 import { startKeys } from "./app/commands";
 import { startTheme } from "./app/theme";
 import "./app/base.css";
+import "./app/parts.css";
 
 startTheme();
 startKeys();

@@ -52,7 +52,7 @@ function useNodes(props: CanvasProps): StepNode[] {
         const mine = findings.filter((f) => f.flow === shown.flow.key && f.step === step.key);
         const data = { step, serviceNames, errors: mine.filter((f) => f.error).length, warnings: mine.filter((f) => !f.error).length };
         return {
-          id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step),
+          id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
           deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),
         };
       }),

@@ -192,7 +192,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         </div>
       )}
       <div className="narrow-tabs segments" role="tablist" aria-label="Parts of the view">
-        {(["canvas", "properties", "text"] as const).map((tab) => <button key={tab} role="tab" aria-checked={panels.tab === tab} aria-selected={panels.tab === tab} onClick={() => panels.setTab(tab)}>{tab[0]?.toUpperCase()}{tab.slice(1)}</button>)}
+        {(["canvas", "properties", "text"] as const).map((tab) => <button key={tab} role="tab" aria-selected={panels.tab === tab} onClick={() => panels.setTab(tab)}>{tab[0]?.toUpperCase()}{tab.slice(1)}</button>)}
       </div>
       <div className="editor-body">
         {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}

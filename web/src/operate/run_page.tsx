@@ -1,1 +1,137 @@
-export default function RunPage(_: { id: string; node: string }) { return <main className="view nothing"><p>Not yet.</p></main>; }
+// One run: its flow with live states, what it waits for and why, its history and its values.
+import { ChevronRight, CircleAlert, Workflow } from "lucide-react";
+import { useEffect, useMemo, useState } from "react";
+import { workflows } from "../api/client";
+import { useFollow } from "../api/live";
+import { readTriples, useNames, type Names } from "../api/prefixes";
+import { localName } from "../api/sparql";
+import { termText } from "../api/terms";
+import { Link } from "../app/link";
+import { navigate, paths } from "../app/router";
+import { type Flow, readCawl } from "../cawl/document";
+import { words } from "../cawl/names";
+import { loadDraft } from "../compose/drafts";
+import { usePalette } from "../compose/palette_data";
+import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
+import { FlowView } from "./flow_view";
+import { RunActions, SettleButtons } from "./run_actions";
+import { stateOf, useTicks } from "./runs";
+import { clock, duration, isLive, nowUs, StateTag } from "./states";
+import { Timeline } from "./timeline";
+import { Fact, WhyNot } from "./why";
+import "./run_page.css";
+
+export default function RunPage({ id, node }: { id: string; node: string }) {
+  const polled = useFollow(`run ${id}`, { call: "docent.v1.Workflows/Get", request: { run: id }, reply: RunSchema, poll: (signal) => workflows.get({ run: id }, { signal }), everyMs: 250 });
+  const run = polled.data;
+  useTicks(1000);
+  useEffect(() => void (document.title = `${id} – Docent`), [id]);
+  const flow = useFlow(run);
+  const names = useNames();
+  const palette = usePalette();
+  const serviceKey = palette.entries.filter((e) => e.kind === "service").map((e) => e.id).join("\n");
+  const serviceNames = useMemo(() => new Set(serviceKey.split("\n")), [serviceKey]);
+  const [tab, setTab] = useState<"now" | "history" | "values">("now");
+  const pick = (name: string) => navigate(paths.run(id, name), true);
+  const chosen = run?.nodes.find((n) => n.name === node);
+  if (!run)
+    return (
+      <main className="view nothing">
+        {polled.error ? <><CircleAlert size={28} /><h1>{polled.error.kind === "missing" ? `There is no run ${id}` : polled.error.title}</h1><p>{polled.error.kind === "missing" ? "It may have ended long ago: only the newest ended runs are kept." : polled.error.detail}</p><p><Link href={paths.runs()}>Show all runs</Link></p></> : <p aria-busy="true">Loading…</p>}
+      </main>
+    );
+  return (
+    <main className="editor">
+      <header className="head">
+        <Link href={paths.runs()} className="faint crumb">Runs</Link><ChevronRight size={13} className="faint crumb" />
+        <h1 className="cut">{run.id}</h1>
+        <StateTag state={stateOf(run)} />
+        <span className="faint small cut number">{clock(run.startedUs)} · {duration(run.startedUs, run.endedUs || nowUs())}</span>
+        <span className="grow" />
+        {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {run.parent}</Link>}
+        <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
+        <RunActions run={run} again={polled.again} keys />
+      </header>
+      {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} />{run.reason}</div>}
+      <div className="editor-body run-body">
+        {flow ? <FlowView flow={flow} run={run} picked={node} onPick={pick} serviceNames={serviceNames} /> : (
+          <div className="run-list">
+            {run.nodes.map((n) => <button key={n.name} aria-pressed={node === n.name} onClick={() => pick(n.name)}><StateTag state={n.state} /><b>{n.name}</b></button>)}
+          </div>
+        )}
+        <aside className="dock run-dock">
+          <div className="segments run-tabs" role="tablist">
+            {([["now", chosen ? chosen.name : "Now"], ["history", "History"], ["values", "Values"]] as const).map(([key, title]) => <button key={key} role="tab" aria-selected={tab === key} className="cut" onClick={() => setTab(key)}>{title}</button>)}
+          </div>
+          <div className="run-details" tabIndex={0} aria-label="Details">
+            {tab === "now" && (chosen ? <NodeDetails run={run} node={chosen} names={names} again={polled.again} /> : <Now run={run} names={names} again={polled.again} />)}
+            {tab === "history" && <Timeline run={id} names={names} picked={node} onPick={pick} />}
+            {tab === "values" && <Values run={run} names={names} />}
+          </div>
+        </aside>
+      </div>
+    </main>
+  );
+}
+
+// The flow of the text that the server has of the workflow, or of this browser's draft; only one that has all nodes of the run.
+function useFlow(run: Run | undefined): Flow | null {
+  const [text, setText] = useState("");
+  const workflow = run?.workflow ?? "";
+  useEffect(() => {
+    if (!workflow) return;
+    let there = true;
+    workflows.listVersions({ workflow, withTexts: true }).then(
+      (reply) => there && setText((reply.versions.find((v) => v.live) ?? reply.versions.at(-1))?.text ?? ""),
+      () => there && setText(loadDraft(workflow)?.text ?? ""),
+    );
+    return () => void (there = false);
+  }, [workflow]);
+  const nodes = run?.nodes.map((n) => n.name).join("\n") ?? "";
+  return useMemo(() => {
+    const flow = text ? readCawl(text).flows.find((f) => f.name === run?.flow) : undefined;
+    const steps = new Set(flow?.steps.map((s) => s.name));
+    return flow && nodes.split("\n").every((name) => steps.has(name)) ? flow : null;
+  }, [text, run?.flow, nodes]);
+}
+
+function Now({ run, names, again }: { run: Run; names: Names; again: () => void }) {
+  const active = run.nodes.filter((n) => ["waiting", "running", "incident"].includes(n.state));
+  if (active.length === 0) return <p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p>;
+  return <>{active.map((n) => <NodeDetails key={n.name} run={run} node={n} names={names} again={again} titled />)}</>;
+}
+
+function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node; names: Names; again: () => void; titled?: boolean }) {
+  const because = readTriples(node.firedBecause, names.short);
+  return (
+    <section className="run-section">
+      <div className="row">
+        {titled && <Link href={paths.run(run.id, node.name)} className="cut" style={{ fontWeight: 600, color: "var(--text)" }}>{node.name}</Link>}
+        <StateTag state={node.state} />
+        {node.sinceUs > 0n && <span className="faint small number">for {duration(node.sinceUs, ["waiting", "running", "incident"].includes(node.state) ? nowUs() : run.endedUs || nowUs())}</span>}
+      </div>
+      {node.reason && <p className="notice bad"><CircleAlert size={14} />{node.reason}</p>}
+      <SettleButtons run={run.id} node={node} again={again} />
+      {node.invocations.map((i, k) => (
+        <div key={k} className="invocation">
+          <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
+          {i.state === "running" && <div className="progress" role="progressbar" aria-valuenow={Math.round(i.progress * 100)} aria-label={i.operation}><span style={{ width: `${Math.max(2, i.progress * 100)}%` }} /></div>}
+          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{localName(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && ` ${i.reason}`]}</p>
+          {i.awaits.map((a) => <p key={a.robot} className="small faint">{localName(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{a.heldBy}</Link></>}</p>)}
+        </div>
+      ))}
+      {node.waitsFor && <><h3>Why not yet?</h3><WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} /></>}
+      {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} />)}</ul></>}
+    </section>
+  );
+}
+
+function Values({ run, names }: { run: Run; names: Names }) {
+  const rows = [...run.variables, ...run.results.map((r) => ({ ...r, name: `${r.name} (result)` }))];
+  if (rows.length === 0) return <p className="quiet run-section">The run has no values yet.</p>;
+  return (
+    <table className="values">
+      <tbody>{rows.map((v) => <tr key={v.name}><td className="mono">${v.name}</td><td className="mono">{termText(v.value, names.short)}</td></tr>)}</tbody>
+    </table>
+  );
+}

@@ -1,1 +1,106 @@
-export default function Runs(_: { state: string; workflow: string }) { return <main className="view nothing"><p>Not yet.</p></main>; }
+// All runs: which are live, where each stands, and how the others ended.
+import { ListChecks, Unplug } from "lucide-react";
+import { useEffect, useState } from "react";
+import { workflows } from "../api/client";
+import { useFollow } from "../api/live";
+import { localName } from "../api/sparql";
+import { useCommands } from "../app/commands";
+import { Link } from "../app/link";
+import { navigate, paths } from "../app/router";
+import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
+import { words } from "../cawl/names";
+import { clock, duration, isLive, nowUs, StateTag } from "./states";
+import "./runs.css";
+
+const filters = [["", "All"], ["live", "Live"], ["incident", "Needs you"], ["done", "Done"], ["failed", "Failed"], ["cancelled", "Cancelled"]] as const;
+const shownAtOnce = 200;
+
+export function useRuns() {
+  return useFollow("runs", { call: "docent.v1.Workflows/ListRuns", request: {}, reply: ListRunsReplySchema, poll: (signal) => workflows.listRuns({}, { signal }), everyMs: 500 });
+}
+
+// "running", and "paused" or "incident" where that says more.
+export function stateOf(run: Run): string {
+  if (run.state === "running" && run.nodes.some((n) => n.state === "incident")) return "incident";
+  return run.paused && run.state === "running" ? "paused" : run.state;
+}
+
+export default function Runs(props: { state: string; workflow: string }) {
+  const polled = useRuns();
+  const [count, setCount] = useState(shownAtOnce);
+  useTicks(1000);
+  useEffect(() => void (document.title = "Runs – Docent"), []);
+  const all = polled.data?.runs ?? [];
+  const names = [...new Set(all.map((r) => r.workflow))].sort();
+  const fits = (run: Run, state: string) => (state === "" ? true : state === "live" ? isLive(run.state) : stateOf(run) === state);
+  const ofWorkflow = all.filter((r) => props.workflow === "" || r.workflow === props.workflow);
+  const runs = ofWorkflow.filter((r) => fits(r, props.state));
+  useCommands(runs.slice(0, 30).map((r) => ({ title: `Open ${r.id}`, group: "Runs", icon: ListChecks, words: r.workflow, run: () => navigate(paths.run(r.id)) })));
+  return (
+    <main className="page view-page">
+      <header className="head">
+        <h1>Runs</h1>
+        <div className="segments run-filters" role="group" aria-label="State">
+          {filters.map(([state, title]) => {
+            const n = ofWorkflow.filter((r) => fits(r, state)).length;
+            return <button key={state} aria-pressed={props.state === state} onClick={() => navigate(paths.runs(state, props.workflow), true)}>{title}{n > 0 && <span className="faint number"> {n}</span>}</button>;
+          })}
+        </div>
+        <span className="grow" />
+        <select className="field run-workflow" aria-label="Workflow" value={props.workflow} onChange={(e) => navigate(paths.runs(props.state, e.target.value), true)}>
+          <option value="">All workflows</option>
+          {[...new Set([...names, ...(props.workflow ? [props.workflow] : [])])].map((name) => <option key={name}>{name}</option>)}
+        </select>
+      </header>
+      <div className="view" tabIndex={0} aria-label="Runs">
+        {polled.error && !polled.data && <div className="nothing"><Unplug size={28} /><h2>{polled.error.title}</h2><p>{polled.error.detail}</p></div>}
+        {polled.data && runs.length === 0 && (
+          <div className="nothing">
+            <ListChecks size={28} />
+            <h2>{all.length === 0 ? "Nothing has run yet" : "No run is like this"}</h2>
+            <p>{all.length === 0 ? <>A run begins when the situation of a workflow’s start comes true, or when somebody starts it by hand. <Link href={paths.documents()}>Go to the workflows</Link>.</> : <Link href={paths.runs()}>Show all {all.length}</Link>}</p>
+          </div>
+        )}
+        {runs.length > 0 && (
+          <table className="runs">
+            <thead><tr><th>Run</th><th>State</th><th>Where it stands</th><th>Robot</th><th>Began</th><th className="right">Took</th></tr></thead>
+            <tbody>
+              {runs.slice(0, count).map((run) => (
+                <tr key={run.id} onClick={() => navigate(paths.run(run.id))}>
+                  <td><Link href={paths.run(run.id)} className="run-id">{run.id}</Link>{run.parent && <span className="faint small"> in {run.parent}</span>}</td>
+                  <td><StateTag state={stateOf(run)} /></td>
+                  <td className="run-where">{whereWords(run)}</td>
+                  <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(localName).join(", ")}</td>
+                  <td className="number faint">{clock(run.startedUs)}</td>
+                  <td className="number faint right">{duration(run.startedUs, run.endedUs || nowUs())}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+        {runs.length > count && <p style={{ padding: 16, textAlign: "center" }}><button className="button" onClick={() => setCount(count + shownAtOnce)}>Show {Math.min(shownAtOnce, runs.length - count)} more of {runs.length}</button></p>}
+      </div>
+    </main>
+  );
+}
+
+// What a run does or waits for, in a line.
+export function whereWords(run: Run): string {
+  if (run.reason) return run.reason;
+  const busy = run.nodes.filter((n) => ["running", "incident"].includes(n.state));
+  if (busy.length > 0)
+    return busy.map((n) => {
+      const i = n.invocations.find((x) => ["running", "pending"].includes(x.state));
+      return `${n.name}${i ? `: ${i.state === "pending" ? "waits for a robot" : words(i.operation)}${i.progress > 0 && i.progress < 1 ? ` ${Math.round(i.progress * 100)} %` : ""}` : ""}`;
+    }).join(", ");
+  const waiting = run.nodes.filter((n) => n.state === "waiting");
+  return waiting.length > 0 ? `${waiting.map((n) => n.name).join(", ")} waits` : "";
+}
+
+export function useTicks(ms: number) {
+  const [, tick] = useState(0);
+  useEffect(() => {
+    const timer = window.setInterval(() => tick((n) => n + 1), ms);
+    return () => window.clearInterval(timer);
+  }, [ms]);
+}

@@ -1,0 +1,137 @@
+// The drawing of the hall: metres in, y to the north. The layout is drawn once; what moves is drawn above it.
+import { memo, useRef } from "react";
+import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { centre, type Layout, type Person, type Point, type Shape } from "./layout";
+import { taskWords } from "./hall";
+
+export interface Camera {
+  x: number; // middle, in metres
+  y: number;
+  scale: number; // 1: the whole hall; smaller is nearer
+}
+
+export function HallDrawing(props: {
+  layout: Layout; robots: readonly RobotStatus[]; people: readonly Person[]; trails: ReadonlyMap<string, Point[]>; picked: string; camera: Camera | null; onCamera: (camera: Camera | null) => void; onPick: (iri: string) => void;
+}) {
+  const { layout, camera } = props;
+  const svg = useRef<SVGSVGElement>(null);
+  const drag = useRef<{ x: number; y: number; camera: Camera; moved: boolean } | null>(null);
+  const width = layout.max.x - layout.min.x + 2;
+  const height = layout.max.y - layout.min.y + 2;
+  const now: Camera = camera ?? { x: (layout.min.x + layout.max.x) / 2, y: (layout.min.y + layout.max.y) / 2, scale: 1 };
+  const box = { x: now.x - (width * now.scale) / 2, y: -now.y - (height * now.scale) / 2, width: width * now.scale, height: height * now.scale };
+  const metresAPixel = () => {
+    const size = svg.current?.getBoundingClientRect();
+    return size ? Math.max(box.width / size.width, box.height / size.height) : 0.05;
+  };
+  const size = Math.max(0.32, 0.62 * Math.sqrt(now.scale)); // of a robot: seen from far, and not huge near by
+  return (
+    <svg
+      ref={svg} className="hall-svg" viewBox={`${box.x} ${box.y} ${box.width} ${box.height}`} preserveAspectRatio="xMidYMid meet" role="group" aria-label="Map of the hall"
+      onWheel={(e) => {
+        const by = Math.exp(e.deltaY * 0.0012);
+        const scale = Math.max(0.08, Math.min(1.6, now.scale * by));
+        const rect = svg.current?.getBoundingClientRect();
+        if (!rect) return;
+        const m = metresAPixel();
+        const dx = (e.clientX - rect.left - rect.width / 2) * m;
+        const dy = -(e.clientY - rect.top - rect.height / 2) * m;
+        const k = 1 - scale / now.scale;
+        props.onCamera({ x: now.x + dx * k, y: now.y + dy * k, scale });
+      }}
+      onPointerDown={(e) => (drag.current = { x: e.clientX, y: e.clientY, camera: now, moved: false })}
+      onPointerMove={(e) => {
+        const d = drag.current;
+        if (!d || e.buttons === 0) return;
+        if (Math.hypot(e.clientX - d.x, e.clientY - d.y) < 4 && !d.moved) return;
+        d.moved = true;
+        const m = metresAPixel();
+        props.onCamera({ ...d.camera, x: d.camera.x - (e.clientX - d.x) * m, y: d.camera.y + (e.clientY - d.y) * m });
+      }}
+      onClick={(e) => {
+        const target = e.target instanceof Element ? e.target.closest("[data-iri]") : null;
+        if (!drag.current?.moved) props.onPick(target?.getAttribute("data-iri") ?? "");
+        drag.current = null;
+      }}
+    >
+      <Shapes layout={layout} picked={props.picked} onPick={props.onPick} />
+      {[...props.trails].map(([iri, trail]) => <polyline key={iri} className="hall-trail" points={trail.map((p) => `${p.x},${-p.y}`).join(" ")} />)}
+      {placePeople(props.people, layout).map(({ person, at }) => (
+        <g key={person.iri} className={`hall-person${props.picked === person.iri ? " picked" : ""}`} data-iri={person.iri} transform={`translate(${at.x} ${-at.y})`}>
+          <circle r={size * 0.42} />
+          <text y={size * 0.42 + 0.5} fontSize={0.5}>{person.name}</text>
+        </g>
+      ))}
+      {props.robots.filter((r) => r.hasPose).map((r) => (
+        <g key={r.robot} className={`hall-robot ${r.outOfService ? "maintenance" : r.state}${props.picked === r.robot ? " picked" : ""}`} data-iri={r.robot} tabIndex={0} role="button" aria-label={`Robot ${r.label}: ${r.state}, ${taskWords(r)}`} style={{ transform: `translate(${r.xM}px, ${-r.yM}px)` }} onKeyDown={(e) => (e.key === "Enter" || e.key === " ") && (e.preventDefault(), props.onPick(r.robot))}>
+          <circle className="hall-halo" r={size * 1.55} />
+          <g transform={`rotate(${(-r.headingRad * 180) / Math.PI})`}>
+            <circle className="hall-body" r={size} />
+            <path className="hall-nose" d={`M${size * 0.15},${-size * 0.5} L${size * 0.72},0 L${size * 0.15},${size * 0.5}`} />
+          </g>
+          <text y={-size - 0.35} fontSize={0.62}>{r.label}</text>
+        </g>
+      ))}
+    </svg>
+  );
+}
+
+const Shapes = memo(function Shapes({ layout, picked, onPick }: { layout: Layout; picked: string; onPick: (iri: string) => void }) {
+  return (
+    <g>
+      {layout.shapes.map((shape) => <ShapeMark key={shape.iri} shape={shape} picked={picked === shape.iri} onPick={onPick} />)}
+      {layout.shapes.filter((s) => s.kind === "booth" || s.kind === "region").map((s) => <ShapeLabel key={s.iri} shape={s} />)}
+    </g>
+  );
+}, (a, b) => a.layout === b.layout && a.picked === b.picked);
+
+function ShapeMark({ shape, picked, onPick }: { shape: Shape; picked: boolean; onPick: (iri: string) => void }) {
+  const [first] = shape.rings;
+  const selectable = shape.kind === "booth" || shape.kind === "region";
+  const common = {
+    className: `shape ${shape.kind}${picked ? " picked" : ""}`,
+    ...(selectable && { "data-iri": shape.iri, tabIndex: 0, role: "button", "aria-label": [shape.name, shape.detail].filter(Boolean).join(", "), onKeyDown: (e: React.KeyboardEvent) => void ((e.key === "Enter" || e.key === " ") && (e.preventDefault(), onPick(shape.iri))) }),
+  };
+  if (first?.length === 1 && first[0]) return <circle {...common} cx={first[0].x} cy={-first[0].y} r={shape.radius} />;
+  return <path {...common} d={shape.rings.map((ring) => `M${ring.map((p) => `${p.x},${-p.y}`).join("L")}Z`).join("")} />;
+}
+
+function ShapeLabel({ shape }: { shape: Shape }) {
+  const ring = shape.rings[0];
+  if (!ring) return null;
+  const at = shape.label;
+  const wide = Math.max(...ring.map((p) => p.x)) - Math.min(...ring.map((p) => p.x));
+  const room = Math.floor(wide / 0.31);
+  const lines = shape.kind === "booth" && shape.detail && wide > 3 ? wrap(shape.detail, room) : [];
+  return (
+    <g className={`shape-label ${shape.kind}`} aria-hidden>
+      <text x={at.x} y={-at.y - (lines.length > 0 ? 0.15 : -0.2)} fontSize={shape.kind === "booth" ? 0.74 : 0.56}>{shape.name}</text>
+      {lines.map((line, i) => <text key={i} className="shape-detail" x={at.x} y={-at.y + 0.55 + i * 0.6} fontSize={0.5}>{line}</text>)}
+    </g>
+  );
+}
+
+function wrap(text: string, room: number): string[] {
+  const lines: string[] = [];
+  for (const word of text.split(" ")) {
+    const last = lines.at(-1);
+    if (last !== undefined && last.length + word.length + 1 <= room) lines[lines.length - 1] = `${last} ${word}`;
+    else lines.push(word);
+  }
+  return lines.slice(0, 2);
+}
+
+// People stand where their pose is; who has none stands in the region, beside the others there.
+function placePeople(people: readonly Person[], layout: Layout): { person: Person; at: Point }[] {
+  const shapes = new Map(layout.shapes.map((s) => [s.iri, s]));
+  const there = new Map<string, number>();
+  return people.flatMap((person) => {
+    if (person.x !== null && person.y !== null) return [{ person, at: { x: person.x, y: person.y } }];
+    const ring = shapes.get(person.at)?.rings[0];
+    if (!ring) return [];
+    const n = there.get(person.at) ?? 0;
+    there.set(person.at, n + 1);
+    const at = centre(ring);
+    return [{ person, at: { x: at.x + 0.9 + Math.cos(n * 2.4) * 0.5 * Math.sqrt(n), y: at.y - 1 + Math.sin(n * 2.4) * 0.5 * Math.sqrt(n) } }];
+  });
+}

@@ -1,0 +1,65 @@
+// What an operator can do with a run. Only what its state allows is offered.
+import { Ban, FastForward, Pause, Play, RotateCw, X } from "lucide-react";
+import { useState } from "react";
+import { workflows } from "../api/client";
+import { sentence } from "../api/errors";
+import { useCommands } from "../app/commands";
+import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
+import { Dialog } from "../ui/dialog";
+import { toast } from "../ui/toasts";
+import { isLive } from "./states";
+
+export function attempt(what: string, call: () => Promise<unknown>, then: () => void) {
+  call().then(
+    () => (toast("good", what), then()),
+    (error: unknown) => toast("bad", `Not done: ${what.toLowerCase()}`, sentence(error)),
+  );
+}
+
+// `keys`: they are commands of the view, too.
+export function RunActions({ run, again, keys }: { run: Run; again: () => void; keys?: boolean }) {
+  const [asking, setAsking] = useState(false);
+  const [reason, setReason] = useState("");
+  const [undo, setUndo] = useState(false);
+  const there = isLive(run.state);
+  const pause = () => attempt("The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: false }), again);
+  const resume = () => attempt("The run goes on", () => workflows.resume({ what: { case: "run", value: run.id } }), again);
+  useCommands(there && keys ? [
+    run.paused ? { title: "Let the run go on", group: "Run", icon: Play, keys: "Shift+P", run: resume } : { title: "Pause the run", group: "Run", icon: Pause, keys: "Shift+P", run: pause },
+    { title: "Cancel the run", group: "Run", icon: Ban, keys: "Shift+X", run: () => setAsking(true) },
+  ] : []);
+  if (!there) return null;
+  return (
+    <>
+      {run.paused ? <button className="button" onClick={resume}><Play size={13} />Go on</button> : <button className="button" onClick={pause} title="No node opens and no command goes out; what is under way ends"><Pause size={13} />Pause</button>}
+      <button className="button danger" onClick={() => setAsking(true)}><Ban size={13} />Cancel</button>
+      {asking && (
+        <Dialog label="Cancel the run" width={440} onClose={() => setAsking(false)}>
+          <div className="sheet-head"><h2 className="grow">Cancel {run.id}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}><X size={15} /></button></div>
+          <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+            <p className="quiet">Its commands are cancelled; its robot is free when it has stopped. A cancelled run does not come back.</p>
+            <input className="field" placeholder="Why, for the record" aria-label="Reason" value={reason} onChange={(e) => setReason(e.target.value)} />
+            <label className="row"><input type="checkbox" checked={undo} onChange={(e) => setUndo(e.target.checked)} />Undo what its done steps compensate for</label>
+          </div>
+          <div className="sheet-foot">
+            <button className="button" onClick={() => setAsking(false)}>Let it run</button>
+            <button className="button primary" style={{ background: "var(--bad)", color: "var(--surface)" }} onClick={() => (setAsking(false), attempt("The run is cancelled", () => workflows.cancel({ run: run.id, reason, compensate: undo }), again))}>Cancel the run</button>
+          </div>
+        </Dialog>
+      )}
+    </>
+  );
+}
+
+// A node that failed and waits for somebody.
+export function SettleButtons({ run, node, again }: { run: string; node: Node; again: () => void }) {
+  if (node.state !== "incident") return null;
+  const settle = (how: SettleRequest_How, words: string) => () => attempt(words, () => workflows.settle({ run, node: node.name, how }), again);
+  return (
+    <div className="row" style={{ flexWrap: "wrap" }}>
+      <button className="button small" onClick={settle(SettleRequest_How.RETRY, "The step begins again")}><RotateCw size={12} />Try again</button>
+      <button className="button small" onClick={settle(SettleRequest_How.SKIP, "The step counts as done")}><FastForward size={12} />Count as done</button>
+      <button className="button small danger" onClick={settle(SettleRequest_How.FAIL, "The step has failed")}><Ban size={12} />Let it fail</button>
+    </div>
+  );
+}

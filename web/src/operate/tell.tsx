@@ -1,0 +1,76 @@
+// Facts that lack: tried on a copy of the graph ("simulate"), or told for real.
+import { CircleAlert, FlaskConical, Megaphone, X } from "lucide-react";
+import { useMemo, useState } from "react";
+import { context } from "../api/client";
+import { plain, type PlainError } from "../api/errors";
+import type { Names } from "../api/prefixes";
+import { termOf, termText } from "../api/terms";
+import { create } from "@bufbuild/protobuf";
+import { type Quad, QuadSchema } from "../gen/docent/v1/term_pb";
+import type { WhatIfReply } from "../gen/docent/v1/context_pb";
+import { useVocabulary } from "../compose/vocabulary";
+import { Combo } from "../ui/combo";
+import { Dialog } from "../ui/dialog";
+import { toast } from "../ui/toasts";
+
+// `open`: names of the rows' ends that are examples, which somebody should choose.
+export function TellDialog(props: { title: string; quads: readonly Quad[]; patterns: readonly string[]; names: Names; onTold?: () => void; onClose: () => void }) {
+  const { names } = props;
+  const [rows, setRows] = useState(() => props.quads.map((q) => [q.subject, q.predicate, q.object].map((term) => termText(term, names.short))));
+  const [effect, setEffect] = useState<WhatIfReply | null>(null);
+  const [error, setError] = useState<PlainError | null>(null);
+  const [busy, setBusy] = useState(false);
+  const vocabulary = useVocabulary(names.prefixes);
+  const things = useMemo(() => vocabulary.things.map((t) => ({ value: t.term, label: t.label || t.use, use: t.use })), [vocabulary]);
+  const verbs = useMemo(() => vocabulary.verbs.map((t) => ({ value: t.term, label: t.label, use: t.use })), [vocabulary]);
+  const run = async (what: "simulate" | "tell") => {
+    setBusy(true);
+    setError(null);
+    try {
+      const add = rows.map(([s = "", p = "", o = ""]) => create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p === "a" ? "rdf:type" : p, names.prefixes), object: termOf(o, names.prefixes) }));
+      if (what === "simulate") setEffect(await context.whatIf({ add, prefixes: Object.fromEntries(names.prefixes) }));
+      else {
+        const reply = await context.assert({ add, requestId: crypto.randomUUID?.() ?? `${Date.now()}-${Math.random()}` });
+        toast("good", reply.added > 0n ? "It is told" : "It was known already", rows.map((r) => r.join(" ")).join("\n"));
+        props.onTold?.();
+        props.onClose();
+      }
+    } catch (failure) {
+      setError(failure instanceof RangeError ? { kind: "refused", title: "A word can't be read", detail: failure.message } : plain(failure));
+    }
+    setBusy(false);
+  };
+  return (
+    <Dialog label={props.title} width={600} onClose={props.onClose}>
+      <div className="sheet-head"><h2 className="grow">{props.title}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
+      <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+        <p className="quiet">{props.patterns.length > 0 ? <>What lacks is {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Choose what is meant."}</p>
+        {rows.map((row, i) => (
+          <div key={i} className="constraint-words" style={{ gridTemplateColumns: "1fr 1fr 1fr" }}>
+            {["Subject", "Verb", "Object"].map((label, k) => <Combo key={label} label={label} value={row[k] ?? ""} choices={k === 1 ? verbs : things} onChange={(value) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? r.map((w, l) => (l === k ? value : w)) : r))))} />)}
+          </div>
+        ))}
+        {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
+        {effect && (
+          <div className="notice" role="status"><FlaskConical size={15} /><div>
+            <b>If it were told:</b>
+            {effect.transitions.length + effect.commands.length === 0 && <div>No run would move on.</div>}
+            {effect.transitions.map((t, i) => <div key={i}>{t.subject}: {t.from} → <b>{t.to}</b></div>)}
+            {effect.commands.map((c, i) => <div key={`c${i}`}>{commandWords(c, names)}</div>)}
+            {effect.added.length > rows.length && <div className="faint">{effect.added.length - rows.length} more facts would be inferred.</div>}
+          </div></div>
+        )}
+      </div>
+      <div className="sheet-foot">
+        <button className="button" disabled={busy} onClick={() => void run("simulate")}><FlaskConical size={14} />Simulate</button>
+        <button className="button primary" disabled={busy} onClick={() => void run("tell")}><Megaphone size={14} />Tell it</button>
+      </div>
+    </Dialog>
+  );
+}
+
+// "ID to <robot>: operation(arguments), …" for people.
+function commandWords(command: string, names: Names): string {
+  const parts = / to <([^>]+)>: ([\s\S]*?\))/.exec(command);
+  return parts ? `${names.name(parts[1] ?? "")} would get ${(parts[2] ?? "").replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))}` : command;
+}

@@ -1,0 +1,85 @@
+// What happened in a run, in order.
+import { useEffect, useState } from "react";
+import { Code, ConnectError } from "@connectrpc/connect";
+import { workflowStreams } from "../api/client";
+import { type RunEvent, RunEventSchema } from "../gen/docent/v1/workflows_pb";
+import { fromJson } from "@bufbuild/protobuf";
+import { live } from "../api/live";
+import type { Names } from "../api/prefixes";
+import { clock, look } from "./states";
+
+const kept = 2000;
+
+// Events of a run from its beginning on, or from now on where the server does not keep them.
+export function useRunEvents(run: string): { events: RunEvent[]; whole: boolean } {
+  const [state, setState] = useState<{ events: RunEvent[]; whole: boolean }>({ events: [], whole: true });
+  useEffect(() => {
+    setState({ events: [], whole: true });
+    const abort = new AbortController();
+    const take = (event: RunEvent) => setState((before) => ({ ...before, events: [...before.events.slice(-kept), event] }));
+    let stop = () => undefined as void;
+    const stream = async (after: bigint): Promise<void> => {
+      try {
+        for await (const event of workflowStreams.watch({ run, after }, { signal: abort.signal, timeoutMs: 0 })) take(event);
+      } catch (error) {
+        if (abort.signal.aborted) return;
+        if (ConnectError.from(error).code === Code.OutOfRange && after > 0n) {
+          setState((before) => ({ ...before, whole: false }));
+          return stream(0n);
+        }
+        await new Promise((done) => window.setTimeout(done, 2000));
+        if (!abort.signal.aborted) return stream(0n);
+      }
+    };
+    if (live.state === "open")
+      stop = live.follow({
+        call: "docent.v1.Workflows/Watch", request: { run, after: "1" }, everyMs: undefined, onMessage: (m) => take(fromJson(RunEventSchema, m, { ignoreUnknownFields: true })),
+        onEnd: (error) => {
+          if (error?.code !== "out_of_range") return;
+          setState((before) => ({ ...before, whole: false }));
+          stop = live.follow({ call: "docent.v1.Workflows/Watch", request: { run }, everyMs: undefined, onMessage: (m) => take(fromJson(RunEventSchema, m, { ignoreUnknownFields: true })), onEnd: () => undefined });
+        },
+      });
+    else void stream(1n);
+    return () => {
+      abort.abort();
+      stop();
+    };
+  }, [run]);
+  return state;
+}
+
+// What an event says, without the ids that only the server needs.
+export function detailWords(event: RunEvent, names: Names): string {
+  return event.detail
+    .replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))
+    .replace(/^\S+@\d+(?: to )?/, "")
+    .replace(/, guard as of[\s\S]*$/, "")
+    .replace(new RegExp(`^${event.run.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}/\\S*?/\\d+:? ?`), "")
+    .replace(/:\s*$/, "")
+    .trim();
+}
+
+export function Timeline({ run, names, picked, onPick }: { run: string; names: Names; picked: string; onPick: (node: string) => void }) {
+  const { events, whole } = useRunEvents(run);
+  const shown = picked ? events.filter((e) => e.node === picked) : events;
+  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{events.length === 0 ? "What happens from now on stands here." : `Nothing of ${picked} yet.`}</p>;
+  return (
+    <ol className="timeline">
+      {!whole && <li className="faint small">What was before is no longer kept.</li>}
+      {shown.map((e, i) => {
+        const { icon: Icon, tone, words } = look(e.to);
+        return (
+          <li key={i}>
+            <span className={`timeline-icon ${tone}`}><Icon size={13} /></span>
+            <div className="grow">
+              <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "run"}</button> <span className="faint">{e.kind !== "node" && e.kind !== "run" ? `${e.kind} ` : ""}{words}</span></div>
+              {detailWords(e, names) && <div className="timeline-detail">{detailWords(e, names)}</div>}
+            </div>
+            <time className="faint number small">{clock(e.timeUs)}</time>
+          </li>
+        );
+      })}
+    </ol>
+  );
+}

@@ -1,0 +1,94 @@
+// Why a fact holds: its proof down to who told what; and why a condition does not: what lacks.
+import { ChevronRight, FlaskConical, HelpCircle, LoaderCircle, Unplug } from "lucide-react";
+import { useState } from "react";
+import { context } from "../api/client";
+import { plain, type PlainError } from "../api/errors";
+import { usePoll } from "../api/poll";
+import type { Names } from "../api/prefixes";
+import { quadOf, quadText, termOf } from "../api/terms";
+import type { MissingSet, Proof } from "../gen/docent/v1/context_pb";
+import { create } from "@bufbuild/protobuf";
+import { QuadSchema } from "../gen/docent/v1/term_pb";
+import { clock } from "./states";
+import { TellDialog } from "./tell";
+import "./why.css";
+
+export function shortPattern(pattern: string, names: Names): string {
+  return pattern.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole).replace(/\s*\.$/, "");
+}
+
+// A fact that can be asked why. `short`: its subject is known.
+export function Fact({ words, names, short }: { words: readonly string[]; names: Names; short?: boolean }) {
+  const [proof, setProof] = useState<Proof | null>(null);
+  const [state, setState] = useState<"closed" | "asking" | "open">("closed");
+  const [error, setError] = useState<PlainError | null>(null);
+  const ask = async () => {
+    if (state !== "closed") return setState("closed");
+    setState("asking");
+    setError(null);
+    try {
+      const [s = "", p = "", o = ""] = words;
+      const fact = create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p, names.prefixes), object: termOf(o, names.prefixes) });
+      const reply = await context.explain({ question: { case: "whyFact", value: fact }, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000 });
+      setProof(reply.proof ?? null);
+    } catch (failure) {
+      setError(failure instanceof RangeError ? { kind: "failed", title: "It can't be asked", detail: failure.message } : plain(failure));
+    }
+    setState("open");
+  };
+  return (
+    <li className="fact">
+      <div className="fact-row">
+        <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
+        <button className="button plain small" aria-expanded={state === "open"} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>
+      </div>
+      {state === "open" && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It does not hold any more.</p>)}
+    </li>
+  );
+}
+
+export function ProofTree({ proof, names }: { proof: Proof; names: Names }) {
+  const row = (index: number, depth: number, seen: readonly number[]): React.ReactNode => {
+    const step = proof.steps[index];
+    if (!step || seen.includes(index) || depth > 8) return null;
+    return (
+      <li key={`${index} ${depth}`}>
+        {depth > 0 && step.fact && <div className="fact-words">{quadText(step.fact, names.short)}</div>}
+        <div className="proof-source">
+          {step.rule && <span>by {step.rule}</span>}
+          {step.told.map((t, i) => <span key={i}>told by {names.short(t.graph) || t.graph}{t.by ? `, ${t.by}` : ""}{t.timeUs > 0n ? ` at ${clock(t.timeUs)}` : ""}</span>)}
+        </div>
+        {step.premises.length > 0 && <ul>{step.premises.map((p) => row(p, depth + 1, [...seen, index]))}</ul>}
+      </li>
+    );
+  };
+  return <ul className="proof fact-proof">{proof.roots.map((root) => row(root, 0, []))}</ul>;
+}
+
+export function useWhyNot(ask: string, everyMs = 2500) {
+  return usePoll(ask && `whynot ${ask}`, (signal) => context.explain({ question: { case: "whyNot", value: ask }, sets: 3, timeoutMs: 4000 }, { signal }), everyMs);
+}
+
+// What lacks for a condition, with ways to try it and to tell it.
+export function WhyNot({ ask, names, title }: { ask: string; names: Names; title: string }) {
+  const polled = useWhyNot(ask);
+  const [telling, setTelling] = useState<MissingSet | null>(null);
+  if (polled.error && !polled.data) return <p className="notice"><Unplug size={14} />{polled.error.title}. {polled.error.detail}</p>;
+  if (!polled.data) return <p className="faint small">Looking for what lacks…</p>;
+  if (polled.data.holds) return <p className="notice">It holds now; the step opens with the next turn.</p>;
+  return (
+    <div className="lacks">
+      {polled.data.sets.map((set, i) => (
+        <section key={i} className="lack">
+          {i > 0 && <p className="faint small">or</p>}
+          {set.missing.map((m, k) => <p key={k} className="lack-words"><ChevronRight size={12} /><code>{shortPattern(m, names)}</code></p>)}
+          {set.conditions.map((c, k) => <p key={`c${k}`} className="lack-words faint"><ChevronRight size={12} /><code>{shortPattern(c, names)}</code></p>)}
+          {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <code>{quadText(q, names.short)}</code></p>)}
+          {set.add.length > 0 && <button className="button small" onClick={() => setTelling(set)}><FlaskConical size={13} />Simulate or tell</button>}
+        </section>
+      ))}
+      {polled.data.sets.length === 0 && <pre className="small faint" style={{ whiteSpace: "pre-wrap" }}>{polled.data.text}</pre>}
+      {telling && <TellDialog title={title} quads={telling.add.map(quadOf)} patterns={telling.missing.map((m) => shortPattern(m, names))} names={names} onTold={polled.again} onClose={() => setTelling(null)} />}
+    </div>
+  );
+}

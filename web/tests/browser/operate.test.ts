@@ -1,0 +1,151 @@
+// Runs, hall and board in a real browser, against fixed answers.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { afterAll, afterEach, beforeAll, describe, expect, it } from "vitest";
+import { guide, Stage, usualAnswers, type Answers } from "./stage";
+
+const expo = "https://w3id.org/docent/expo#";
+const docent = "https://w3id.org/docent#";
+const ask = `PREFIX docent: <${docent}>\nPREFIX expo: <${expo}>\nASK { expo:John docent:selected ?booth . }`;
+
+function run(id: string, user: string, node = "waiting", state = "running") {
+  return {
+    id, workflow: "BoothGuide", flow: "BoothGuide", state, startedUs: "1795666887845000", variables: [{ name: "user", value: { iri: expo + user } }],
+    nodes: [
+      { name: "Move2User", state: "done", sinceUs: "1795666891731000", firedBecause: `<${expo}R01> <${docent}status> <${docent}Standby> .\n`, invocations: [{ operation: "moveToUser", state: "done", robot: `${expo}R01`, step: "1/1 moveToUser" }] },
+      { name: "Move2Booth", state: node, sinceUs: "1795666891731000", ...(node === "waiting" && { waitsFor: ask }), ...(node === "incident" && { reason: "the robot does not answer" }) },
+      { name: "InfoBooth", state: "inactive" },
+    ],
+  };
+}
+const iri = (local: string) => ({ iri: expo + local });
+const quad = { subject: iri("John"), predicate: { iri: `${docent}selected` }, object: iri("B01") };
+
+function answers(): Answers {
+  const shapes = [["Hall", "Hall", "POLYGON((0 0, 20 0, 20 12, 0 12, 0 0))"], ["B01", "Booth", "POLYGON((2 8, 6 8, 6 12, 2 12, 2 8))"], ["Entrance", "Region", "POLYGON((0 0, 5 0, 5 4, 0 4, 0 0))"], ["<b>x</b>", "Booth", "POLYGON((9 8, 13 8, 13 12, 9 12, 9 8))"]];
+  const literal = (lexical: string) => ({ literal: { lexical } });
+  return {
+    ...usualAnswers(),
+    "Workflows/ListRuns": () => ({ runs: [run("BoothGuide-1", "John"), run("BoothGuide-2", "Ann"), run("BoothGuide-3", "Kim", "incident")] }),
+    "Workflows/Get": ({ run: id }) => (id === "BoothGuide-3" ? run("BoothGuide-3", "Kim", "incident") : id === "BoothGuide-1" ? run("BoothGuide-1", "John") : new Error("not_found")),
+    "Workflows/Watch": () => [{ revision: "9", timeUs: "1795666887845000", run: "BoothGuide-1", node: "Move2User", kind: "node", from: "waiting", to: "running", detail: `condition holds with robot = <${expo}R01>` }],
+    "Context/Explain": ({ whyNot }) => (whyNot ? { holds: false, sets: [{ missing: [`<${expo}John> <${docent}selected> ?booth .`], add: [quad] }] } : { holds: true, proof: { steps: [{ fact: quad, told: [{ graph: `${expo}R01`, offset: "3", timeUs: "1795666887845000" }] }], roots: [0] } }),
+    "Context/WhatIf": () => ({ transitions: [{ subject: "BoothGuide-1/Move2Booth", from: "waiting", to: "running" }] }),
+    "Context/Assert": () => ({ offset: "20", added: "1" }),
+    "Workflows/Settle": () => ({}), "Workflows/Cancel": () => ({}), "Workflows/Pause": () => ({}),
+    "Ontologies/Prefixes": () => ({ prefixes: [{ name: "expo", namespace: expo }] }),
+    "Context/Query": ({ query }) => {
+      const text = String(query);
+      if (text.includes("geo:asWKT")) return [{ header: { variables: ["s", "type", "wkt", "name"] } }, ...shapes.map(([s, type, wkt]) => ({ row: { values: [iri(s ?? ""), { iri: docent + type }, literal(wkt ?? ""), literal(s ?? "")] } }))];
+      if (text.includes("docent:Visitor")) return [{ header: { variables: ["p", "name", "region"] } }, { row: { values: [iri("John"), literal("John"), iri("Entrance")] } }];
+      return [{ header: { variables: ["p", "o"] } }, { row: { values: [{ iri: `${docent}status` }, { iri: `${docent}Standby` }] } }];
+    },
+  };
+}
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open();
+});
+afterAll(() => stage.close());
+afterEach(() => expect(stage.faults.splice(0).filter((f) => !/WebSocket/.test(f))).toEqual([]));
+const open = async (path: string, options = {}) => {
+  stage.answers = answers();
+  return stage.page(path, options);
+};
+
+describe("operating", () => {
+  it("all runs are listed, and the address keeps the choice", async () => {
+    const page = await open("/runs");
+    await page.getByText("BoothGuide-3").waitFor();
+    await page.getByRole("button", { name: "Needs you" }).click();
+    await page.waitForFunction(() => location.search === "?state=incident");
+    expect(await page.locator("tbody tr").count()).toBe(1);
+    await stage.picture(page, "runs");
+  });
+  it("a run says why not, what would happen, and takes the fact", async () => {
+    const page = await open("/runs/BoothGuide-1");
+    await page.waitForSelector('.react-flow__node[data-id="Move2Booth"] .state-chip.waiting');
+    await page.getByText("Simulate or tell").click();
+    await page.locator('dialog input[aria-label="Object"]').fill("expo:B03");
+    await page.locator("dialog").getByRole("button", { name: "Simulate" }).click();
+    await page.getByText("If it were told").waitFor();
+    await stage.picture(page, "run-tell");
+    await page.locator("dialog").getByRole("button", { name: "Tell it" }).click();
+    await page.waitForSelector(".toast.good");
+    const told = stage.calls.find((c) => c.method === "Context/Assert")?.request as { add: { object: unknown }[] };
+    expect(told.add[0]?.object).toEqual({ iri: `${expo}B03` });
+  });
+  it("a step says why it opened, and by whom that was told", async () => {
+    const page = await open("/runs/BoothGuide-1?node=Move2User");
+    await page.getByRole("button", { name: "Why?" }).click();
+    await page.getByText("told by expo:R01").waitFor();
+    await page.getByRole("tab", { name: "History" }).click();
+    await page.getByText("condition holds with robot = R01").waitFor();
+    await stage.picture(page, "run-history");
+  });
+  it("an incident is settled", async () => {
+    const page = await open("/runs/BoothGuide-3");
+    await page.getByRole("button", { name: "Count as done" }).click();
+    await page.waitForSelector(".toast.good");
+    expect(stage.calls.find((c) => c.method === "Workflows/Settle")?.request).toMatchObject({ run: "BoothGuide-3", node: "Move2Booth", how: "SKIP" });
+  });
+  it("a run that is gone is said so", async () => {
+    const page = await open("/runs/Old-1");
+    await page.getByText("There is no run Old-1").waitFor();
+  });
+  it("everything that waits is grouped by what lacks", async () => {
+    const page = await open("/board");
+    await page.getByText("expo:John docent:selected ?booth").waitFor();
+    expect(await page.locator(".board-group").count()).toBe(2);
+    expect(await page.locator(".board-group", { hasText: "A fact lacks" }).locator("li").count()).toBe(2);
+    await stage.picture(page, "board");
+  });
+  it("the hall shows robots, people and booths; markup stays text", async () => {
+    const page = await open("/hall");
+    await page.waitForSelector(".hall-robot");
+    expect(await page.locator(".hall-svg b").count()).toBe(0);
+    await page.locator(".hall-robot").click();
+    await page.waitForFunction(() => location.search.includes("R01"));
+    await page.locator(".hall-details").getByText("docent:Standby").waitFor();
+    await stage.picture(page, "hall");
+  });
+  it("the server goes and comes back: what is shown stays, and says that it is old", async () => {
+    const page = await open("/runs");
+    await page.getByText("BoothGuide-3").waitFor();
+    stage.answers = null;
+    await page.waitForSelector(".stale");
+    expect(await page.locator("tbody tr").count()).toBe(3);
+    stage.answers = answers();
+    await page.waitForSelector(".stale", { state: "detached" });
+  });
+  it("a run's text is the one that the server has", async () => {
+    const page = await open("/runs/BoothGuide-1");
+    await page.waitForSelector('.react-flow__node[data-id="InfoBooth"]');
+    expect(guide).toContain("InfoBooth");
+    await page.getByRole("link", { name: "BoothGuide", exact: true }).click();
+    await page.waitForSelector(".dock-properties");
+  });
+});
+
+describe("for everybody", () => {
+  const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  for (const dark of [false, true])
+    for (const [path, wait] of [["/runs", "tbody tr"], ["/runs/BoothGuide-1?node=Move2Booth", ".lack"], ["/hall", ".hall-robot"], ["/board", ".board-group"]] as const)
+      it(`${path} has no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
+        const page = await open(path, { dark });
+        await page.waitForSelector(wait);
+        await page.waitForTimeout(200);
+        if (dark) await stage.picture(page, `dark-${path.replace(/\W+/g, "-")}`);
+        const serious = await page.evaluate(`${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`);
+        expect(serious).toEqual([]);
+      });
+  it("the views fit a small window", async () => {
+    for (const path of ["/runs", "/hall", "/board", "/runs/BoothGuide-1"]) {
+      const page = await open(path, { width: 390, height: 780 });
+      await page.waitForTimeout(600);
+      await stage.picture(page, `small-${path.replace(/\W+/g, "-")}`);
+      expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
+    }
+  });
+});
