@@ -98,6 +98,7 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   Subscriptions::Settings following;
   following.dictionary = &dictionary_;
   following.functions = &functions_;
+  following.prefixes = &prefixes_;
   following.clock = &clock_;
   following.limits = settings_.limits;
   following.subscription_limits = settings_.subscription_limits;
@@ -133,6 +134,7 @@ void Server::MakeWorkers() {
   ports_.queries = &queries_;
   ports_.dictionary = &dictionary_;
   ports_.functions = &functions_;
+  ports_.prefixes = &prefixes_;
   ports_.workers = workers_.get();
   ports_.query_memory = &query_memory_;
   ports_.history = history_.get();

@@ -24,6 +24,7 @@
 #include "kb_server/robots/fleet_leases.h"
 #include "kb_server/robots/lease_watch.h"
 #include "kb_server/web/app_files.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_runner.h"
 #include "kb_server/work/remote_access.h"
 #include "kb_server/work/update_runner.h"
@@ -95,6 +96,7 @@ class Server {
   Inbox inbox_;
   QueryPort queries_;
   CatalogPort catalog_;
+  KnownPrefixes prefixes_{&catalog_};
   RunFeed feed_;
   FleetLeases leases_;
   LeaseWatch lease_watch_{&leases_, &inbox_, &queries_, &dictionary_};

@@ -25,6 +25,7 @@ class FactHistory;
 namespace docent::server {
 
 class HistoryPort;
+class KnownPrefixes;
 class LoadRunner;
 class RemoteAccess;
 class SendBudget;
@@ -42,6 +43,7 @@ struct ReadPorts {
   QueryPort* queries = nullptr;
   const Dictionary* dictionary = nullptr;
   const sparql::FunctionRegistry* functions = nullptr;
+  KnownPrefixes* prefixes = nullptr;     // of queries and updates; null: the well-known ones
   WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
   HistoryPort* history = nullptr;        // null: only the newest version is there

@@ -10,6 +10,7 @@
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/known_prefixes.h"
 #include "reasoner/explain/display.h"
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
@@ -94,12 +95,15 @@ explain::Prefixes PrefixesOf(const v1::ExplainRequest& request, const sparql::Qu
 }
 
 absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::ExplainRequest& request,
-                                            const Limits& limits, const sparql::FunctionRegistry* functions) {
+                                            const ReadPorts& ports) {
+  const Limits& limits = ports.limits;
   if (text.size() > limits.query_text_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(
         "the question has ", text.size(), " bytes; the limit query_text_bytes is ", limits.query_text_bytes));
   }
-  sparql::ParseOptions options = sparql::ParseOptionsWith(limits, functions);
+  const auto known = KnownNames(ports);
+  sparql::ParseOptions options = sparql::ParseOptionsWith(limits, ports.functions);
+  options.known = known.get();
   for (const auto& [name, iri] : request.prefixes()) options.prefixes.emplace_back(name, iri);
   sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
@@ -120,8 +124,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     return absl::InvalidArgumentError("no question; give why_fact, why_ask or why_not");
   } else {
     const bool why = request.question_case() == v1::ExplainRequest::kWhyAsk;
-    auto parsed =
-        ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports.limits, ports.functions);
+    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports);
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }

@@ -7,6 +7,7 @@
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/update_runner.h"
 
 namespace docent::server {
@@ -15,7 +16,9 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
   return OnWorker(
       context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        const auto known = KnownNames(ports_);
         sparql::ParseOptions options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
+        options.known = known.get();
         sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
         if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->update())));
         int timeout_ms = ports_.limits.query_timeout_ms;

@@ -18,7 +18,6 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/robots/fleet_leases.h"
-#include "kb_server/work/known_prefixes.h"
 
 namespace docent::server {
 
@@ -68,7 +67,6 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
 
  private:
   const RunPorts& ports_;
-  KnownPrefixes prefixes_;
 };
 
 class WorkflowsService final : public v1::Workflows::CallbackService {

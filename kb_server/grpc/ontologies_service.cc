@@ -11,6 +11,7 @@
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_runner.h"
 #include "kb_server/work/rule_change.h"
 
@@ -134,7 +135,7 @@ grpc::ServerUnaryReactor* OntologiesService::Prefixes(grpc::CallbackServerContex
                                                       const v1::PrefixesRequest*, v1::PrefixesReply* reply) {
   return OnWorker(context->DefaultReactor(), ports_.workers,
                   [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    const auto names = prefixes_.Of(ports_.catalog->Get());
+                    const auto names = ports_.prefixes->Get();
                     for (const auto& [prefix, name_space] : names->prefixes()) {
                       v1::PrefixesReply::Prefix* out = reply->add_prefixes();
                       out->set_name(prefix);

@@ -25,6 +25,7 @@
 #include "kb_server/http/http_sparql.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/long_answer.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/update_runner.h"
 
 namespace docent::server {
@@ -369,7 +370,9 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
         413, absl::StrCat("the update has ", http.body.size(), " bytes; the limit update_text_bytes is ",
                           ports.limits.update_text_bytes)));
   }
+  const auto known = KnownNames(ports);
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
+  options.known = known.get();
   options.base_iri = BaseOf(address);
   HttpBody body;
   UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", &body);

@@ -12,6 +12,7 @@
 #include "kb_server/http/http_query.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/update_runner.h"
 
 namespace docent::server {
@@ -73,7 +74,9 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
 void Update(const WritePorts& ports, const Measured& measured, const SparqlRequest& request,
             std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation,
             absl::Time until) {
+  const auto known = KnownNames(ports);
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
+  options.known = known.get();
   options.base_iri = request.base_iri;
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
   absl::Status status =

@@ -12,6 +12,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/subscriptions/subscribed_query.h"
 #include "kb_server/work/condition_cost.h"
+#include "kb_server/work/known_prefixes.h"
 
 namespace docent::server {
 namespace {
@@ -104,7 +105,9 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
 }
 
 void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done) {
+  const auto known = settings_.prefixes == nullptr ? nullptr : settings_.prefixes->Get();
   sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
+  options.known = known.get();
   sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
   if (!parsed.ok()) {
     done(ToStatus(parsed.diagnostics, query.text));

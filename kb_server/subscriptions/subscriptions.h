@@ -84,11 +84,14 @@ class Subscriber {
   virtual void Fail(const absl::Status& status) = 0;
 };
 
+class KnownPrefixes;
+
 class Subscriptions {
  public:
   struct Settings {
     const Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
+    KnownPrefixes* prefixes = nullptr;  // null: the well-known ones
     const Clock* clock = nullptr;
     Limits limits;  // of queries
     SubscriptionLimits subscription_limits;

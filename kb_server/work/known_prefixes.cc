@@ -55,7 +55,8 @@ std::string DeclarePrefixes(const std::vector<std::pair<std::string, std::string
   return text;
 }
 
-std::shared_ptr<const IriNames> KnownPrefixes::Of(const std::shared_ptr<const Catalog>& catalog) {
+std::shared_ptr<const IriNames> KnownPrefixes::Get() {
+  const std::shared_ptr<const Catalog> catalog = catalog_.Get();
   {
     absl::MutexLock lock(&mutex_);
     if (read_ == catalog) return names_;
@@ -65,6 +66,10 @@ std::shared_ptr<const IriNames> KnownPrefixes::Of(const std::shared_ptr<const Ca
   read_ = catalog;
   names_ = names;
   return names;
+}
+
+std::shared_ptr<const IriNames> KnownNames(const ReadPorts& ports) {
+  return ports.prefixes == nullptr ? nullptr : ports.prefixes->Get();
 }
 
 }  // namespace docent::server

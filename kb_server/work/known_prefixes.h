@@ -1,4 +1,5 @@
-// The prefixes that loaded documents declare, for naming IRIs to people. Any thread.
+// The prefixes that loaded documents declare: for naming IRIs to people, and known in their queries and updates without a
+// declaration. Any thread.
 #ifndef DOCENT_KB_SERVER_WORK_KNOWN_PREFIXES_H_
 #define DOCENT_KB_SERVER_WORK_KNOWN_PREFIXES_H_
 
@@ -11,6 +12,7 @@
 #include "graph/base/prefix_limits.h"
 #include "graph/rdf/iri_names.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/ports.h"
 
 namespace docent::server {
 
@@ -23,17 +25,23 @@ std::string DeclarePrefixes(const std::vector<std::pair<std::string, std::string
 // name counts. At most known_prefixes. Thread-safe.
 class KnownPrefixes {
  public:
-  explicit KnownPrefixes(const PrefixLimits& limits = {}) : limits_(limits) {}
+  // `catalog` must outlive it.
+  explicit KnownPrefixes(const CatalogPort* catalog, const PrefixLimits& limits = {})
+      : catalog_(*catalog), limits_(limits) {}
 
-  // Those of a catalog, whose texts are read once as long as it stays the same.
-  std::shared_ptr<const IriNames> Of(const std::shared_ptr<const Catalog>& catalog);
+  // Those of the newest catalog, whose texts are read once as long as it stays the same.
+  std::shared_ptr<const IriNames> Get();
 
  private:
+  const CatalogPort& catalog_;
   const PrefixLimits limits_;
   absl::Mutex mutex_;
   std::shared_ptr<const Catalog> read_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const IriNames> names_ ABSL_GUARDED_BY(mutex_);
 };
+
+// Those that a text of a client may use without a declaration; null: the well-known ones alone.
+std::shared_ptr<const IriNames> KnownNames(const ReadPorts& ports);
 
 }  // namespace docent::server
 

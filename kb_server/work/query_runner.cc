@@ -10,6 +10,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/remote_access.h"
 
 namespace docent::server {
@@ -26,7 +27,9 @@ absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request)
     return absl::ResourceExhaustedError(
         absl::StrCat("the query has ", request.text.size(), " bytes; the limit query_text_bytes is ", limit));
   }
+  const auto known = KnownNames(ports);
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
+  options.known = known.get();
   options.base_iri = request.base_iri;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.text, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text);

@@ -5,6 +5,7 @@
 
 #include "graph/base/text.h"
 #include "graph/rdf/iri.h"
+#include "graph/rdf/iri_names.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/text.h"
 
@@ -12,6 +13,15 @@ namespace docent::sparql {
 namespace {
 
 constexpr size_t kMaxErrors = 20;  // more errors in one text do not help a person
+
+// The namespace of the first that has the name; null: none.
+const std::string* Known(const std::vector<std::pair<std::string, std::string>>& prefixes,
+                         std::string_view name) {
+  for (const auto& [prefix, name_space] : prefixes) {
+    if (prefix == name) return &name_space;
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -177,10 +187,8 @@ bool Grammar::Expand(const Token& name, std::string* out) {
   if (const int* declared = declared_.Find(name.prefix)) {
     iri = &prefixes_[static_cast<size_t>(*declared)].second;
   } else {
-    for (const auto& [prefix, known] : options_.prefixes) {
-      if (prefix == name.prefix) iri = &known;
-      if (iri != nullptr) break;
-    }
+    iri = Known(options_.prefixes, name.prefix);
+    if (iri == nullptr && options_.known != nullptr) iri = Known(options_.known->prefixes(), name.prefix);
     if (iri == nullptr) return Undeclared(name);
   }
   out->reserve(iri->size() + name.text.size());
@@ -193,6 +201,9 @@ bool Grammar::Undeclared(const Token& name) {
   std::vector<std::string> names;
   for (const auto& [prefix, iri] : options_.prefixes) names.push_back(prefix);
   std::set<std::string_view> declared;
+  if (options_.known != nullptr) {
+    for (const auto& [prefix, iri] : options_.known->prefixes()) declared.insert(prefix);
+  }
   for (const auto& [prefix, iri] : prefixes_) declared.insert(prefix);
   constexpr size_t kMostCompared = 1000;
   for (const std::string_view prefix : declared) {

@@ -18,6 +18,10 @@
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/syntax/update_algebra.h"
 
+namespace docent {
+class IriNames;
+}  // namespace docent
+
 namespace docent::sparql {
 
 class FunctionRegistry;
@@ -27,6 +31,8 @@ struct ParseOptions {
   std::string base_iri;  // BASE before the text's own; empty: a relative IRI is an error
   // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may redeclare them.
   std::vector<std::pair<std::string, std::string>> prefixes;
+  // Further ones, behind those; null: none. Read during parsing.
+  const IriNames* known = nullptr;
   Limits limits;  // query_text_bytes, query_nesting, query_elements
   // Allows the group elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
   // expression).

@@ -35,7 +35,9 @@ TEST(KnownPrefixesTest, PrefixesPastALimitAreLeftOut) {
   limits.known_prefixes = IriNames::WellKnown().prefixes().size() + 1;
   auto catalog = std::make_shared<Catalog>();
   AddModule(catalog.get(), Document::Kind::kOntology, "m", "@prefix a: <urn:1:> .\n@prefix b: <urn:2:> .\n");
-  const auto names = KnownPrefixes(limits).Of(catalog);
+  CatalogPort port;
+  port.Publish(catalog);
+  const auto names = KnownPrefixes(&port, limits).Get();
   EXPECT_EQ(names->Iri("urn:1:x"), "a:x");
   EXPECT_EQ(names->Iri("urn:2:x"), "<urn:2:x>");
 }
@@ -49,14 +51,17 @@ TEST(KnownPrefixesTest, ModulesRulesAndWorkflowsDeclareThem) {
   auto workflow = std::make_shared<cawl::Document>();
   workflow->prefixes = {{"w", "urn:w:"}, {"r", "urn:nor-this:"}};
   catalog->workflows.emplace_back(workflow, Revision());
-  KnownPrefixes prefixes;
-  const auto names = prefixes.Of(catalog);
+  CatalogPort port;
+  port.Publish(catalog);
+  KnownPrefixes prefixes(&port);
+  const auto names = prefixes.Get();
   EXPECT_EQ(names->Iri("urn:o:x"), "o:x");
   EXPECT_EQ(names->Iri("urn:r:x"), "r:x");
   EXPECT_EQ(names->Iri("urn:w:x"), "w:x");
   EXPECT_EQ(names->Iri(DocentIri("isAt")), "docent:isAt");
   EXPECT_EQ(names->Iri("urn:no:x"), "<urn:no:x>");
-  EXPECT_EQ(prefixes.Of(catalog), names);  // read once
+  EXPECT_EQ(prefixes.Get(), names);  // read once
+  EXPECT_EQ(KnownNames(ReadPorts()), nullptr);
 }
 
 }  // namespace
