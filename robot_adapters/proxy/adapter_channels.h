@@ -16,9 +16,17 @@ class AdapterChannels {
   // The stub for HOST:PORT. Connects by itself, again and again; an adapter that is away makes calls fail at
   // once.
   std::shared_ptr<v1::RobotAdapter::Stub> StubFor(const std::string& address);
+  // Whether there is a connection now, over which a call goes out.
+  bool IsConnected(const std::string& address);
 
  private:
-  std::map<std::string, std::shared_ptr<v1::RobotAdapter::Stub>> stubs_;
+  struct Adapter {
+    std::shared_ptr<grpc::Channel> channel;
+    std::shared_ptr<v1::RobotAdapter::Stub> stub;
+  };
+  Adapter& AdapterAt(const std::string& address);
+
+  std::map<std::string, Adapter> adapters_;
 };
 
 }  // namespace docent::proxy

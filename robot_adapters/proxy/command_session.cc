@@ -65,18 +65,33 @@ void CommandSession::Try() {
   }
   running_ = false;
   answers_as_.clear();
-  FeedbackCall::Request request;
   if (attach_next_) {
     v1::AttachRequest attach;
     attach.set_command_id(command_.id.value());
-    request = std::move(attach);
+    Call(std::move(attach));
+  } else if (host_->IsConnected(address_)) {
+    Invoke();
   } else {
-    v1::InvokeRequest invoke = InvokeRequestOf(command_, expected_incarnation_);
-    invoke.set_time_left_us(std::max<int64_t>(1, absl::ToInt64Microseconds(TimeLeft())));
-    request = std::move(invoke);
-    attach_next_ = begun_ = true;  // from here on the adapter may have it
+    // What is sent without a connection arrives or not. A question does no harm, and leaves a connection.
+    host_->Probe(command_.id, address_, attempt_);
   }
-  // Beyond the deadline, too: what became of the command is asked until the adapter says it.
+}
+
+void CommandSession::OnProbed(uint64_t attempt, const grpc::Status& status) {
+  if (done_ || attempt != attempt_) return;
+  if (host_->IsConnected(address_)) return Invoke();  // whatever it answered
+  Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
+}
+
+void CommandSession::Invoke() {
+  v1::InvokeRequest invoke = InvokeRequestOf(command_, expected_incarnation_);
+  invoke.set_time_left_us(std::max<int64_t>(1, absl::ToInt64Microseconds(TimeLeft())));
+  attach_next_ = begun_ = true;  // from here on the adapter may have it
+  Call(std::move(invoke));
+}
+
+// Beyond the deadline, too: what became of the command is asked until the adapter says it.
+void CommandSession::Call(FeedbackCall::Request request) {
   call_ = host_->Call(command_.id, address_, std::move(request),
                       std::max(TimeLeft(), absl::ZeroDuration()) + kCallBeyondDeadline);
 }
@@ -195,7 +210,7 @@ void CommandSession::NeverBegun() {
   } else if (cancel_requested_) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
-  } else if (expected_incarnation_.empty() && !command_.idempotent) {
+  } else if (begun_ && expected_incarnation_.empty() && !command_.idempotent) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
   } else {

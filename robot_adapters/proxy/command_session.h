@@ -21,6 +21,10 @@ class SessionHost {
   virtual void Report(CommandReport report) = 0;
   // Feedback about `command` was refused; the session reports it itself, where it is the first.
   virtual void Refused(const RobotCommand& command, const std::string& why) = 0;
+  // Whether there is a connection to the adapter now, over which a call goes out.
+  virtual bool IsConnected(const std::string& address) = 0;
+  // Asks the adapter what it is, which connects to it; what comes of it comes back through OnProbed with `attempt`.
+  virtual void Probe(const CommandId& command, const std::string& address, uint64_t attempt) = 0;
   // The adapter did not end the command in time; its end is waited for.
   virtual void Overdue(const RobotCommand& command, const std::string& why) = 0;
   // Begins a call to the robot's adapter; its feedback and end come back through OnFeedback and OnCallEnded.
@@ -44,6 +48,7 @@ class CommandSession {
   // `call` is the call's serial.
   void OnFeedback(uint64_t call, const v1::Feedback& feedback);
   void OnCallEnded(uint64_t call, const grpc::Status& status);
+  void OnProbed(uint64_t attempt, const grpc::Status& status);
   // Lets go of the call without a report.
   void Abandon();
 
@@ -53,6 +58,8 @@ class CommandSession {
  private:
   bool IsPresentCall(uint64_t call) const { return !done_ && call_ != nullptr && call_->serial() == call; }
   void Try();
+  void Invoke();
+  void Call(FeedbackCall::Request request);
   void Retry();
   void OnDeadline();
   absl::Duration TimeLeft() const;

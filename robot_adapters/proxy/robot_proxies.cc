@@ -15,6 +15,7 @@ namespace docent::proxy {
 namespace {
 
 constexpr std::chrono::milliseconds kCancelTimeout{2000};
+constexpr std::chrono::milliseconds kProbeTimeout{2000};
 
 }  // namespace
 
@@ -85,6 +86,29 @@ class RobotProxies::Impl final : public SessionHost {
   }
 
   uint64_t refused() const { return refused_; }
+
+  bool IsConnected(const std::string& address) override { return channels_.IsConnected(address); }
+
+  void Probe(const CommandId& command, const std::string& address, uint64_t attempt) override {
+    struct DescribeCall {
+      std::shared_ptr<v1::RobotAdapter::Stub> stub;
+      grpc::ClientContext context;
+      v1::DescribeRequest request;
+      v1::RobotDescription reply;
+    };
+    auto* call = new DescribeCall;  // owned by the task that its end posts; see DoneCallback
+    call->stub = channels_.StubFor(address);
+    call->context.set_deadline(std::chrono::system_clock::now() + kProbeTimeout);
+    AddCalls(1);
+    call->stub->async()->Describe(
+        &call->context, &call->request, &call->reply,
+        [this, call, command, attempt](const grpc::Status& status) {
+          loop_.Post([this, ended = std::shared_ptr<DescribeCall>(call), command, attempt, status] {
+            With(command, [&](CommandSession& session) { session.OnProbed(attempt, status); });
+            AddCalls(-1);
+          });
+        });
+  }
 
   std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
                                      FeedbackCall::Request request, absl::Duration timeout) override {

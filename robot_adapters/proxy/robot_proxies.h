@@ -5,7 +5,7 @@
 // that an adapter may have and whose deadline passes is cancelled, and its end waited for, however long. The adapter never gets
 // it twice while the first may still be under way:
 //
-//   Send ─► Invoke ──feedback──► accepted, progress …, final report
+//   Send ─► (connected) ─► Invoke ──feedback──► accepted, progress …, final report
 //             │ connection lost, adapter away: unreachable (once), wait, then
 //             ▼
 //   Resume ► Attach ──feedback──► as above

@@ -189,13 +189,35 @@ TEST_F(RobotProxiesTest, ProgressIsReportedNowAndThenOnly) {
   EXPECT_LT(outcomes.size(), 20u);
 }
 
-// The call to an adapter that is away may have reached it: after the deadline, too, only an adapter can tell.
-TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceAndItsCommandIsUnknownWhenItComesBackWithoutIt) {
+// Nothing goes out before there is a connection, so it is known that the adapter does not have the command.
+TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddress) {
   proxies_.SetAddress(RobotId(kRobot), "127.0.0.1:1");
   proxies_.Send(Command("c/1", "quick", 300));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_THAT(report.message, HasSubstr("adapter at 127.0.0.1:1 did not take quick"));
+  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kUnreachable, Outcome::kFailed));
+  StartAdapter();
+  proxies_.Send(Command("c/2", "quick"));
+  EXPECT_EQ(reports_.AwaitFinal("c/2").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, ACommandThatNeverWentOutIsSentToAnAdapterThatComesInTime) {
+  proxies_.SetAddress(RobotId(kRobot), "127.0.0.1:1");
+  proxies_.Send(Command("c/1", "quick"));  // not idempotent
   reports_.Await("c/1", Outcome::kUnreachable);
+  StartAdapter();
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+// A call over a connection that breaks may have reached the adapter: after the deadline, too, only an adapter can tell.
+TEST_F(RobotProxiesTest, ACommandThatMayHaveGoneOutIsUnknownWhenItsAdapterComesBackWithoutIt) {
+  StartAdapter();
+  proxies_.Resume(Command("c/1", "quick", 300));
+  adapter_.reset();
   absl::SleepFor(absl::Milliseconds(500));
-  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kUnreachable));
   StartAdapter();
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kUnknown);
   EXPECT_EQ(runs_, 0);
