@@ -4,6 +4,7 @@ set(CPACK_PACKAGE_NAME docent)
 set(CPACK_PACKAGE_VENDOR "Docent")
 set(CPACK_PACKAGE_CONTACT "Docent maintainers <maintainers@docent.invalid>")
 set(CPACK_PACKAGE_HOMEPAGE_URL "https://w3id.org/docent")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # would stand above that of each package
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL docent docent-dev docent-doc)
@@ -24,7 +25,7 @@ function(docent_package name section summary text)
   string(TOUPPER ${name} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name} PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
-  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
   set(doc ${CMAKE_INSTALL_DATADIR}/doc/${name})
   install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/debian/copyright DESTINATION ${doc} COMPONENT ${name})
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz DESTINATION ${doc} COMPONENT ${name})
@@ -36,20 +37,21 @@ add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz
 add_custom_target(docent_changelog ALL DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz)
 
 docent_package(docent net "semantic context-reasoning server for service robots"
-  "Docent keeps a live RDF graph of a place: people, robots, sensors, services. It
-reasons over the graph, answers SPARQL, and runs workflows whose steps start when
-the graph says that the situation is right. This package has the server, its
-command line, a systemd unit, ontologies and scenarios.")
+  "Docent keeps a live RDF graph of a place: people, robots, sensors,
+services. It reasons over the graph, answers SPARQL, and runs workflows
+whose steps start when the graph says that the situation is right. This
+package has the server, its command line, a systemd unit, ontologies and
+scenarios.")
 docent_package(docent-robot net "simulated guide robot for Docent"
-  "A robot adapter that localises with a particle filter, plans paths, drives in a
-simulated hall, shows pages and speaks, as a Docent server commands. It also replays
-the recorded log of a real robot.")
+  "A robot adapter that localises with a particle filter, plans paths, drives
+in a simulated hall, shows pages and speaks, as a Docent server commands.
+It also replays the recorded log of a real robot.")
 docent_package(docent-redland libs "Redland RDF storage of Docent graphs"
-  "A storage module of librdf: Redland programs open the graph of a running Docent
-server, or a data folder, as a storage named docent.")
+  "A storage module of librdf: Redland programs open the graph of a running
+Docent server, or a data folder, as a storage named docent.")
 docent_package(docent-dev libdevel "SDK of robot adapters for Docent"
-  "Headers, static libraries, a CMake package and the gRPC definitions with which a
-few functions become a robot that a Docent server can command.")
+  "Headers, static libraries, a CMake package and the gRPC definitions with
+which a few functions become a robot that a Docent server can command.")
 docent_package(docent-doc doc "documentation of Docent"
   "Tutorials, concepts, references and operations of Docent.")
 
