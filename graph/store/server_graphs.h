@@ -1,4 +1,4 @@
-// The graphs that only the server writes. Pure function.
+// The graphs that the server keeps. Pure functions.
 #ifndef DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 #define DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 
@@ -8,8 +8,15 @@
 
 namespace docent {
 
+// Only the server writes it.
 inline bool IsServerGraph(std::string_view graph) {
   return graph == kInferredGraph || graph == kRunsGraph;
+}
+
+// A module of ontology has a graph of its own: this and its name. What is not about one graph by name leaves it alone.
+inline constexpr std::string_view kModuleGraphs = "https://w3id.org/docent/ontology/";
+inline bool IsModuleGraph(std::string_view graph) {
+  return graph.starts_with(kModuleGraphs);
 }
 
 }  // namespace docent

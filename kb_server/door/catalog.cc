@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
-#include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 
 std::string OntologyGraph(const std::string& name) {
-  return absl::StrCat("https://w3id.org/docent/ontology/", NameInIri(name));
+  return Concat(kModuleGraphs, NameInIri(name));
 }
 
 cawl::DocumentPtr Catalog::FindWorkflow(std::string_view name) const {

@@ -356,8 +356,8 @@ class Evaluation {
     return absl::InvalidArgumentError(Quoted(graph) + " is a graph that only the server writes");
   }
 
-  // CLEAR and DROP: a graph without triples does not exist. ALL and NAMED skip the graphs that only the
-  // server writes.
+  // CLEAR and DROP: a graph without triples does not exist. ALL and NAMED skip the graphs that the server keeps: a module of
+  // ontology goes by its name.
   absl::Status Clear(const GraphTarget& target) {
     const Term default_graph = Term::Iri(std::string(kDefaultGraph));
     if (target.kind == GraphTarget::Kind::kDefault) return RemoveAll(default_graph);
@@ -370,7 +370,7 @@ class Evaluation {
     std::vector<Term> graphs;
     for (const TermId id : version().graphs()) graphs.push_back(dictionary().Decode(id));
     for (const Term& graph : graphs) {
-      if (IsServerGraph(graph.lexical)) continue;
+      if (IsServerGraph(graph.lexical) || IsModuleGraph(graph.lexical)) continue;
       if (target.kind == GraphTarget::Kind::kNamed && graph == default_graph) continue;
       if (absl::Status status = RemoveAll(graph); !status.ok()) return status;
     }

@@ -209,7 +209,11 @@ TEST(Update, WhatCannotBeDoneLeavesEverythingUnlessSilent) {
   }
   EXPECT_TRUE(
       store.Update("CREATE SILENT GRAPH ex:g ; COPY SILENT ex:none TO ex:g ; LOAD SILENT <http://d/>").ok());
+  EXPECT_TRUE(
+      store.Update("INSERT DATA { GRAPH <https://w3id.org/docent/ontology/m.ttl> { ex:a ex:p 1 } }").ok());
   EXPECT_TRUE(store.Update("CLEAR ALL").ok());
+  EXPECT_THAT(store.Quads(), SizeIs(2)) << "a module of ontology goes by its name";
+  EXPECT_TRUE(store.Update("CLEAR GRAPH <https://w3id.org/docent/ontology/m.ttl>").ok());
   EXPECT_THAT(store.Quads(), ElementsAre("a p 2 inferred"));
   EXPECT_TRUE(store.Update("COPY docent:inferred TO ex:h").ok());
 }
