@@ -174,7 +174,7 @@ class Checker {
   }
 
   Diagnostics CheckCawl(const std::string& file, const std::string& text) {
-    bool check_words = has_environment_ || has_operations_;
+    const bool check_words = has_environment_ || has_operations_ || environment_.HasWords();
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
     if (report.ok()) {
       Diagnostics unsupported = engine::Engine::CheckSupported(*report.document);

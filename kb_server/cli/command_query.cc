@@ -123,8 +123,9 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
   command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
-  command->add_option("query", arguments->query,
-                      "SPARQL SELECT, ASK, CONSTRUCT or DESCRIBE; well-known prefixes need no PREFIX");
+  command->add_option(
+      "query", arguments->query,
+      "SPARQL SELECT, ASK, CONSTRUCT or DESCRIBE; prefixes that the server knows need no PREFIX");
   command->add_option("--file,-f", arguments->file, "Read the query from a file; - is standard input")
       ->type_name("FILE");
   command

@@ -42,7 +42,8 @@ void AddUpdateCommand(CLI::App* app, int* exit_code) {
       app->add_subcommand("update", "Change the graph by a SPARQL Update: all of it or nothing");
   command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("update", arguments->update, "SPARQL Update; well-known prefixes need no PREFIX");
+  command->add_option("update", arguments->update,
+                      "SPARQL Update; prefixes that the server knows need no PREFIX");
   command->add_option("--file,-f", arguments->file, "Read the update from a file; - is standard input")
       ->type_name("FILE");
   command

@@ -169,10 +169,10 @@ void AddWatchCommand(CLI::App* app, int* exit_code) {
   command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
-  command->add_option(
-      "query", arguments->queries,
-      "SPARQL ASK or SELECT queries; well-known prefixes need no PREFIX. With several, each line begins "
-      "with the number of its query");
+  command->add_option("query", arguments->queries,
+                      "SPARQL ASK or SELECT queries; prefixes that the server knows need no PREFIX. With "
+                      "several, each line begins "
+                      "with the number of its query");
   command->add_option("--file,-f", arguments->files, "Read a query from a file; - is standard input")
       ->type_name("FILE")
       ->allow_extra_args(false);

@@ -77,6 +77,13 @@ class Check(StageTest):
         again = self.docent("check", "--fix", file)
         self.assertEqual((again.returncode, again.stderr), (0, ""))
 
+    def test_a_workflow_is_held_to_the_words_of_ontologies_checked_with_it(self):
+        text = WORKFLOW.replace("$usr", "$user").replace("Gret", "Greet").replace(" timeout=\"1min\"", "").replace("docent:isAt", "docent:isBesides")
+        file = self.file("t.cawl.xml", text)
+        self.assertNotIn("isBesides", self.docent("check", file).stderr)
+        done = self.docent("check", file, *sorted(stage.ROOT.glob("ontology/*.ttl")))
+        self.assertIn("isBesides", done.stdout + done.stderr)
+
     def test_workflow_findings_have_rules(self):
         ontologies = [a for f in sorted(stage.ROOT.glob("ontology/*.ttl")) for a in ("--ontology", f)]
         text = (stage.S01 / "booth_guide.cawl.xml").read_text(encoding="utf-8")

@@ -64,6 +64,8 @@ class QuadEnvironment final : public Environment {
   void AddOntology(const std::vector<TermQuad>& quads);
   void AddOperation(OperationSignature operation);
   void AddApplicationService(std::string name);
+  // Whether one of the ontologies declares a class or a property.
+  bool HasWords() const { return !classes_.empty() || !properties_.empty(); }
 
   std::optional<OperationSignature> FindOperation(std::string_view name) const override;
   std::vector<std::string> OperationNames() const override;

@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "graph/base/memory_budget.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/known_prefixes.h"
 #include "tests/graph/sparql/test_graph.h"
 
 namespace docent::server {
@@ -135,6 +136,23 @@ TEST_F(QueryRunnerTest, TheRequestGivesDataSetAndBase) {
   EXPECT_THAT(LinesOf(request), ElementsAre("begin 1", "header s", "row <urn:a>", "row <urn:b>", "end"));
   request.default_graphs = {Term::Iri("urn:g")};
   EXPECT_THAT(LinesOf(request), ElementsAre("begin 1", "header s", "row <urn:c>", "end"));
+}
+
+TEST_F(QueryRunnerTest, PrefixesOfLoadedDocumentsNeedNoDeclaration) {
+  QueryRequest request;
+  request.text = "ASK { x:a x:p 1 }";
+  EXPECT_FALSE(QueryRunner(&ports_).Run(request, &cancellation_, &sink_).ok());
+  auto catalog = std::make_shared<Catalog>();
+  auto workflow = std::make_shared<cawl::Document>();
+  workflow->prefixes = {{"x", "urn:"}};
+  catalog->workflows.emplace_back(workflow, Revision());
+  CatalogPort port;
+  port.Publish(catalog);
+  KnownPrefixes prefixes(&port);
+  ports_.prefixes = &prefixes;
+  EXPECT_THAT(LinesOf(request), ElementsAre("begin 1", "true"));
+  request.text = "PREFIX x: <urn:other:> " + request.text;
+  EXPECT_THAT(LinesOf(request), ElementsAre("begin 1", "false")) << "a declaration counts more";
 }
 
 TEST_F(QueryRunnerTest, ANewerRevisionIsWaitedFor) {
