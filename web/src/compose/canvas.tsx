@@ -2,7 +2,7 @@
 // way, and what is selected, live here.
 import {
   Background, BackgroundVariant, ConnectionMode, Controls, type EdgeChange, MarkerType, type NodeChange, type OnConnectEnd, ReactFlow, ReactFlowProvider,
-  SelectionMode, useReactFlow, applyNodeChanges,
+  SelectionMode, getViewportForBounds, useReactFlow, applyNodeChanges,
 } from "@xyflow/react";
 import "@xyflow/react/dist/style.css";
 import { useEffect, useMemo, useRef, useState, type ReactNode } from "react";
@@ -90,15 +90,26 @@ function Flow(props: CanvasProps) {
     const t = window.setTimeout(() => setCalm(false), 260);
     return () => window.clearTimeout(t);
   }, [signature, props.refreshed]);
+  // The whole flow in view, by the places that the model has: the canvas may not have drawn them yet.
+  const show = (largest: number) => {
+    const box = pane.current?.getBoundingClientRect();
+    if (!box || box.width === 0 || fromModel.length === 0) return;
+    const left = Math.min(...fromModel.map((n) => n.position.x));
+    const top = Math.min(...fromModel.map((n) => n.position.y));
+    const bounds = { x: left, y: top, width: Math.max(...fromModel.map((n) => n.position.x + (n.width ?? 0))) - left, height: Math.max(...fromModel.map((n) => n.position.y + (n.height ?? 0))) - top };
+    void flow.setViewport(getViewportForBounds(bounds, box.width, box.height, 0.15, largest, 0.14), { duration: 190 });
+  };
+  const latestShow = useRef(show);
+  latestShow.current = show;
   useEffect(() => {
-    const t = window.setTimeout(() => void flow.fitView({ padding: 0.16, maxZoom: 1, duration: 190 }), 60);
+    const t = window.setTimeout(() => latestShow.current(1), 60);
     return () => window.clearTimeout(t);
   }, [flow, shown.flow.key, props.refreshed]);
   const count = shown.steps.length;
   const placedByHand = placed(shown.steps);
   useEffect(() => {
     if (placedByHand) return;
-    const t = window.setTimeout(() => void flow.fitView({ padding: 0.16, maxZoom: Math.min(1, Math.max(0.55, flow.getZoom())), duration: 190 }), 80);
+    const t = window.setTimeout(() => latestShow.current(Math.min(1, Math.max(0.6, flow.getZoom()))), 60);
     return () => window.clearTimeout(t);
   }, [flow, count, placedByHand]);
 

@@ -1,7 +1,9 @@
 // Whether conditions hold now, in how many ways, and one match in words; if not, what lacks.
 import { context } from "../api/client";
+import { live } from "../api/live";
 import { usePoll } from "../api/poll";
 import { query, shorten, valueWords } from "../api/sparql";
+import { useEffect, useRef } from "react";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
 
 export interface Live {
@@ -38,7 +40,8 @@ export function constraintAsk(document: CawlDocument, constraint: Constraint): s
 }
 
 function asSelect(ask: string): string {
-  return `${ask.replace(/\bASK\s*(WHERE\s*)?\{/, "SELECT * WHERE {")} LIMIT ${matchesShown}`;
+  const whole = ask.replace(/\bASK\s*(WHERE\s*)?\{/, "SELECT * WHERE {").trimEnd();
+  return `${whole.slice(0, -1)} BIND(true AS ?value_holds) } LIMIT ${matchesShown}`; // a row has a value, also where nothing is free
 }
 
 export function useLive(document: CawlDocument, asks: readonly { id: string; ask: string; whole: boolean }[]): ReadonlyMap<string, Live> {
@@ -47,7 +50,20 @@ export function useLive(document: CawlDocument, asks: readonly { id: string; ask
     const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask, whole }): Promise<[string, Live]> => [id, await state(document, ask, whole, signal)]));
     return new Map(entries);
   }, 700);
+  useTurns(asks.map((a) => a.ask).filter(Boolean), polled.again);
   return polled.data ?? new Map();
+}
+
+// Tells at once when one of the conditions begins or ceases to hold, where the server has /live.
+function useTurns(asks: readonly string[], turned: () => void) {
+  const latest = useRef(turned);
+  latest.current = turned;
+  const key = JSON.stringify([...new Set(asks)]);
+  useEffect(() => {
+    if (live.state === "none") return;
+    const stops = (JSON.parse(key) as string[]).map((ask) => live.follow({ call: "docent.v1.Context/Subscribe", request: { query: ask }, everyMs: undefined, onMessage: () => latest.current(), onEnd: () => undefined }));
+    return () => stops.forEach((stop) => stop());
+  }, [key]);
 }
 
 async function state(document: CawlDocument, ask: string, whole: boolean, signal: AbortSignal): Promise<Live> {

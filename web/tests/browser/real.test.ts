@@ -1,0 +1,147 @@
+// The whole way, with a real server and a real robot: composed by dragging, deployed, started, watched to its end; reused in
+// another workflow; a server that is killed and comes back.
+import type { Browser, Page } from "playwright-core";
+import { chromium } from "playwright-core";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { lacking, Processes } from "./processes";
+
+const why = lacking();
+if (why) console.log(`skipped: ${why}`);
+const patience = 60_000;
+
+describe.skipIf(why !== "")("with a real server and robot", () => {
+  let processes: Processes;
+  let browser: Browser;
+  const faults: string[] = [];
+
+  beforeAll(async () => {
+    processes = new Processes();
+    await processes.startServer();
+    for (const name of ["docent", "place", "robot", "run", "sensor", "service"]) processes.docent("load", "--as", "ontology", `ontology/${name}.ttl`);
+    for (const name of ["hall.ttl", "world.ttl", "guide.rules"]) processes.docent("load", `scenarios/s01_booth_guide/${name}`);
+    processes.startRobot(8);
+    browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] });
+    processes.docent("load", "scenarios/s01_booth_guide/booth_guide.rsel.xml");
+    processes.tell("--reading", "expo:DoorSensor=tag-17");
+  }, 90_000);
+  afterAll(async () => {
+    await browser?.close();
+    await processes?.close();
+  }, 30_000);
+
+  async function open(path: string): Promise<Page> {
+    const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
+    page.setDefaultTimeout(patience);
+    page.on("pageerror", (error) => faults.push(error.message));
+    page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket/.test(message.text()) && faults.push(message.text()));
+    await page.goto(processes.url + path);
+    return page;
+  }
+  const picture = async (page: Page, name: string) => {
+    const folder = join(import.meta.dirname, "../../test-results");
+    mkdirSync(folder, { recursive: true });
+    await page.screenshot({ path: join(folder, `real-${name}.png`) });
+  };
+  async function begin(page: Page, name: string) {
+    await page.waitForSelector(".template");
+    await page.getByRole("button", { name: "New workflow" }).click();
+    await page.locator("#new-name").fill(name);
+    await page.getByRole("button", { name: "Create" }).click();
+    await page.waitForSelector(".first-steps");
+  }
+  const drag = async (page: Page, item: string, link: string) => {
+    await page.locator(".palette-item", { hasText: item }).first().dragTo(page.locator(`[data-link="${link}"]`), { force: true });
+    await page.waitForTimeout(400);
+  };
+  async function deploy(page: Page) {
+    await page.getByRole("button", { name: "Deploy" }).first().click();
+    await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
+    await page.locator(".toast.good", { hasText: "is deployed" }).waitFor();
+  }
+  async function start(page: Page, values: Record<string, string>) {
+    await page.keyboard.press("Escape");
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    for (const [name, value] of Object.entries(values)) {
+      await page.locator(`dialog input[aria-label="${name}"]`).fill(value);
+      await page.keyboard.press("Tab");
+    }
+    await page.locator("dialog").getByRole("button", { name: "Start" }).click();
+    await page.waitForURL(/\/runs\/.+/);
+  }
+
+  it("BoothGuide is built by dragging alone, and runs to its end", async () => {
+    const page = await open("/compose");
+    await begin(page, "BoothGuide");
+    await page.locator(".palette-item", { hasText: "Move to user" }).first().waitFor();
+    await drag(page, "Move to user", "Begin → End");
+    await drag(page, "Move to booth", "Move to user → End");
+    await drag(page, "Display information", "Move to booth → End");
+    await drag(page, "Brief information", "Display information → End");
+    await picture(page, "built");
+    expect(await page.locator(".react-flow__node").count()).toBe(6);
+    await deploy(page);
+    await start(page, { user: "expo:John", booth: "expo:B10" });
+    const hall = await open("/hall");
+    await hall.waitForSelector(".hall-robot.busy");
+    await picture(hall, "hall");
+    await page.locator(".head .tag", { hasText: "done" }).waitFor();
+    await picture(page, "done");
+  }, 150_000);
+
+  it("John's Service is built by reusing BoothGuide", async () => {
+    const page = await open("/compose");
+    await begin(page, "John's Service");
+    await page.locator(".palette-item", { hasText: "version 1.0" }).first().waitFor();
+    await page.locator(".palette-item", { hasText: "version 1.0" }).first().dragTo(page.locator('[data-link="Begin → End"]'), { force: true });
+    await page.waitForSelector('.react-flow__node[data-id="Booth guide"]');
+    for (const name of ["user", "booth"]) {
+      await page.locator(".react-flow__pane").click({ position: { x: 30, y: 30 } });
+      await page.locator('input[aria-label="Name of a new value"]').fill(name);
+      await page.locator("form.variable button").click();
+    }
+    await picture(page, "johns-service");
+    await deploy(page);
+    await start(page, { user: "expo:John", booth: "expo:B09" });
+    await page.locator(".head .tag", { hasText: "done" }).waitFor();
+    await page.getByRole("link", { name: "Runs" }).first().click();
+    await page.locator("tbody tr", { hasText: "in John" }).waitFor();
+    await picture(page, "runs");
+  }, 150_000);
+
+  it("a condition turns true soon after its fact is told elsewhere", async () => {
+    const page = await open("/compose/BoothGuide");
+    await page.locator(".template, .react-flow__node").first().waitFor();
+    if ((await page.locator(".template").count()) > 0) await page.locator(".template").nth(1).click();
+    await page.locator(".react-flow__node", { hasText: /Lead|Move to booth/ }).first().click();
+    if ((await page.locator(".constraint").count()) === 0) await page.getByRole("button", { name: "Wait for a situation" }).click();
+    await page.locator('input[aria-label="Subject"]').first().fill("expo:John");
+    await page.keyboard.press("Tab");
+    await page.locator('input[aria-label="Verb"]').first().fill("docent:selected");
+    await page.keyboard.press("Tab");
+    await page.locator('input[aria-label="Object"]').first().fill("expo:B05");
+    await page.keyboard.press("Tab");
+    await page.locator(".constraint-state.none").first().waitFor();
+    await page.waitForTimeout(1500);
+    processes.tell("expo:John docent:selected expo:B05");
+    const told = Date.now();
+    await page.locator(".constraint-state.some").first().waitFor();
+    console.log(`the row turned ${Date.now() - told} ms after the fact was told`);
+    await page.locator(".situation .tag.good").first().waitFor();
+    await picture(page, "condition");
+  }, 90_000);
+
+  it("the server is killed and comes back: the tab goes on", async () => {
+    const page = await open("/hall");
+    await page.waitForSelector(".hall-robot");
+    await processes.killServer();
+    await page.waitForSelector(".stale");
+    expect(await page.locator(".hall-robot").count()).toBe(1);
+    await processes.startServer();
+    await page.waitForSelector(".stale", { state: "detached" });
+    await page.waitForSelector(".hall-robot.standby");
+  }, 120_000);
+
+  it("no page has thrown", () => expect(faults).toEqual([]));
+});
