@@ -17,6 +17,9 @@ PlanExpression::~PlanExpression() = default;
 
 namespace {
 
+// An operation counts as so many bytes of work, so that a long expression looks at the clock however few rows it has.
+constexpr size_t kWorkOfAnOperation = 32;
+
 Value FromBool(std::optional<bool> value) {
   return value ? Value::Boolean(*value) : Value::Error();
 }
@@ -104,6 +107,7 @@ std::optional<bool> Ordered(Kind kind, PlanExpression& a, PlanExpression& b, con
 std::optional<bool> In(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   bool error = false;
   for (size_t i = 1; i < e.arguments.size(); ++i) {
+    if (!context.Worked(kWorkOfAnOperation)) return std::nullopt;
     const std::optional<bool> equal = Equal(*e.arguments[0], *e.arguments[i], row, context);
     if (equal.value_or(false)) return true;
     error |= !equal.has_value();
@@ -209,6 +213,7 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
 }  // namespace
 
 std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  if (!context.Worked(kWorkOfAnOperation)) return std::nullopt;
   switch (e.kind) {
     case Kind::kOr:
     case Kind::kAnd:
@@ -270,6 +275,10 @@ Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context)
     }
     case Kind::kTerm:
       return e.constant;
+    default:
+      if (!context.Worked(kWorkOfAnOperation)) return Value::Error();
+  }
+  switch (e.kind) {
     case Kind::kAdd:
     case Kind::kSubtract:
     case Kind::kMultiply:

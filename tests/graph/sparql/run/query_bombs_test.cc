@@ -214,6 +214,29 @@ TEST_F(QueryBombs, ManyWordsWithDotsAreReadOnce) {
   }
 }
 
+// Few rows are looked at between two looks at the clock, however long the expression of a row is.
+TEST_F(QueryBombs, LongExpressionsEndAtTheTimeLimit) {
+  const auto repeated = [](const std::string& first, const std::string& more, int times) {
+    std::string text = first;
+    for (int i = 0; i < times; ++i) text += more + std::to_string(i);
+    return text;
+  };
+  const std::string rows = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f ";
+  for (const std::string& text :
+       {rows + "FILTER(?c IN (" + repeated("-1", ",", 15000) + ")) }",
+        rows + "FILTER(?c NOT IN (" + repeated("-1", ",", 15000) + ") && ?c = 1) }",
+        rows + "FILTER(" + repeated("?c = -1", " || ?c = ", 3900) + ") }",
+        rows + "FILTER(" + repeated("?c != -1", " && ?c != ", 3900) + " && ?c = -1) }",
+        rows + "FILTER(" + repeated("STRLEN(STR(?c))", " + STRLEN(STR(?c)) + ", 1900) + " < 0) }",
+        rows + "FILTER(COALESCE(" + repeated("?c + 1", ", ?c + ", 3900) + ")) }",
+        rows + "FILTER(STRLEN(CONCAT(" + repeated("STR(?c)", ", STR(?d), ", 3000) + ")) < 0) }",
+        rows + "BIND(" + repeated("?c + 1", " + ", 3900) + " AS ?x) }"}) {
+    const absl::Status status = Run(text, 200);
+    EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << text.substr(0, 120) << status;
+    EXPECT_LT(took_, std::chrono::milliseconds(1500)) << text.substr(0, 120);
+  }
+}
+
 // One row, and one call that would take endless time or the time of many.
 class TextBombs : public QueryBombs {
  protected:
