@@ -14,6 +14,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_runner.h"
 #include "reasoner/rules/rule_sets.h"
@@ -64,6 +65,7 @@ absl::Status LoadOntologyFiles(const RunPorts& ports, const std::vector<std::str
     if (!rdf.ok()) return rdf.status();
     std::string name = std::filesystem::path(file).filename().string();
     ParseRdfOptions options = rdf->Options(file);
+    options.refuse_graph = RefuseGraph;
     options.blank_node_scope = absl::StrCat(NameInBlankLabel(name), "_");
     ParsedRdf parsed = ParseRdf(rdf->text, rdf->format, options);
     if (!parsed.ok()) return ToStatus(parsed, rdf->text);

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <iostream>
+#include <new>
 
 #include "graph/base/diagnostic.h"
 #include "graph/command_line/help_layout.h"
@@ -97,6 +98,9 @@ std::optional<int> ParseArguments(CLI::App* app, std::vector<std::string> argume
     const bool help = error.get_exit_code() == 0;  // --help or --version
     if (help && Left(Understood(*app)).empty()) return EndOutput(*app, app->exit(error));
     std::cerr << WhatIsWrong(*app, error.what()) << "\n";
+    return kExitBad;
+  } catch (const std::bad_alloc&) {
+    std::cerr << app->get_name() << ": there is not enough memory for this; cut the input into smaller files\n";
     return kExitBad;
   }
   return std::nullopt;

@@ -53,11 +53,8 @@ const IriNames& IriNames::WellKnown() {
 }
 
 void IriNames::Add(std::string_view prefix, std::string_view name_space) {
-  for (const auto& [taken, other] : prefixes_) {
-    if (taken == prefix) return;
-  }
-  if (IsPrefix(prefix) && IsAbsoluteIri(name_space) && !IsForbidden(name_space))
-    prefixes_.emplace_back(prefix, name_space);
+  if (!IsPrefix(prefix) || !IsAbsoluteIri(name_space) || IsForbidden(name_space)) return;
+  if (taken_.emplace(prefix).second) prefixes_.emplace_back(prefix, name_space);
 }
 
 std::string IriNames::Iri(std::string_view iri) const {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "graph/rdf/term.h"
 
 namespace docent {
@@ -35,6 +36,7 @@ class IriNames {
 
  private:
   std::vector<std::pair<std::string, std::string>> prefixes_;
+  absl::flat_hash_set<std::string> taken_;  // names of them
 };
 
 }  // namespace docent

@@ -67,8 +67,8 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   for (size_t i = 0; i < batch.operations.size(); ++i) {
     const TermQuad& quad = batch.operations[i].quad;
     absl::Status status = CheckQuad(quad, limits_.term_bytes);
-    if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
-    if (status.ok() && IsServerGraph(quad.graph.lexical)) status = Reserved(quad.graph.lexical);
+    if (std::string why = status.ok() ? RefuseGraph(quad.graph) : ""; !why.empty())
+      status = absl::InvalidArgumentError("graph: " + why);
     if (!status.ok()) return At(PlaceOf(batch, i), status);
   }
   for (size_t i = 0; i < batch.readings.size(); ++i) {

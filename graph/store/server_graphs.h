@@ -2,11 +2,16 @@
 #ifndef DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 #define DOCENT_GRAPH_STORE_SERVER_GRAPHS_H_
 
+#include <string>
 #include <string_view>
 
+#include "graph/rdf/term.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
+
+// Why clients cannot write to a graph of this name; empty: they can. For ParseRdfOptions::refuse_graph.
+std::string RefuseGraph(const Term& graph);
 
 // Only the server writes it.
 inline bool IsServerGraph(std::string_view graph) {

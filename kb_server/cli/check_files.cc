@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/syntax/prefix_places.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/turn/spatial_functions.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
@@ -62,6 +63,7 @@ FileChecker::FileChecker() {
 void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_words) {
   ParseRdfOptions options = rdf.Options(file);
   options.blank_node_scope = absl::StrCat("f", ++texts_, "_");
+  options.refuse_graph = RefuseGraph;
   LocatedRdf document = ParseLocatedRdf(rdf.text, rdf.format, options);
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);

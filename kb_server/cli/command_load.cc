@@ -9,6 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
@@ -249,9 +250,24 @@ class Loader {
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
-    if (!status.ok()) return Fail(status, arguments_.client);
+    if (!status.ok()) return Fail(AtPath(status, file), arguments_.client);
+    for (v1::Diagnostic& warning : *reply.mutable_diagnostics())
+      if (file != "-" && warning.file() == NameOf(file)) warning.set_file(file);
     PrintDiagnostics(reply.diagnostics());
     return ReportChange(file, kind, reply, reply.revision());
+  }
+
+  // The server knows a document by its name, which stands before the place of each mistake; here it is found by its path.
+  static grpc::Status AtPath(const grpc::Status& status, const std::string& file) {
+    const std::string name = absl::StrCat(NameOf(file), ":");
+    std::string message;
+    for (const absl::string_view line : absl::StrSplit(status.error_message(), '\n')) {
+      absl::StrAppend(&message, message.empty() ? "" : "\n");
+      absl::StrAppend(&message, file != "-" && absl::StartsWith(line, name)
+                                    ? absl::StrCat(file, ":", line.substr(name.size()))
+                                    : std::string(line));
+    }
+    return grpc::Status(status.error_code(), message, status.error_details());
   }
 
   const LoadArguments& arguments_;

@@ -9,6 +9,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/formats/serializer.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 namespace {
@@ -42,6 +43,7 @@ std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat form
   document->name = BlankLabelStart(text);
   ParseRdfOptions options;
   options.file = file;
+  options.refuse_graph = RefuseGraph;
   options.base_iri = base_iri;
   options.charset = "utf-8";
   options.limits.document_bytes = std::numeric_limits<size_t>::max();

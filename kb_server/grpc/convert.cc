@@ -7,6 +7,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term_check.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/robots/measures.h"
 
 namespace docent::server {
@@ -145,6 +146,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
       return absl::InvalidArgumentError(absl::StrCat("rdf_media_type: ", UnknownMediaType(media_type)));
     if (absl::Status base = CheckBase(request.rdf_base_iri()); !base.ok()) return base;
     ParseRdfOptions options;
+    options.refuse_graph = RefuseGraph;
     options.file = "rdf";
     options.base_iri = request.rdf_base_iri();
     options.charset = "utf-8";

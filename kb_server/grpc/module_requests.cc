@@ -8,6 +8,7 @@
 #include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/rdf/formats/parser.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/work/known_prefixes.h"
@@ -21,6 +22,7 @@ ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits)
   options.base_iri = request.base_iri();
   options.charset = "utf-8";  // as texts of gRPC are
   options.limits = limits;
+  options.refuse_graph = RefuseGraph;
   if (request.kind() == v1::LoadRequest::ONTOLOGY) {
     options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
   } else {
@@ -94,6 +96,8 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
   if (request.kind() == v1::LoadRequest::DATA && request.mode() != v1::LoadRequest::PUT) {
     return absl::InvalidArgumentError("data has no name to add or replace; leave mode out");
   }
+  if (std::string why = request.graph().empty() ? "" : RefuseGraph(Term::Iri(request.graph())); !why.empty())
+    return absl::InvalidArgumentError(why);
   WriteBatch batch;
   batch.mode = WriteBatch::Mode::kLoad;
   absl::Status status;

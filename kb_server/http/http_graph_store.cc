@@ -189,6 +189,7 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   // RDF/XML may be in other encodings (RFC 7303); the parser says which it reads
   if (*format != RdfFormat::kRdfXml && (content->refusal = RefuseCharset(part.content_type))) return;
   ParseRdfOptions options;
+  options.refuse_graph = RefuseGraph;
   options.base_iri = BaseOf(address);
   options.charset = charset;
   options.blank_node_scope = absl::StrCat("p", number);

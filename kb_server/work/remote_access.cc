@@ -15,6 +15,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 namespace {
@@ -217,6 +218,7 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
         "<", url, ">: neither its type nor its name says which RDF it is; ", UnknownMediaType(type)));
   }
   ParseRdfOptions options;
+  options.refuse_graph = RefuseGraph;
   options.file = url;
   options.base_iri = base;
   options.charset = CharsetOf(type);

@@ -44,6 +44,18 @@ class Bases(StageTest):
         self.server.load(self.file("large.ttl", text))
         self.assertTrue(self.server.ask(f"<{self.folder}/large.ttl#s39999> <{self.folder}/large.ttl#p> ?x"))
 
+    def test_graphs_that_clients_cannot_write(self):
+        graph = "https://w3id.org/docent#runs"
+        small = self.file("small.trig", f"<urn:a> <urn:p> 1 .\n<{graph}> {{ <urn:a> <urn:p> 2 }}\n")
+        large = self.file("large.nq", "".join(f"<urn:a> <urn:p> \"{i}\" .\n" for i in range(400000)) + f"<urn:a> <urn:p> <urn:b> <{graph}> .\n")
+        blank = self.file("blank.trig", "_:g { <urn:a> <urn:p> 3 }\n")
+        for file, place in ((small, f"{small}:2:1"), (large, f"{large}:400001:25"), (blank, f"{blank}:1:1")):
+            for command in ("check", "load"):
+                done = self.server.run(command, file)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(place, done.stdout + done.stderr)
+        self.assertFalse(self.server.ask("<urn:a> <urn:p> ?o"), "nothing of them")
+
     def test_ontologies(self):
         owl = self.file("hall.owl", OWL)
         self.server.command("ontology", "load", owl)

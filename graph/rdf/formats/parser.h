@@ -5,6 +5,7 @@
 #define DOCENT_GRAPH_RDF_FORMATS_PARSER_H_
 
 #include <optional>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,6 +42,8 @@ struct ParseRdfOptions {
   DocumentLimits document_limits;
   std::string charset;  // RDF/XML: the encoding of Content-Type, used if the text itself declares none
   Cancellation* cancellation = nullptr;  // polled every few KiB; null: none
+  // Why a graph that the document names is not taken where its quads are to go; empty: it is. Null: all are.
+  std::function<std::string(const Term& graph)> refuse_graph;
 };
 
 // All quads of `text`, at most one for each 32 bytes of document_bytes; the graph is empty if the document

@@ -49,6 +49,7 @@ class TurtleParser {
       }
       scan_.SkipLines();
     }
+    parsed.diagnostics.insert(parsed.diagnostics.end(), refusals_.begin(), refusals_.end());
     parsed.stopped = stopped_;
     parsed.prefixes = prefixes_.Take();
     parsed.quads = collector_.TakeQuads();
@@ -88,7 +89,9 @@ class TurtleParser {
     if (!ReadObjectTerm(&quad.object)) return false;
     scan_.SkipSpace();
     if (graphs_ && scan_.Peek() != '.') {
+      const size_t graph_at = scan_.position();
       if (!ReadSubjectTerm(&quad.graph, "a graph name or '.'")) return false;
+      LookAtGraph(quad.graph, graph_at);
       scan_.SkipSpace();
     }
     if (!scan_.Take('.')) return scan_.Fail("expected '.' at the end of the statement", "", true);
@@ -211,10 +214,19 @@ class TurtleParser {
   // GRAPH label { triples }
   bool NamedGraph() {
     scan_.SkipSpace();
+    const size_t at = scan_.position();
     if (!GraphLabel(&graph_)) return false;
+    LookAtGraph(graph_, at);
     scan_.SkipSpace();
     if (scan_.Peek() != '{') return scan_.Fail("expected '{' after the name of the graph", "", true);
     return GraphBlock();
+  }
+
+  // A graph that is not taken is a mistake; the document is read on.
+  void LookAtGraph(const Term& graph, size_t at) {
+    if (!options_.refuse_graph || refusals_.size() >= options_.limits.document_diagnostics) return;
+    if (std::string why = options_.refuse_graph(graph); !why.empty())
+      refusals_.push_back({options_.file, SpanAt(text_, at, scan_.position() - at), std::move(why), ""});
   }
 
   bool GraphLabel(Term* label) {
@@ -240,6 +252,7 @@ class TurtleParser {
       if (anonymous ? !BlankNodePropertyList(&first, &property_list) : !ReadSubject(&first)) return false;
       scan_.SkipSpace();
       if (scan_.Peek() == '{' && !property_list) {
+        LookAtGraph(first, at);
         graph_ = first;
         return GraphBlock();
       }
@@ -498,6 +511,7 @@ class TurtleParser {
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
   Term graph_;  // of the current block; empty outside
+  Diagnostics refusals_;  // of graphs
   DeclaredPrefixes prefixes_;
   int depth_ = 0;
   size_t next_look_ = 0;  // offset at which cancellation is polled next

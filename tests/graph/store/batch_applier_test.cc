@@ -302,7 +302,7 @@ TEST_F(BatchApplierTest, BadTermsAreNamedAndNothingIsApplied) {
   batch.operations[1].quad = {Term::Iri("urn:a"), Term::Blank("b"), Term::Iri("urn:a"), Term()};
   EXPECT_THAT(Refusal(batch), HasSubstr("INVALID_ARGUMENT: add[1]: predicate"));
   batch.operations[1].quad = {Term::Iri("urn:a"), Term::Iri("urn:b"), Term::Iri("urn:a"), Term::Blank("g")};
-  EXPECT_THAT(Refusal(batch), HasSubstr("add[1]: graph: it must be an IRI"));
+  EXPECT_THAT(Refusal(batch), HasSubstr("add[1]: graph: a graph of the store is named by an IRI"));
   batch.operations[0].kind = QuadOperation::Kind::kRemove;
   EXPECT_THAT(Refusal(batch), HasSubstr("add[0]: graph")) << "as the client numbers what it adds";
   for (std::string_view graph : {kInferredGraph, kRunsGraph}) {

@@ -341,6 +341,28 @@ std::string RdfXml(const std::string& body) {
          body + "\n</rdf:RDF>";
 }
 
+TEST(ParserTest, GraphsThatAreNotTakenHaveTheirPlaces) {
+  ParseRdfOptions options;
+  options.refuse_graph = [](const Term& graph) {
+    return graph.IsIri() && graph.lexical != "urn:no" ? "" : "not " + graph.lexical;
+  };
+  const auto places = [&options](const std::string& text, RdfFormat format) {
+    std::string out;
+    for (const Diagnostic& d : ParseRdf(text, format, options).diagnostics)
+      out += std::to_string(d.span.line) + ":" + std::to_string(d.span.column) + " " + d.message + "\n";
+    return out;
+  };
+  EXPECT_EQ(places("<urn:a> <urn:p> 1 .\n<urn:no> { <urn:a> <urn:p> 2 }\nGRAPH <urn:no> { }\n<urn:g> { "
+                   "<urn:no> <urn:p> 3 }",
+                   RdfFormat::kTriG),
+            "2:1 not urn:no\n3:7 not urn:no\n");
+  EXPECT_EQ(places("_:x { <urn:a> <urn:p> 2 }", RdfFormat::kTriG), "1:1 not x\n");
+  EXPECT_EQ(places("[] { <urn:a> <urn:p> 2 }", RdfFormat::kTriG).substr(0, 8), "1:1 not ");
+  EXPECT_EQ(places("<urn:a> <urn:p> <urn:no> .\n<urn:a> <urn:p> <urn:b> <urn:no> .\n", RdfFormat::kNQuads),
+            "2:25 not urn:no\n");
+  EXPECT_EQ(places("<urn:no> <urn:p> 1 .", RdfFormat::kTurtle), "");
+}
+
 TEST(ParserTest, OtherSyntaxesUnderTheEndingsOfRdfXml) {
   const auto mistake = [](const std::string& text) { return Mistakes(text, RdfFormat::kRdfXml); };
   EXPECT_THAT(mistake("\n@prefix : <urn:e:> . :a :b :c ."), HasSubstr("2:1: error: this is not XML"));

@@ -1,0 +1,13 @@
+#include "graph/store/server_graphs.h"
+
+#include "graph/base/text.h"
+
+namespace docent {
+
+std::string RefuseGraph(const Term& graph) {
+  if (!graph.IsIri()) return "a graph of the store is named by an IRI, and this is a blank node";
+  if (!IsServerGraph(graph.lexical)) return "";
+  return Concat("the graph <", graph.lexical, "> is one of those that only the server writes");
+}
+
+}  // namespace docent
