@@ -100,7 +100,8 @@ std::optional<int> ParseArguments(CLI::App* app, std::vector<std::string> argume
     std::cerr << WhatIsWrong(*app, error.what()) << "\n";
     return kExitBad;
   } catch (const std::bad_alloc&) {
-    std::cerr << app->get_name() << ": there is not enough memory for this; cut the input into smaller files\n";
+    std::cerr << app->get_name()
+              << ": there is not enough memory for this; cut the input into smaller files\n";
     return kExitBad;
   }
   return std::nullopt;

@@ -4,8 +4,8 @@
 #ifndef DOCENT_GRAPH_RDF_FORMATS_PARSER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_PARSER_H_
 
-#include <optional>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>

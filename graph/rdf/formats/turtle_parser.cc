@@ -510,7 +510,7 @@ class TurtleParser {
   PlaceRecorder* places_;                                        // may be null
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
-  Term graph_;  // of the current block; empty outside
+  Term graph_;            // of the current block; empty outside
   Diagnostics refusals_;  // of graphs
   DeclaredPrefixes prefixes_;
   int depth_ = 0;
