@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   docent::server::AddOntologyCommand(&app, &exit_code);
   docent::server::AddRunCommand(&app, &exit_code);
   docent::server::AddRunsCommand(&app, &exit_code);
+  docent::server::AddWorkflowsCommand(&app, &exit_code);
   docent::server::AddRobotsCommand(&app, &exit_code);
   docent::server::AddServicesCommand(&app, &exit_code);
   docent::server::AddVerifyCommand(&app, &exit_code);

@@ -17,7 +17,14 @@ struct DocumentLimits {
 
   // packed documents
   size_t unpacked_bytes = size_t{2} << 30;  // of a gzip file that a command reads
+
+  // versions of workflows and RSEL documents
+  size_t version_texts = 50;              // texts kept of one document, the newest
+  size_t version_text_bytes = 16u << 20;  // bytes of these texts together; the newest is kept in any case
+  size_t removed_documents = 1000;        // removed documents whose texts are kept, those removed last
 };
+
+inline constexpr DocumentLimits kDocumentLimits;
 
 }  // namespace docent
 

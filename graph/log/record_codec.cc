@@ -160,6 +160,15 @@ void EncodeBatch(const WriteBatch& batch, TermTable* terms, record::Batch* out) 
   }
 }
 
+// The lowest kRecordReader that reads such a record right.
+uint32_t ReaderOf(const WriteBatch& batch) {
+  for (const Document& document : batch.documents) {
+    // an earlier one would remove all of the workflow
+    if (document.action == Document::Action::kRemove && !document.text.empty()) return 2;
+  }
+  return 1;
+}
+
 void EncodeDecisions(const TurnRecord& record, TermTable* terms, record::Turn* turn) {
   for (const Transition& transition : record.transitions) {
     record::TransitionEntry* entry = turn->add_transitions();
@@ -316,7 +325,7 @@ class Decoder {
 absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
   RecordArena arena;
   record::Turn* turn = arena.NewTurn();
-  turn->set_min_reader(1);
+  turn->set_min_reader(ReaderOf(record.batch));
   turn->set_time_us(record.time_us);
   turn->set_engine_version(record.engine_version);
   TermTable terms(turn);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/overload.h"
+#include "graph/base/text.h"
 #include "graph/rdf/term_check.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/reading_mapper.h"
@@ -56,7 +57,10 @@ BatchApplier::BatchApplier(Dictionary& dictionary, const Limits& limits)
       limits_(limits),
       type_(dictionary.InternIri(kRdfType)),
       state_property_(dictionary.InternIri(DocentIri("StateProperty"))),
-      default_graph_(dictionary.InternIri(kDefaultGraph)) {}
+      default_graph_(dictionary.InternIri(kDefaultGraph)),
+      subclass_(dictionary.InternIri(Concat(kRdfsNs, "subClassOf"))),
+      event_(dictionary.InternIri(DocentIri("Event"))),
+      event_classes_{event_} {}
 
 absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   if (!batch.source.empty()) {
@@ -126,6 +130,26 @@ void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
   state_declarations_ = count;
 }
 
+void BatchApplier::RefreshEventClasses(const GraphVersion& version) {
+  const uint64_t count = version.Count({{}, subclass_, {}, {}});
+  if (count == subclass_declarations_) return;
+  event_classes_ = {event_};
+  for (std::vector<TermId> open = {event_}; !open.empty();) {
+    const TermId above = open.back();
+    open.pop_back();
+    version.ForEach({{}, subclass_, above, {}}, [&](const Quad& quad) {
+      if (event_classes_.insert(quad.subject).second) open.push_back(quad.subject);
+      return true;
+    });
+  }
+  subclass_declarations_ = count;
+}
+
+bool BatchApplier::IsEventClass(const Term& type) const {
+  const std::optional<TermId> id = dictionary_.Find(type);
+  return id && event_classes_.contains(*id);
+}
+
 void BatchApplier::SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline) {
   auto it = deadlines_.find(quad);
   std::optional<TimeMicros> before;
@@ -151,6 +175,7 @@ void BatchApplier::Add(const Quad& quad, const WriteBatch& batch, GraphWriter& w
     for (const Quad& other : old) Remove(other, writer, sum);
   }
   if (writer.Add(quad)) sum->Added(quad);
+  NoteEvent(quad);
   bool asserts = batch.mode == WriteBatch::Mode::kAssert;
   std::optional<TimeMicros> end = asserts ? EndOfLifetime(batch.time_us, batch.lifetime_ms) : std::nullopt;
   if (end || !deadlines_.empty()) SetDeadline(quad, end);
@@ -158,6 +183,7 @@ void BatchApplier::Add(const Quad& quad, const WriteBatch& batch, GraphWriter& w
 
 void BatchApplier::AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum) {
   std::vector<Quad> quads = InternAll(batch.operations, default_graph);
+  for (const Quad& quad : quads) NoteEvent(quad);
   for (size_t i = 0; i < quads.size() && !deadlines_.empty(); ++i) SetDeadline(quads[i], std::nullopt);
   for (const Quad& quad : writer.AddAll(std::move(quads))) sum->Added(quad);
 }
@@ -186,6 +212,8 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
                                           absl::Span<const QuadOperation> first) {
   if (absl::Status status = Check(batch); !status.ok()) return status;
   RefreshStateProperties(writer.current());
+  RefreshEventClasses(writer.current());
+  told_events_.clear();
   absl::StatusOr<std::vector<QuadOperation>> read =
       MapReadings(batch.readings, dictionary_, writer.current());
   if (!read.ok()) return read.status();
@@ -204,9 +232,16 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
   for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
     for (const Quad& quad : *quads) {
       if (quad.predicate == type_ && quad.object == state_property_) state_declarations_ = kUnknown;
+      if (quad.predicate == subclass_) subclass_declarations_ = kUnknown;
     }
   }
   return delta;
+}
+
+Delta BatchApplier::Withdraw(absl::Span<const Quad> quads, GraphWriter& writer) {
+  DeltaSum sum;
+  for (const Quad& quad : quads) Remove(quad, writer, &sum);
+  return sum.Net();
 }
 
 std::optional<TimeMicros> BatchApplier::NextDeadline() const {
@@ -231,6 +266,8 @@ void BatchApplier::Rollback() {
   for (auto it = undo.rbegin(); it != undo.rend(); ++it) SetDeadline(it->first, it->second);
   undo_.clear();
   state_declarations_ = kUnknown;
+  subclass_declarations_ = kUnknown;
+  told_events_.clear();
 }
 
 }  // namespace docent

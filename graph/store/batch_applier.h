@@ -45,6 +45,15 @@ class BatchApplier {
   absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer,
                               absl::Span<const QuadOperation> first = {});
 
+  // The `… rdf:type C` of the last Apply where C is docent:Event or a class below it, in order, whether or not the graph had
+  // them; those of graphs that documents fill included. Until the next Apply.
+  const std::vector<Quad>& told_events() const { return told_events_; }
+  // Whether a type makes a thing an event, as the graph of the last Apply says.
+  bool IsEventClass(const Term& type) const;
+
+  // Removes facts with their lifetimes.
+  Delta Withdraw(absl::Span<const Quad> quads, GraphWriter& writer);
+
   // The end of the next lifetime, if any.
   std::optional<TimeMicros> NextDeadline() const;
 
@@ -73,15 +82,25 @@ class BatchApplier {
   void Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum);
   void SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline);
   void RefreshStateProperties(const GraphVersion& version);
+  void RefreshEventClasses(const GraphVersion& version);
+  void NoteEvent(const Quad& quad) {
+    if (quad.predicate == type_ && event_classes_.contains(quad.object)) told_events_.push_back(quad);
+  }
 
   Dictionary& dictionary_;
   const Limits limits_;
   const TermId type_;
   const TermId state_property_;
   const TermId default_graph_;
+  const TermId subclass_;
+  const TermId event_;
 
   absl::flat_hash_set<TermId> state_properties_;
   uint64_t state_declarations_ = kUnknown;  // number of declarations when state_properties_ was read
+
+  absl::flat_hash_set<TermId> event_classes_;  // docent:Event and the classes below it
+  uint64_t subclass_declarations_ = kUnknown;  // number of rdfs:subClassOf when event_classes_ was read
+  std::vector<Quad> told_events_;
 
   absl::flat_hash_map<Quad, TimeMicros> deadlines_;
   std::set<std::pair<TimeMicros, Quad>> by_deadline_;

@@ -31,6 +31,7 @@ void AddFmtCommand(CLI::App* app, int* exit_code);
 void AddValidateCommand(CLI::App* app, int* exit_code);
 void AddOntologyCommand(CLI::App* app, int* exit_code);
 void AddRunCommand(CLI::App* app, int* exit_code);
+void AddWorkflowsCommand(CLI::App* app, int* exit_code);
 void AddRunsCommand(CLI::App* app, int* exit_code);
 void AddRobotsCommand(CLI::App* app, int* exit_code);
 void AddServicesCommand(CLI::App* app, int* exit_code);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "graph/base/ids.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/door/document_versions.h"
 #include "reasoner/explain/rule_text.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/rsel/service_registry.h"
@@ -35,7 +37,9 @@ struct ModuleEntry {
 struct Catalog {
   std::vector<ModuleEntry> modules;
   std::vector<std::pair<cawl::DocumentPtr, Revision>> workflows;  // by name
+  std::set<std::string> disabled_workflows;
   rsel::ServiceRegistry services;
+  VersionHistory versions;               // of workflows and RSEL documents, removed ones too
   std::vector<explain::RuleText> rules;  // by name
 
   // Null: none of that name is deployed.

@@ -34,6 +34,7 @@ struct BatchOutcome {
   uint64_t inferred = 0;       // facts that rules added or withdrew because of it
   bool repeated = false;       // its request id was known: applied before, at `offset`
   std::vector<RunId> started;  // runs that its requests started
+  uint64_t cancelled_runs = 0;  // with workflows that it undeployed; not kept for a repeated request
 };
 
 // The graph that a batch is about to be applied to, on the writer's turn.

@@ -79,6 +79,13 @@ class WorkflowsService final : public v1::Workflows::CallbackService {
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context,
                                  const v1::ListWorkflowsRequest* request,
                                  v1::ListWorkflowsReply* reply) override;
+  grpc::ServerUnaryReactor* Undeploy(grpc::CallbackServerContext* context, const v1::UndeployRequest* request,
+                                     v1::UndeployReply* reply) override;
+  grpc::ServerUnaryReactor* SetEnabled(grpc::CallbackServerContext* context,
+                                       const v1::SetEnabledRequest* request, v1::Workflow* reply) override;
+  grpc::ServerUnaryReactor* ListVersions(grpc::CallbackServerContext* context,
+                                         const v1::ListVersionsRequest* request,
+                                         v1::ListVersionsReply* reply) override;
   grpc::ServerUnaryReactor* Start(grpc::CallbackServerContext* context, const v1::StartRequest* request,
                                   v1::StartReply* reply) override;
   grpc::ServerUnaryReactor* Get(grpc::CallbackServerContext* context, const v1::GetRunRequest* request,

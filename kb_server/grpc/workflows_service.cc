@@ -96,20 +96,6 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
       });
 }
 
-grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
-                                                 const v1::ListWorkflowsRequest*,
-                                                 v1::ListWorkflowsReply* reply) {
-  for (const auto& [document, revision] : ports_.catalog->Get()->workflows) {
-    v1::Workflow* out = reply->add_workflows();
-    out->set_name(document->name.value);
-    out->set_version(document->version.value);
-    for (const cawl::Flow& flow : document->flows) out->add_flows(flow.name.value);
-    if (document->activator) out->set_activated_flow(document->activator->flow.value);
-    out->set_revision(revision.value());
-  }
-  return FinishNow(context, grpc::Status::OK);
-}
-
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
                                                   const v1::StartRequest* request, v1::StartReply* reply) {
   WriteBatch batch;

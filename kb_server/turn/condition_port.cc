@@ -145,12 +145,13 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
     gathered_.push_back(std::move(edge));
     return;
   }
-  // what appeared and went again before anybody looked was never there
+  // What appeared and went again before anybody looked was never there. What went and came back did both: an event that is
+  // told again.
   engine::ConditionEdge& before = gathered_[it->second];
   engine::ConditionEdge net;
   net.handle = edge.handle;
   net.rose = edge.rose || (before.rose && !edge.fell);
-  net.fell = edge.fell ? !before.rose : before.fell && !edge.rose;
+  net.fell = before.fell || (edge.fell && !before.rose);
   auto without = [](const std::vector<engine::TermBinding>& all, const std::vector<engine::TermBinding>& gone,
                     std::vector<engine::TermBinding>* out) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const engine::TermBinding& key) {
@@ -158,9 +159,9 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
     });
   };
   without(before.appeared, edge.disappeared, &net.appeared);
-  without(edge.appeared, before.disappeared, &net.appeared);
+  net.appeared.insert(net.appeared.end(), edge.appeared.begin(), edge.appeared.end());
   without(edge.disappeared, before.appeared, &net.disappeared);
-  without(before.disappeared, edge.appeared, &net.disappeared);
+  net.disappeared.insert(net.disappeared.end(), before.disappeared.begin(), before.disappeared.end());
   std::sort(net.appeared.begin(), net.appeared.end());
   std::sort(net.disappeared.begin(), net.disappeared.end());
   before = std::move(net);

@@ -5,11 +5,13 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/diagnostic.h"
 #include "graph/base/source_texts.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/door/parsed_document.h"
+#include "kb_server/door/workflow_removal.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
@@ -25,7 +27,8 @@ using Fact = std::tuple<std::string, std::string, Term>;
 
 // What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not
 // there.
-std::set<Fact> Facts(const engine::Engine& engine, Document::Kind kind, const std::string& name) {
+std::set<Fact> Facts(const engine::Engine& engine, Document::Kind kind, const std::string& name,
+                     const DocumentVersions* versions = nullptr) {
   std::set<Fact> facts;
   const std::string type(kRdfType);
   const std::string label = Concat(kRdfsNs, "label");
@@ -47,6 +50,9 @@ std::set<Fact> Facts(const engine::Engine& engine, Document::Kind kind, const st
       facts.insert({iri, label, Term::Literal(name)});
       for (const cawl::Flow& flow : document->flows)
         facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
+      if (!engine.IsEnabled(name)) facts.insert({iri, DocentIri("disabled"), Term::Boolean(true)});
+      if (versions != nullptr && versions->live)
+        facts.insert({iri, DocentIri("versionNumber"), Term::Integer(versions->newest().number)});
     }
   }
   return facts;
@@ -82,6 +88,12 @@ absl::StatusOr<rsel::DocumentPtr> RselOf(const Document& document, const Limits&
   rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
   return std::move(parsed.document);
+}
+
+// A removal that leaves the workflow there: it is enabled or disabled.
+bool ChangesStarts(const Document& document) {
+  return document.kind == Document::Kind::kCawl && document.action == Document::Action::kRemove &&
+         (document.text == kRemovesStarts || document.text == kRemovesDisablement);
 }
 
 }  // namespace
@@ -120,25 +132,45 @@ absl::Status Documents::ApplyRules(const Document& document, rules::RuleTextOrig
   return texts.ToStatus(diagnostics);
 }
 
-absl::Status Documents::ApplyCawl(const Document& document, const DocumentStages& stages,
+// What is done to a workflow that is deployed.
+absl::Status Documents::ChangeCawl(const Document& document, Revision revision, engine::Engine* engine,
+                                   Operations* operations) {
+  const VersionHistory::Key key{document.kind, document.name};
+  if (engine->FindWorkflow(document.name) == nullptr) {
+    std::vector<std::string> names;
+    for (const cawl::DocumentPtr& workflow : engine->workflows()) names.push_back(workflow->name.value);
+    const std::string near = Nearest(document.name, names);
+    return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\"",
+                                            near.empty() ? "" : absl::StrCat("; did you mean ", near, "?")));
+  }
+  const std::set<Fact> before = Facts(*engine, document.kind, document.name, versions_.Find(key).get());
+  std::set<Fact> after;
+  if (ChangesStarts(document)) {
+    engine->SetEnabled(document.name, document.text == kRemovesDisablement);
+    after = Facts(*engine, document.kind, document.name, versions_.Find(key).get());
+  } else {
+    engine->Undeploy(document.name, document.text == kRemovesRuns);
+    versions_.Remove(key, revision);
+  }
+  Describe(before, after, operations);
+  return absl::OkStatus();
+}
+
+absl::Status Documents::ApplyCawl(const Document& document, Revision revision, const DocumentStages& stages,
                                   Operations* operations, std::string* name) {
   engine::Engine* engine = stages.engine;
-  if (document.action == Document::Action::kRemove) {
-    std::set<Fact> before = Facts(*engine, document.kind, document.name);
-    if (!engine->Undeploy(document.name)) {
-      return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\""));
-    }
-    Describe(before, {}, operations);
-    return absl::OkStatus();
-  }
+  if (!undo_versions_) undo_versions_ = versions_;
+  if (document.action == Document::Action::kRemove) return ChangeCawl(document, revision, engine, operations);
   const auto parsed = CawlOf(document, stages.limits);
   if (!parsed.ok()) return parsed.status();
   const Diagnostics unsupported = engine::Engine::CheckSupported(**parsed);
   if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
   *name = (*parsed)->name.value;
-  std::set<Fact> before = Facts(*engine, document.kind, *name);
+  const VersionHistory::Key key{document.kind, *name};
+  std::set<Fact> before = Facts(*engine, document.kind, *name, versions_.Find(key).get());
   if (absl::Status status = engine->Deploy(*parsed); !status.ok()) return status;
-  Describe(before, Facts(*engine, document.kind, *name), operations);
+  versions_.Put(key, (*parsed)->version.value, document.text, revision, stages.now_us);
+  Describe(before, Facts(*engine, document.kind, *name, versions_.Find(key).get()), operations);
   return absl::OkStatus();
 }
 
@@ -179,13 +211,14 @@ absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& ba
         size = stages.rules->rule_count(document.name);
         break;
       case Document::Kind::kCawl:
-        status = ApplyCawl(document, stages, &operations, &name);
+        status = ApplyCawl(document, revision, stages, &operations, &name);
         break;
       case Document::Kind::kRsel:
         status = ApplyRsel(document, stages, &operations, &name);
         break;
     }
     if (!status.ok()) return status;
+    if (ChangesStarts(document)) continue;
     if (document.action == Document::Action::kRemove) {
       entries_.erase({document.kind, name});
       continue;
@@ -209,9 +242,22 @@ absl::Status Documents::Restore(std::map<Key, Entry> entries, rules::RuleEngine*
   return absl::OkStatus();
 }
 
+void Documents::RestoreVersions(VersionHistory versions, const engine::Engine& engine) {
+  versions_ = std::move(versions);
+  for (const cawl::DocumentPtr& workflow : engine.workflows()) {
+    const Key key{Document::Kind::kCawl, workflow->name.value};
+    if (versions_.Find(key) != nullptr) continue;
+    const auto entry = entries_.find(key);
+    versions_.Put(key, workflow->version.value, workflow->source,
+                  entry == entries_.end() ? Revision() : entry->second.revision, 0);
+  }
+}
+
 void Documents::Rollback() {
   if (undo_) entries_ = *std::move(undo_);
   undo_.reset();
+  if (undo_versions_) versions_ = *std::move(undo_versions_);
+  undo_versions_.reset();
 }
 
 std::shared_ptr<const Catalog> Documents::MakeCatalog(const engine::Engine& engine) const {
@@ -224,9 +270,11 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const engine::Engine& engi
   }
   for (const cawl::DocumentPtr& document : engine.workflows()) {
     auto it = entries_.find({Document::Kind::kCawl, document->name.value});
+    if (!engine.IsEnabled(document->name.value)) catalog->disabled_workflows.insert(document->name.value);
     catalog->workflows.emplace_back(document, it == entries_.end() ? Revision() : it->second.revision);
   }
   catalog->services = engine.services();
+  catalog->versions = versions_;
   return catalog;
 }
 

@@ -28,6 +28,7 @@ struct DocumentStages {
   const GraphVersion& version;
   const Limits& limits;
   rules::RuleTextOrigin rule_origin;  // of all documents of the batch
+  TimeMicros now_us = 0;
 };
 
 class Documents {
@@ -38,7 +39,10 @@ class Documents {
   absl::StatusOr<std::vector<QuadOperation>> Apply(const WriteBatch& batch, Revision revision,
                                                    const DocumentStages& stages);
 
-  void Commit() { undo_.reset(); }
+  void Commit() {
+    undo_.reset();
+    undo_versions_.reset();
+  }
   void Rollback();
 
   using Key = std::pair<Document::Kind, std::string>;
@@ -51,6 +55,10 @@ class Documents {
   // What is there, for snapshots; and the same put back into a fresh object, whose rules are given to `rules`.
   const std::map<Key, Entry>& entries() const { return entries_; }
   absl::Status Restore(std::map<Key, Entry> entries, rules::RuleEngine* rules);
+  // Likewise the versions of documents. Of those that it lacks, which are of a state from before they were kept, the text that
+  // the engine has counts as the first; after the engine is restored.
+  const VersionHistory& versions() const { return versions_; }
+  void RestoreVersions(VersionHistory versions, const engine::Engine& engine);
 
   // The picture for people and clients.
   std::shared_ptr<const Catalog> MakeCatalog(const engine::Engine& engine) const;
@@ -59,13 +67,17 @@ class Documents {
   using Operations = std::vector<QuadOperation>;
   absl::Status ApplyOntology(const Document& document, const DocumentStages& stages, Operations* operations);
   absl::Status ApplyRules(const Document& document, rules::RuleTextOrigin origin, rules::RuleEngine* rules);
-  absl::Status ApplyCawl(const Document& document, const DocumentStages& stages, Operations* operations,
-                         std::string* name);
+  absl::Status ApplyCawl(const Document& document, Revision revision, const DocumentStages& stages,
+                         Operations* operations, std::string* name);
+  absl::Status ChangeCawl(const Document& document, Revision revision, engine::Engine* engine,
+                          Operations* operations);
   absl::Status ApplyRsel(const Document& document, const DocumentStages& stages, Operations* operations,
                          std::string* name);
 
   std::map<Key, Entry> entries_;
   std::optional<std::map<Key, Entry>> undo_;
+  VersionHistory versions_;
+  std::optional<VersionHistory> undo_versions_;
 };
 
 }  // namespace docent::server

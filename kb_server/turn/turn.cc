@@ -21,33 +21,64 @@ void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->commands), &result->record.commands);
   Append(std::move(output->cancels), &result->cancels);
   Append(std::move(output->started), &result->started);
+  Append(std::move(output->undeployed), &result->undeployed);
+}
+
+// Takes events out of the graph that are over or told again: conditions see them go before they come back.
+absl::StatusOr<Delta> WithdrawEvents(Stages* stages, const WriteBatch& batch, DeltaSum* sum) {
+  absl::StatusOr<Delta> delta = stages->events.Withdraw(batch, &stages->applier, &stages->writer);
+  if (delta->empty()) return delta;
+  delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);
+  if (!delta.ok()) return delta.status();
+  sum->Add(*delta);
+  auto changes = stages->standing_conditions.Update(stages->writer.current(), *delta, batch.time_us,
+                                                    stages->cancellation);
+  if (!changes.ok()) return changes.status();
+  stages->conditions.Take(*changes, batch.time_us);
+  return delta;
+}
+
+// What the stages behind the conditions see in the first round.
+Delta Both(const Delta& withdrawn, Delta delta) {
+  delta.added.insert(delta.added.end(), withdrawn.added.begin(), withdrawn.added.end());
+  delta.removed.insert(delta.removed.end(), withdrawn.removed.begin(), withdrawn.removed.end());
+  return delta;
 }
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
   // Without a cancellation the log is replayed, whose texts were accepted.
   const rules::RuleTextOrigin origin =
       stages->cancellation != nullptr ? rules::RuleTextOrigin::kNew : rules::RuleTextOrigin::kAccepted;
-  const DocumentStages documents{&stages->rules,           &stages->engine, stages->dictionary,
-                                 stages->writer.current(), stages->limits,  origin};
+  const DocumentStages documents{
+      &stages->rules, &stages->engine, stages->dictionary, stages->writer.current(),
+      stages->limits, origin,          batch.time_us};
   absl::StatusOr<std::vector<QuadOperation>> brought_about =
       stages->documents.Apply(batch, Revision(offset), documents);
   if (!brought_about.ok()) return brought_about.status();
   return stages->applier.Apply(batch, stages->writer, *brought_about);
 }
 
-absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
+absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, TurnResult* result) {
+  const std::optional<WriteBatch> named = stages->events.WithOwnNames(given, stages->applier, offset);
+  const WriteBatch& batch = named ? *named : given;
   for (const RunRequest& request : batch.run_requests) {
     if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
   }
 
+  const auto allow_steps = [stages] {
+    if (stages->cancellation != nullptr)
+      stages->cancellation->AllowSteps(stages->limits.StepsOfTurn(stages->writer.current().size()));
+  };
+  DeltaSum sum;
+  allow_steps();
+  const absl::StatusOr<Delta> withdrawn = WithdrawEvents(stages, batch, &sum);
+  if (!withdrawn.ok()) return withdrawn.status();
   absl::StatusOr<Delta> delta = ApplyToStore(stages, batch, offset);  // store
   if (!delta.ok()) return delta.status();
+  const std::vector<Quad>& told_events = stages->applier.told_events();
+  const Delta told_facts = told_events.empty() && stages->events.events().empty() ? Delta() : *delta;
+  allow_steps();
 
-  if (stages->cancellation != nullptr) {
-    stages->cancellation->AllowSteps(stages->limits.StepsOfTurn(stages->writer.current().size()));
-  }
-
-  DeltaSum sum;
   for (int round = 0;; ++round) {
     if (round == stages->limits.engine_rounds_per_turn) {
       return absl::ResourceExhaustedError(absl::StrCat(
@@ -62,6 +93,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     if (!delta.ok()) return delta.status();
     result->inferred += delta->size() - std::min(told, delta->size());
     sum.Add(*delta);
+    if (round == 0) stages->events.Take(told_events, told_facts, stages->writer.current(), offset);
 
     const GraphVersion& graph = stages->writer.current();
     auto changes = stages->standing_conditions.Update(graph, *delta, batch.time_us,
@@ -70,12 +102,16 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
 
-    stages->robots.Refresh(graph, *delta);
+    if (round == 0 && !withdrawn->empty())
+      stages->robots.Refresh(graph, Both(*withdrawn, *delta));
+    else
+      stages->robots.Refresh(graph, *delta);
     engine::EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);
     view.reports = round == 0 ? &batch.reports : nullptr;
     view.requests = round == 0 ? &batch.run_requests : nullptr;
+    view.events = round == 0 ? &stages->events.news() : nullptr;
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
     engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
@@ -93,6 +129,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     delta =
         stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
   }
+  stages->events.Settle(stages->engine.AwaitedEvents(), stages->writer.current(), batch.time_us);
   result->delta = sum.Net();
   result->addresses = stages->robots.AddressesIn(result->delta);
   return absl::OkStatus();
@@ -115,6 +152,7 @@ absl::Status Encode(const log::TurnRecord& record, const Limits& limits, std::st
 void Stages::Commit() {
   writer.Commit();
   applier.Commit();
+  events.Commit();
   rules.Commit();
   standing_conditions.Commit();
   conditions.Commit();
@@ -125,6 +163,7 @@ void Stages::Commit() {
 void Stages::Rollback() {
   writer.Rollback();
   applier.Rollback();
+  events.Rollback();
   rules.Rollback();
   conditions.Rollback();
   robots.Rollback();
@@ -136,7 +175,7 @@ void Stages::Rollback() {
 std::optional<TimeMicros> Stages::NextDeadline() const {
   std::optional<TimeMicros> next;
   for (const std::optional<TimeMicros>& due :
-       {applier.NextDeadline(), conditions.NextDeadline(), engine.NextDeadline()}) {
+       {applier.NextDeadline(), events.NextDeadline(), conditions.NextDeadline(), engine.NextDeadline()}) {
     if (due && (!next || *due < *next)) next = due;
   }
   return next;

@@ -22,6 +22,7 @@
 #include "kb_server/robots/robot_directory.h"
 #include "kb_server/turn/condition_port.h"
 #include "kb_server/turn/documents.h"
+#include "kb_server/turn/event_shelf.h"
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
@@ -29,7 +30,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "9";
+inline constexpr char kEngineVersion[] = "11";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
@@ -40,6 +41,7 @@ struct Stages {
         dictionary(*dictionary_in),
         writer(std::move(start)),
         applier(*dictionary_in, limits_in),
+        events(dictionary_in),
         rules(*dictionary_in, limits_in, functions),
         standing_conditions(*dictionary_in, functions),
         conditions(dictionary_in, &standing_conditions),
@@ -50,6 +52,7 @@ struct Stages {
   Dictionary& dictionary;
   GraphWriter writer;
   BatchApplier applier;
+  EventShelf events;
   rules::RuleEngine rules;
   conditions::StandingConditions standing_conditions;
   ConditionPort conditions;
@@ -76,6 +79,7 @@ struct TurnResult {
   std::vector<CommandId> cancels;         // commands to be ended
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
   std::vector<RunId> started;             // by the batch's run requests
+  std::vector<RunId> undeployed;          // cancelled with their workflow
   bool documents_changed = false;
 };
 

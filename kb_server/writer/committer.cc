@@ -191,6 +191,7 @@ void Committer::Send(const TurnResult& result) {
 
 void Committer::Tell(DecidedTurn* turn) {
   counters_.commands += turn->result.record.commands.size();
+  counters_.firings_ignored += IgnoredFirings(turn->result.record);
   counters_.inferred += turn->result.inferred;
   ports_.feed->Publish(EventsOf(turn->result.record));
   turn->done(turn->outcome);

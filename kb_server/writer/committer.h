@@ -53,6 +53,7 @@ struct WriterCounters {
   std::atomic<uint64_t> conditions{0};
   std::atomic<uint64_t> inferred{0};
   std::atomic<uint64_t> live_runs{0};
+  std::atomic<uint64_t> firings_ignored{0};
 };
 
 struct DecidedTurn {  // `result.version`: only where somebody follows queries, who is to see each turn

@@ -1,10 +1,12 @@
 #include "kb_server/writer/run_events.h"
 
+#include <algorithm>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "graph/rdf/docent_iris.h"
+#include "workflow/engine/ports.h"
 
 namespace docent::server {
 namespace {
@@ -17,6 +19,11 @@ RunEvent NewEvent(const log::TurnRecord& record, const std::string& subject) {
   event.time_us = record.time_us;
   event.run = parts[0];
   if (parts.size() > 1) event.node = NameOfSegment(parts[1]);
+  if (event.run == engine::kActivatorSubject && parts.size() == 2) {  // node: the workflow
+    event.run.clear();
+    event.kind = "activator";
+    return event;
+  }
   event.kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
   return event;
 }
@@ -49,6 +56,15 @@ std::vector<RunEvent> EventsOf(const log::TurnRecord& record) {
     event.detail = log::ToDisplay(command);
   }
   return events;
+}
+
+uint64_t IgnoredFirings(const log::TurnRecord& record) {
+  const std::string begin = absl::StrCat(engine::kActivatorSubject, "/");
+  return static_cast<uint64_t>(
+      std::count_if(record.transitions.begin(), record.transitions.end(), [&](const Transition& transition) {
+        return transition.subject.starts_with(begin) &&
+               (transition.to == "ignored" || transition.to == "failed");
+      }));
 }
 
 }  // namespace docent::server

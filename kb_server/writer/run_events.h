@@ -2,6 +2,7 @@
 #ifndef DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
 #define DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "graph/log/turn_record.h"
@@ -11,6 +12,9 @@ namespace docent::server {
 
 // In the order in which they happened in the turn.
 std::vector<RunEvent> EventsOf(const log::TurnRecord& record);
+
+// How many firings of activators started no run in the turn.
+uint64_t IgnoredFirings(const log::TurnRecord& record);
 
 }  // namespace docent::server
 

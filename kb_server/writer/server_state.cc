@@ -23,7 +23,7 @@ void Fields(Archive& a, BatchOutcome& o) {
 namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
-constexpr uint64_t kStateFormat = 5;
+constexpr uint64_t kStateFormat = 7;
 constexpr uint64_t kOldestStateFormat = 4;  // that can be read
 // About what they take there: where it is enough, the bytes need not move when they become more.
 constexpr size_t kBytesATerm = 16;
@@ -153,6 +153,34 @@ bool ReadLifetimes(ByteReader* in, const TermMap& map, BatchApplier* applier) {
   return true;
 }
 
+void WriteEvents(const EventShelf::Events& events, ByteWriter* out) {
+  out->Varint(events.size());
+  Words before{};
+  for (const auto& [id, event] : events) {
+    (*out)(id.bits(), event.told, event.waits, event.facts.size());
+    for (const Quad& quad : event.facts) WriteQuad(quad, &before, out);
+  }
+}
+
+bool ReadEvents(ByteReader* in, const TermMap& map, EventShelf::Events* events) {
+  Words before{};
+  for (size_t left = in->Count(); left > 0; --left) {
+    uint64_t id = 0;
+    size_t facts = 0;
+    EventShelf::Event event;
+    (*in)(id, event.told, event.waits, facts);
+    for (; facts > 0; --facts) {
+      const std::optional<Quad> quad = ReadQuad(in, map, &before);
+      if (!quad) return false;
+      event.facts.insert(*quad);
+    }
+    const TermId known = map(TermId(id));
+    if (known.IsNone() || !in->ok()) return false;
+    events->emplace(known, std::move(event));
+  }
+  return true;
+}
+
 constexpr uint64_t kNoFingerprint = 0;  // of a text; nothing reads it, but the format has it
 
 void WriteDocuments(const std::map<Documents::Key, Documents::Entry>& documents, ByteWriter* out) {
@@ -171,6 +199,35 @@ bool ReadDocuments(ByteReader* in, std::map<Documents::Key, Documents::Entry>* d
     (*in)(key, entry.size, fingerprint, entry.revision);
     entry.text = std::make_shared<const std::string>(in->Text());
     (*documents)[key] = std::move(entry);
+  }
+  return in->ok();
+}
+
+void WriteVersions(const VersionHistory& versions, ByteWriter* out) {
+  out->Varint(versions.all().size());
+  for (const auto& [key, document] : versions.all()) {
+    (*out)(key, document->live, document->removed);
+    out->Varint(document->kept.size());
+    for (const DocumentVersionPtr& version : document->kept) {
+      (*out)(version->number, version->own_version, version->revision, version->time_us);
+      out->Text(version->text);
+    }
+  }
+}
+
+bool ReadVersions(ByteReader* in, VersionHistory* versions) {
+  for (size_t left = in->Count(); left > 0 && in->ok(); --left) {
+    VersionHistory::Key key;
+    DocumentVersions document;
+    (*in)(key, document.live, document.removed);
+    for (size_t texts = in->Count(); texts > 0 && in->ok(); --texts) {
+      auto version = std::make_shared<DocumentVersion>();
+      (*in)(version->number, version->own_version, version->revision, version->time_us);
+      version->text = in->Text();
+      document.kept.push_back(std::move(version));
+    }
+    if (document.kept.empty()) return false;
+    versions->Restore(key, std::move(document));
   }
   return in->ok();
 }
@@ -273,7 +330,9 @@ ServerState TakeState(const Stages& stages, const RequestMemory& requests, Graph
   state.graph = std::move(graph);
   state.terms = stages.dictionary.size();
   state.lifetimes = stages.applier.Lifetimes();
+  state.events = stages.events.events();
   state.documents = stages.documents.entries();
+  state.versions = stages.documents.versions();
   state.engine = stages.engine.Save();
   state.times = stages.conditions.Times();
   state.requests = requests.All();
@@ -293,6 +352,8 @@ absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictiona
   out.Text(*engine);
   WriteTimes(state.times, &out);
   WriteRequests(state.requests, &out);
+  WriteEvents(state.events, &out);
+  WriteVersions(state.versions, &out);
   return out.Take();
 }
 
@@ -320,7 +381,16 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   const std::string_view engine = in.Text();
   std::vector<LastingSince> times;
   if (!ReadTimes(&in, &times)) return Damaged("times of conditions");
-  if (!ReadRequests(&in, &restored.requests) || !in.AtEnd()) return Damaged("request ids");
+  if (!ReadRequests(&in, &restored.requests)) return Damaged("request ids");
+  EventShelf::Events events;
+  if (format >= 6 && !ReadEvents(&in, map, &events)) return Damaged("events");
+  VersionHistory versions;
+  if (format >= 7 && !ReadVersions(&in, &versions)) return Damaged("versions of documents");
+  if (!in.AtEnd()) return Damaged("end");
+  if (format >= 6)
+    stages.events.Restore(std::move(events), restored.time_us);
+  else
+    stages.events.Adopt(stages.writer.current(), restored.time_us);
 
   absl::Status status = stages.documents.Restore(std::move(documents), &stages.rules);
   if (!status.ok()) return status;
@@ -328,6 +398,7 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   if (engine_version == kEngineVersion) stages.rules.Adopt();
   status = RestoreEngine(engine, times, restored.time_us, limits, &stages);
   if (!status.ok()) return status;
+  stages.documents.RestoreVersions(std::move(versions), stages.engine);
   stages.Commit();
   stages.writer.Freeze(Revision(restored.offset));
   return restored;

@@ -29,7 +29,9 @@ struct ServerState {
   GraphVersionPtr graph;
   uint64_t terms = 0;  // entries of the dictionary that it may use
   std::vector<std::pair<TimeMicros, Quad>> lifetimes;
+  EventShelf::Events events;
   std::map<Documents::Key, Documents::Entry> documents;
+  VersionHistory versions;  // of documents
   engine::EngineState engine;
   std::vector<LastingSince> times;  // of conditions that must have held for some time
   std::vector<RememberedRequestPtr> requests;

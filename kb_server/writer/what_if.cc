@@ -113,6 +113,7 @@ StagesCopy CopyStages(Stages* stages, Revision revision) {
   copy.conditions = stages->conditions.Requests();
   copy.times = stages->conditions.Times();
   copy.engine = stages->engine.Save();
+  copy.events = stages->events.events();
   return copy;
 }
 
@@ -128,6 +129,7 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   }
   stages.rules.Adopt();
   stages.engine.Restore(copy.engine);
+  stages.events.Restore(copy.events, batch.time_us);
   absl::Status armed =
       stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us, cancellation);
   if (!armed.ok()) return armed;

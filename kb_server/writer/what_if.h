@@ -23,6 +23,7 @@ struct StagesCopy {
   std::vector<engine::ConditionRequest> conditions;
   std::vector<LastingSince> times;  // of those that must have held for some time
   engine::EngineState engine;
+  EventShelf::Events events;
 };
 
 // The state after the turn that ran last. On the writer's thread, between two turns.

@@ -39,6 +39,7 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
   outcome.removed = result.delta.removed.size();
   outcome.inferred = result.inferred;
   outcome.started = result.started;
+  outcome.cancelled_runs = result.undeployed.size();
   return outcome;
 }
 

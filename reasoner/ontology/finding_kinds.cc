@@ -55,6 +55,9 @@ const std::vector<FindingKind>& FindingKinds() {
        "The nodes of a loop have neither a condition nor an invoke. While the condition of the link that "
        "leads back holds, the loop goes round until the limit node_iterations.",
        "Give a node of the loop a condition that waits for what is to come."},
+      {"max-without-effect", "warning", "CAWL",
+       "An activator has ext:max with a mode that gives each key one run at a time: single or restart.",
+       "Leave the max out, or use another mode."},
       {"missing-comment", "warning", "RDF", "A class or property has a label but no rdfs:comment.",
        "Add an rdfs:comment that says what it means and when it holds."},
       {"missing-label", "warning", "RDF", "A class or property has no rdfs:label.",

@@ -25,6 +25,7 @@ CompiledAsk Written(AskWriter writer, std::string name, int priority) {
   out.free_variables = writer.free_variables();
   out.unset = writer.unset();
   out.event_variables = writer.event_variables();
+  out.joint_events = writer.joint_events();
   return out;
 }
 
@@ -143,6 +144,19 @@ absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask) {
     if (status.ok()) status = Parse(part.ask, limits, &part.query);
   }
   return status;
+}
+
+bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b) {
+  const auto query = [](std::string_view text) {  // without what AddLasting notes for people
+    while (text.starts_with("#")) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    return text;
+  };
+  return query(a.ask) == query(b.ask) && a.priority == b.priority && a.free_variables == b.free_variables &&
+         a.event_variables == b.event_variables &&
+         std::equal(a.lasting.begin(), a.lasting.end(), b.lasting.begin(), b.lasting.end(),
+                    [](const LastingAsk& x, const LastingAsk& y) {
+                      return x.ask == y.ask && x.variables == y.variables && x.at_least_ms == y.at_least_ms;
+                    });
 }
 
 std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask) {

@@ -54,6 +54,8 @@ struct CompiledAsk {
   // that appears in a turn during which the condition is awaited opens it. What was told before does not count,
   // though it may complete an `and`. Arm the condition with these as key variables and look at what appeared.
   std::vector<std::string> event_variables;
+  // Operations of those events that are needed together with others: one of them that is told first has to wait.
+  std::vector<std::string> joint_events;
   // A solution counts only while, for each of these, its part of the solution has held for so long without a break.
   std::vector<LastingAsk> lasting;
 
@@ -79,6 +81,9 @@ absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Co
 // Sets the queries of what was compiled. INVALID_ARGUMENT: SPARQL does not take a text; what is armed must not come to
 // that. Apart from compiling, because most texts are compared and thrown away.
 absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask);
+
+// Whether two alternatives hold for the same reasons, whatever they are called.
+bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b);
 
 // The variables of which each new binding starts a run: those of the activator's own variables that `ask` binds; all
 // of ask.free_variables if it declares none; ask.event_variables in front when there are any.

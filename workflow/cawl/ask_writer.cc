@@ -102,7 +102,10 @@ absl::Status AskWriter::WriteAlternatives(const std::vector<Conjunction>& altern
 absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int indent, bool negated,
                                          std::string* out) {
   Group group;
-  for (const Event* event : conjunction.events) AddEvent(*event, negated, &group);
+  for (const Event* event : conjunction.events) {
+    AddEvent(*event, negated, &group);
+    if (!negated && conjunction.events.size() > 1) Note(event->operation.value, &joint_events_);
+  }
   for (const Constraint* constraint : conjunction.constraints) {
     absl::Status status = AddConstraint(*constraint, negated, &group);
     if (status.ok()) status = CheckLength(out->size() + group.bytes);

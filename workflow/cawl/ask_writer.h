@@ -29,6 +29,7 @@ class AskWriter {
   const std::vector<std::string>& free_variables() const { return free_variables_; }
   const std::vector<std::string>& unset() const { return unset_; }
   const std::vector<std::string>& event_variables() const { return event_variables_; }
+  const std::vector<std::string>& joint_events() const { return joint_events_; }
 
  private:
   // A group's triples and filters before they are laid out; a line each.
@@ -68,7 +69,7 @@ class AskWriter {
   std::map<const Constraint*, int> compared_;  // number of the ?_N that stands for a compared object
   std::map<const Event*, int> events_;
   std::string body_;
-  std::vector<std::string> free_variables_, unset_, event_variables_;
+  std::vector<std::string> free_variables_, unset_, event_variables_, joint_events_;
 };
 
 }  // namespace docent::cawl

@@ -31,7 +31,7 @@ namespace docent::cawl {
 
 using xml::Text;
 
-// Docent's extensions: timeout, retry, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for.
+// Docent's extensions: timeout, retry, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
 // <part name="booth" type="docent:Booth" element="…"/>
@@ -249,7 +249,15 @@ struct Flow {
   SourceSpan span;
 };
 
-// <activator name="OnChoice"> message* variable* <activate flow="BoothGuide"/> condition </activator>
+// ext:mode of an activator: what becomes of a firing while runs of the same key are live, or firings wait.
+//   kSingle    ignored
+//   kQueued    waits until they have ended; ignored where ext:max wait already
+//   kRestart   they are cancelled
+//   kParallel  another run starts; ignored where ext:max are live already. The default
+// The key of a firing is what its binding gives to the key variables, without the events.
+enum class ActivatorMode : uint8_t { kParallel, kSingle, kQueued, kRestart };
+
+// <activator name="OnChoice" ext:mode="queued" ext:max="5"> message* variable* <activate flow="BoothGuide"/> condition </activator>
 // One run of the flow for each new binding of the key variables: those of the activator's own variables that the
 // condition binds; if it declares none, all that the condition binds (see KeyVariables in ask_compiler.h).
 struct Activator {
@@ -257,6 +265,10 @@ struct Activator {
   std::vector<Message> messages;
   std::vector<Variable> variables;
   Text flow;
+  Text mode_text;
+  ActivatorMode mode = ActivatorMode::kParallel;
+  Text max_text;
+  std::optional<int> max;  // ext:max; from 1
   Condition condition;
   SourceSpan span;
 };

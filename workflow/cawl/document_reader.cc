@@ -7,6 +7,7 @@
 #include "graph/base/text.h"
 #include "workflow/cawl/condition_reader.h"
 #include "workflow/cawl/flow_order.h"
+#include "workflow/cawl/mode_reader.h"
 #include "workflow/cawl/word_reader.h"
 
 namespace docent::cawl {
@@ -149,8 +150,9 @@ class DocumentReader {
   Activator ReadActivator(const xml::Element& element) {
     Activator out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name"});
+    reader_.CheckAttributes(element, {"name"}, {"mode", "max"});
     out.name = reader_.OptionalName(element, "name");
+    ReadMode(element, &reader_, &out);
     bool has_condition = false;
     int activates = 0;
     reader_.ReadChildren(

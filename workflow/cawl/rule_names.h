@@ -8,6 +8,7 @@ namespace docent::cawl {
 inline constexpr char kActivatorNeverRises[] = "activator-never-rises";
 inline constexpr char kAlwaysTrue[] = "always-true-condition";
 inline constexpr char kLoopWithoutWait[] = "loop-without-wait";
+inline constexpr char kMaxWithoutEffect[] = "max-without-effect";
 inline constexpr char kNoWayToSink[] = "no-way-to-sink";
 inline constexpr char kRobotRace[] = "robot-race";
 inline constexpr char kTimeoutWithoutEffect[] = "timeout-without-effect";

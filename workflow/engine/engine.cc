@@ -8,6 +8,7 @@
 #include "graph/base/overload.h"
 #include "graph/rdf/docent_iris.h"
 #include "workflow/cawl/symbol_table.h"
+#include "workflow/engine/activator_modes.h"
 #include "workflow/engine/engine_core.h"
 #include "workflow/engine/robot_facts.h"
 #include "workflow/engine/run_facts.h"
@@ -17,12 +18,6 @@
 
 namespace docent::engine {
 namespace {
-
-std::string KeyOf(const TermBinding& binding) {
-  return absl::StrJoin(binding, " ", [](std::string* out, const auto& pair) {
-    absl::StrAppend(out, pair.first, "=", ToNTriples(pair.second));
-  });
-}
 
 // Sets what has no value yet.
 void Initialise(const cawl::Scope& scope, TermBinding* values) {
@@ -82,6 +77,7 @@ ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std:
                                   ConditionOwner owner) {
   ConditionHandle handle = next_handle++;
   owners.emplace(handle, std::move(owner));
+  event_waits.Arm(handle, ask);
   output->arm.push_back(RequestOf(handle, ask, std::move(key_variables)));
   return handle;
 }
@@ -97,6 +93,7 @@ void Engine::Core::Keep(KeptRun run) {
 
 void Engine::Core::Disarm(ConditionHandle handle) {
   owners.erase(handle);
+  event_waits.Disarm(handle);
   // armed and disarmed within one Step: nobody needs to hear of it
   auto it = std::find_if(output->arm.begin(), output->arm.end(),
                          [&](const ConditionRequest& request) { return request.handle == handle; });
@@ -173,9 +170,13 @@ void Engine::Core::RebuildDerived() {
   timers.clear();
   ledger.ClearDerived();
   waiting.Clear();
+  event_waits.ClearDerived();
   trees.clear();
   for (const auto& [name, deployment] : deployments) {
-    for (const ArmedCondition& armed : deployment.armed) owners[armed.handle] = {RunId(), 0, name};
+    for (const ArmedCondition& armed : deployment.armed) {
+      owners[armed.handle] = {RunId(), 0, name};
+      event_waits.Arm(armed.handle, armed.ask);
+    }
   }
   for (auto& [id, run] : runs) {
     run.root = RootOf(run);
@@ -184,7 +185,11 @@ void Engine::Core::RebuildDerived() {
     if (run.timer_us) timers.insert({*run.timer_us, id});
     for (const RobotId& robot : run.robots) ledger.Hold(robot, RootOf(run));
     for (size_t n = 0; n < run.nodes.size(); ++n) {
-      for (const ArmedCondition& armed : run.nodes[n].armed) owners[armed.handle] = {id, n, ""};
+      for (const ArmedCondition& armed : run.nodes[n].armed) {
+        owners[armed.handle] = {id, n, ""};
+        event_waits.Arm(armed.handle, armed.ask);
+        event_waits.SetHolds(armed.handle, !armed.waiting_events.empty());
+      }
       for (const std::optional<Guard>* guard : {&run.nodes[n].guard, &run.nodes[n].hold}) {
         if (*guard && (*guard)->armed.handle != 0) owners[(*guard)->armed.handle] = {id, n, ""};
       }
@@ -220,46 +225,6 @@ Diagnostics Engine::CheckSupported(const cawl::Document& document) {
   return diagnostics;
 }
 
-absl::Status Engine::Deploy(cawl::DocumentPtr document) {
-  std::vector<cawl::CompiledAsk> asks;
-  if (document->activator) {
-    auto compiled = cawl::CompileCondition(
-        *document, document->activator->condition, [](const std::string&) { return std::nullopt; },
-        core_->limits);
-    if (!compiled.ok()) return compiled.status();
-    asks = *std::move(compiled);
-    for (cawl::CompiledAsk& ask : asks) {
-      if (absl::Status status = cawl::ParseAsks(core_->limits, &ask); !status.ok()) return status;
-    }
-  }
-  Deployment& deployment = core_->MutableDeployment(document->name.value);
-  for (const ArmedCondition& armed : deployment.armed) {
-    core_->owners.erase(armed.handle);
-    core_->deploy_disarm.push_back(armed.handle);
-  }
-  Deployment fresh;
-  fresh.document = document;
-  for (const auto& [key, count] : deployment.active) fresh.carried.insert(key);
-  for (cawl::CompiledAsk& ask : asks) {
-    ConditionHandle handle = core_->next_handle++;
-    core_->owners[handle] = {RunId(), 0, document->name.value};
-    core_->deploy_arm.push_back(RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
-    fresh.armed.push_back(Armed(handle, std::move(ask)));
-  }
-  deployment = std::move(fresh);
-  return absl::OkStatus();
-}
-
-bool Engine::Undeploy(const std::string& workflow) {
-  if (core_->deployments.count(workflow) == 0) return false;
-  for (const ArmedCondition& armed : core_->MutableDeployment(workflow).armed) {
-    core_->owners.erase(armed.handle);
-    core_->deploy_disarm.push_back(armed.handle);
-  }
-  core_->deployments.erase(workflow);
-  return true;
-}
-
 Diagnostics Engine::PutServices(rsel::DocumentPtr document) {
   if (!core_->undo_services) core_->undo_services = core_->services;
   core_->services_changed = true;
@@ -279,7 +244,12 @@ absl::Status Engine::CheckRequest(const RunRequest& request) const {
   }
   switch (request.kind) {
     case RunRequest::Kind::kStart:
-      if (core_->FindFlow(nullptr, request.target)) return absl::OkStatus();
+      if (const auto flow = core_->FindFlow(nullptr, request.target)) {
+        const std::string& workflow = flow->first->name.value;
+        if (IsEnabled(workflow)) return absl::OkStatus();
+        return absl::FailedPreconditionError(absl::StrCat(
+            "workflow ", workflow, " is disabled; `docent workflows enable` lets it start runs"));
+      }
       return absl::NotFoundError(absl::StrCat("no workflow \"", request.target, "\" is deployed"));
     case RunRequest::Kind::kCancel:
       if (core_->runs.count(RunId(request.target)) > 0) return absl::OkStatus();
@@ -361,42 +331,12 @@ void TakeReports(Engine::Core* core) {
   }
 }
 
-// A binding of an activator's key variables appeared: a run starts.
-void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
-  Deployment& deployment = core->deployments.at(workflow);
-  // a condition without free variables has one binding, the empty one
-  std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
-  if (edge.rose && appeared.empty()) appeared.emplace_back();
-  if (edge.fell && disappeared.empty()) disappeared.emplace_back();
-  for (const TermBinding& key : disappeared) core->AddActive(workflow, KeyOf(key), -1);
-  for (const TermBinding& key : appeared) {
-    std::string text = KeyOf(key);
-    if (core->AddActive(workflow, text, 1) > 0 || deployment.carried.erase(text) > 0) continue;
-    if (core->runs.size() >= core->limits.runs_live) {
-      core->Say(
-          workflow, "", "failed",
-          absl::StrCat("no run was started for ", text, ": the limit runs_live is ", core->limits.runs_live));
-      continue;
-    }
-    TermBinding variables = key;
-    auto solutions = core->input->conditions->Solutions(edge.handle, key, 1);
-    if (solutions.ok() && !solutions->empty())
-      variables.insert(solutions->front().begin(), solutions->front().end());
-    auto flow = core->FindFlow(deployment.document, deployment.document->activator->flow.value);
-    if (!flow) continue;
-    std::string evidence = core->input->conditions->Evidence(edge.handle, variables);
-    std::replace(evidence.begin(), evidence.end(), '\n', ' ');
-    core->Start(flow->first, flow->second, std::move(variables),
-                absl::StrCat("activator ", deployment.document->activator->name.value, ": ", evidence),
-                nullptr);
-  }
-}
-
 void TakeEdges(Engine::Core* core) {
   for (const ConditionEdge& edge : core->input->conditions->edges()) {
     auto it = core->owners.find(edge.handle);
     if (it == core->owners.end()) continue;
     core->edges[edge.handle] = &edge;
+    for (const TermBinding& match : edge.appeared) core->event_waits.Used(edge.handle, match);
     if (it->second.run.empty()) {
       std::string workflow = it->second.workflow;
       Activate(core, workflow, edge);
@@ -445,17 +385,25 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->changed_robots.clear();
   std::swap(output.arm, core_->deploy_arm);
   std::swap(output.disarm, core_->deploy_disarm);
+  for (const RunId& run : std::exchange(core_->deploy_cancel, {})) {
+    if (core_->runs.contains(run)) output.undeployed.push_back(run);
+    core_->Cancel(run, "its workflow was undeployed");
+  }
   if (input.requests != nullptr) TakeRequests(core_.get());
   if (input.reports != nullptr) TakeReports(core_.get());
+  if (input.events != nullptr) core_->event_waits.Take(*input.events);
   for (const auto& [deadline, run] : core_->timers) {
     if (deadline > input.now_us) break;
     core_->touched.insert(run);
   }
   TakeEdges(core_.get());
+  for (const std::string& workflow : std::exchange(core_->deploy_enabled, {}))
+    StartHeldBack(core_.get(), workflow);
   if (input.robots->changed() || core_->services_changed) ReconsiderWaiting(core_.get());
   core_->services_changed = false;
   AdvanceAll(core_.get());
   TellChanges(core_.get());
+  core_->activations.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
   core_->edges.clear();
   core_->input = nullptr;
   core_->output = nullptr;
@@ -483,6 +431,8 @@ void Engine::Commit() {
   core_->undo_services.reset();
   core_->undo_robot_facts.clear();
   core_->ledger.Commit();
+  core_->event_waits.Commit();
+  core_->activations.Commit();
   core_->undo_kept.clear();
   core_->kept_new = 0;
   core_->rounds.clear();
@@ -493,7 +443,8 @@ void Engine::Commit() {
 void Engine::Rollback() {
   bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
                    core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
-                   core_->undo_robot_facts.empty();
+                   core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&
+                   !core_->activations.changed();
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -520,6 +471,8 @@ void Engine::Rollback() {
   core_->next_run = core_->committed_run;
   core_->deploy_arm.clear();
   core_->deploy_disarm.clear();
+  core_->deploy_enabled.clear();
+  core_->deploy_cancel.clear();
   core_->awaiting.clear();
   core_->kept.erase(core_->kept.end() - core_->kept_new, core_->kept.end());
   core_->kept.insert(core_->kept.begin(), core_->undo_kept.begin(), core_->undo_kept.end());
@@ -530,8 +483,28 @@ void Engine::Rollback() {
       core_->robot_facts.erase(robot);
   }
   core_->ledger.Rollback();
+  core_->event_waits.Rollback();
+  core_->activations.Rollback();
   core_->RebuildDerived();
   Commit();
+}
+
+std::set<Term> Engine::AwaitedEvents() const {
+  std::set<Term> awaited;
+  for (const auto& [handle, events] : core_->event_waits.joint())
+    awaited.insert(events.begin(), events.end());
+  for (const ConditionHandle handle : core_->event_waits.holders()) {
+    const ConditionOwner& owner = core_->owners.at(handle);
+    for (const ArmedCondition& armed : core_->runs.at(owner.run).nodes[owner.node].armed) {
+      if (armed.handle != handle) continue;
+      for (const TermBinding& match : armed.waiting_events) {
+        for (const std::string& name : armed.ask.event_variables) {
+          if (const auto event = match.find(name); event != match.end()) awaited.insert(event->second);
+        }
+      }
+    }
+  }
+  return awaited;
 }
 
 std::optional<TimeMicros> Engine::NextDeadline() const {

@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct EngineInput {
   Revision revision;  // of the version that the turn makes
   const std::vector<CommandReport>* reports = nullptr;
   const std::vector<RunRequest>* requests = nullptr;
+  const EventNews* events = nullptr;  // in the first round; null: none
   const ConditionView* conditions = nullptr;
   const RobotDirectory* robots = nullptr;
 };
@@ -65,8 +67,12 @@ class Engine {
   // and whose bindings that already started a run do not start another. `document` is correct
   // (cawl::ParseCawl). INVALID_ARGUMENT: the activator's condition can never be asked; nothing has changed.
   absl::Status Deploy(cawl::DocumentPtr document);
-  // False: no such workflow. Live runs go on.
-  bool Undeploy(const std::string& workflow);
+  // False: no such workflow. Live runs go on, or are cancelled with the next Step. Firings that wait are dropped.
+  bool Undeploy(const std::string& workflow, bool cancel_runs = false);
+  // False: no such workflow. A disabled one starts no run, neither by its activator nor on request; what its activator's
+  // condition has gained meanwhile and still has starts its runs when it is enabled. It stays so when it is deployed again.
+  bool SetEnabled(const std::string& workflow, bool enabled);
+  bool IsEnabled(const std::string& workflow) const;
   // Registers robot services; with errors nothing changed.
   Diagnostics PutServices(rsel::DocumentPtr document);
   absl::Status RemoveServices(const std::string& document);
@@ -87,6 +93,9 @@ class Engine {
   void Restore(EngineState state);
   // Whose condition that is, for people: "run BoothGuide-1, node Move2Booth", "activator of BoothGuide"; empty: nobody's.
   std::string PlaceOf(ConditionHandle handle) const;
+
+  // The events with which a condition waits: for a robot that is busy, or for other events that it needs, too.
+  std::set<Term> AwaitedEvents() const;
 
   // When a clock tick is needed, if ever.
   std::optional<TimeMicros> NextDeadline() const;

@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "workflow/engine/activations.h"
 #include "workflow/engine/engine.h"
+#include "workflow/engine/event_waits.h"
 #include "workflow/engine/robot_ledger.h"
 #include "workflow/engine/run_state.h"
 #include "workflow/engine/run_terms.h"
@@ -27,11 +29,20 @@ struct ConditionOwner {
   std::string workflow;
 };
 
+// A binding of an activator's key variables that has yet to start its run.
+struct HeldBackStart {
+  ConditionHandle handle = 0;
+  TermBinding key;
+};
+
 struct Deployment {
   cawl::DocumentPtr document;
   std::vector<ArmedCondition> armed;  // the activator's alternatives
   std::map<std::string, int> active;  // key binding → number of alternatives that give it
   std::set<std::string> carried;      // of the version before: start no second run
+  // Bindings that appeared while the workflow started no runs and still hold: they start their runs when it does again.
+  std::map<std::string, HeldBackStart> held_back;
+  bool disabled = false;
 };
 
 // How a compiled condition is asked for.
@@ -71,6 +82,8 @@ struct Engine::Core {
   std::set<std::pair<TimeMicros, RunId>> timers;
   RobotLedger ledger;  // its ending commands are state
   WaitingRoom waiting;
+  Activations activations;
+  EventWaits event_waits;  // the events that conditions have of those that they need are state
   std::map<RunId, std::set<RunId>> trees;   // live runs, by root
   std::map<RobotId, FactsPtr> robot_facts;  // as last told to the graph
 
@@ -104,6 +117,8 @@ struct Engine::Core {
   // Output of Deploy and Undeploy, told with the next Step.
   std::vector<ConditionRequest> deploy_arm;
   std::vector<ConditionHandle> deploy_disarm;
+  std::vector<std::string> deploy_enabled;  // workflows
+  std::vector<RunId> deploy_cancel;         // runs of workflows that were undeployed
 
   // The run to be changed; journals it first. Null if it is not live.
   Run* Mutable(const RunId& id);
@@ -127,6 +142,8 @@ struct Engine::Core {
   // What the graph is told of a run that ended stays there until limits.runs_kept others have ended.
   void Keep(KeptRun run);
   void Disarm(ConditionHandle handle);
+  // The same between Steps, for an activator's condition.
+  void DisarmDeployed(ConditionHandle handle);
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
 
   // Robots that can take this plan for `self` now, in term order: online, offering all of its operations, in service, free

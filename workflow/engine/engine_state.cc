@@ -63,6 +63,23 @@ void Fields(Archive& a, ReplacedValue& value) {
   a(value.given, value.before);
 }
 
+template <class Archive>
+void Fields(Archive& a, Activations::Firing& firing) {
+  a(firing.variables, firing.cause);
+}
+template <class Archive>
+void Fields(Archive& a, Activations::Key& key) {
+  a(key.live, key.waiting);
+}
+template <class Archive>
+void Fields(Archive& a, Activations::State& state) {
+  a(state.keys, state.ignored);
+}
+template <class Archive>
+void Fields(Archive& a, HeldBackStart& start) {
+  a(start.handle, start.key);
+}
+
 namespace {
 
 // A workflow's document: its text, or the robot service of which it is the workflow.
@@ -90,6 +107,8 @@ struct PackedDeployment {
   uint64_t document = 0;
   std::vector<ArmedCondition> armed;
   std::map<std::string, int> active;
+  std::map<std::string, HeldBackStart> held_back;
+  bool disabled = false;
 };
 struct Packed {
   std::vector<DocumentText> documents;
@@ -100,6 +119,8 @@ struct Packed {
   std::vector<std::pair<std::string, std::string>> services;  // file, text
   uint64_t services_version = 0;
   std::vector<EndingCommand> ending;
+  EventWaits::Joint joint_events;
+  Activations::State activations;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };
@@ -201,6 +222,27 @@ void AddedFields(Archive& a, Packed& p) {
     }
   }
   List(a, p.ending);
+}
+
+// What format 6 added.
+template <class Archive>
+void AddedIn6(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    for (PackedNode& node : run.nodes) {
+      for (ArmedCondition& armed : node.state.armed) a(armed.ask.joint_events);
+    }
+  }
+  for (auto& [name, deployment] : p.deployments) {
+    for (ArmedCondition& armed : deployment.armed) a(armed.ask.joint_events);
+  }
+  a(p.joint_events);
+}
+
+// What format 7 added.
+template <class Archive>
+void AddedIn7(Archive& a, Packed& p) {
+  for (auto& [name, deployment] : p.deployments) a(deployment.held_back, deployment.disabled);
+  a(p.activations);
 }
 
 // A state of format 4 as this version would have it.
@@ -338,7 +380,8 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
     packed.runs.push_back(*std::move(one));
   }
   for (const auto& [name, deployment] : state.deployments) {
-    packed.deployments[name] = {documents.Of(deployment.document), deployment.armed, deployment.active};
+    packed.deployments[name] = {documents.Of(deployment.document), deployment.armed, deployment.active,
+                                deployment.held_back, deployment.disabled};
   }
   for (const cawl::DocumentPtr& document : documents.objects()) {
     const std::string service = ServiceOf(*document);
@@ -351,11 +394,15 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   }
   packed.services_version = state.services.version();
   for (const auto& [id, ending] : state.ending) packed.ending.push_back(ending);
+  packed.joint_events = state.joint_events;
+  packed.activations = state.activations;
   packed.next_handle = state.next_handle;
   packed.next_run = state.next_run;
   ByteWriter writer;
   Fields(writer, packed);
   AddedFields(writer, packed);
+  AddedIn6(writer, packed);
+  AddedIn7(writer, packed);
   return writer.Take();
 }
 
@@ -368,6 +415,8 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     Complete(&packed);
   else
     AddedFields(reader, packed);
+  if (!reader.AtEnd()) AddedIn6(reader, packed);
+  if (!reader.AtEnd()) AddedIn7(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -392,6 +441,8 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     deployment.document = shared.documents[one.document];
     deployment.armed = std::move(one.armed);
     deployment.active = std::move(one.active);
+    deployment.held_back = std::move(one.held_back);
+    deployment.disabled = one.disabled;
   }
   auto services = RestoreServices(packed, limits);
   if (!services.ok()) return services.status();
@@ -406,6 +457,8 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     const CommandId id = ending.command.id;
     state.ending.emplace(id, std::move(ending));
   }
+  state.joint_events = std::move(packed.joint_events);
+  state.activations = std::move(packed.activations);
   state.next_handle = packed.next_handle;
   state.next_run = packed.next_run;
   return state;
@@ -446,6 +499,8 @@ EngineState Engine::Save() const {
           core_->deployments,
           core_->services,
           core_->ledger.ending(),
+          core_->event_waits.joint(),
+          core_->activations.state(),
           core_->next_handle,
           core_->next_run};
 }
@@ -458,6 +513,8 @@ void Engine::Restore(EngineState state) {
   core_->next_handle = state.next_handle;
   core_->next_run = state.next_run;
   core_->ledger.Restore(std::move(state.ending));
+  core_->event_waits.Restore(std::move(state.joint_events));
+  core_->activations.Restore(std::move(state.activations), &core_->run_terms.dictionary());
   core_->RebuildDerived();
   for (const auto& [robot, run] : core_->ledger.holders())
     core_->robot_facts[robot] = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core_.get()));

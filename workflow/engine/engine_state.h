@@ -24,6 +24,8 @@ struct EngineState {
   std::map<std::string, Deployment> deployments;
   rsel::ServiceRegistry services;
   RobotLedger::Ending ending;
+  EventWaits::Joint joint_events;
+  Activations::State activations;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -63,8 +64,8 @@ struct ConditionEdge {
   ConditionHandle handle = 0;
   bool rose = false;
   bool fell = false;
-  std::vector<TermBinding> appeared;  // of the key variables, in term order
-  std::vector<TermBinding> disappeared;
+  std::vector<TermBinding> appeared;     // of the key variables, in term order
+  std::vector<TermBinding> disappeared;  // before those that appeared: one that is in both was told again
 };
 
 // Levels and edges of armed conditions at this round's graph.
@@ -107,6 +108,20 @@ class RobotDirectory {
   virtual bool changed() const = 0;
 };
 
+// An event that a turn tells.
+struct ToldEvent {
+  Term event;
+  std::set<std::string> operations;
+};
+// Which events of the graph left, and which were told after that.
+struct EventNews {
+  std::vector<Term> gone;
+  std::vector<ToldEvent> told;
+};
+
+// Transitions about an activator begin so: "activator/WORKFLOW", the workflow's name as a segment (graph/rdf/docent_iris.h).
+inline constexpr std::string_view kActivatorSubject = "activator";
+
 struct EngineOutput {
   std::vector<Quad> add;  // run facts, in graph docent:runs
   std::vector<Quad> remove;
@@ -116,6 +131,7 @@ struct EngineOutput {
   std::vector<RobotCommand> commands;
   std::vector<CommandId> cancels;
   std::vector<RunId> started;  // by this turn's RunRequests, in their order
+  std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
 
   bool quiet() const {
     return add.empty() && remove.empty() && arm.empty() && transitions.empty() && commands.empty() &&

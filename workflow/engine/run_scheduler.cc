@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "workflow/engine/activator_modes.h"
 #include "workflow/engine/run_stepper.h"
 
 namespace docent::engine {
@@ -16,6 +17,7 @@ namespace {
 void Settle(Engine::Core* core, const Run& ended) {
   core->released.insert(ended.robots.begin(), ended.robots.end());
   core->waiting.Block(ended.number, ended.id, {});
+  ActivatedRunEnded(core, ended.id);
   if (ended.parent.empty()) return;
   if (Run* parent = core->Mutable(ended.parent)) {
     RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);

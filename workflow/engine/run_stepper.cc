@@ -221,6 +221,7 @@ void RunStepper::TakeEvents(ArmedCondition* armed) {
   if (!armed->ask.by_event() || edge == core_.edges.end()) return;
   for (const TermBinding& gone : edge->second->disappeared) armed->waiting_events.erase(gone);
   armed->waiting_events.insert(edge->second->appeared.begin(), edge->second->appeared.end());
+  core_.event_waits.SetHolds(armed->handle, !armed->waiting_events.empty());
 }
 
 // The solutions with which a condition can open its node now.

@@ -75,7 +75,7 @@ TEST(RecordCodecTest, UnknownFieldsOfLaterVersionsAreSkipped) {
 }
 
 TEST(RecordCodecTest, RecordThatNeedsANewerReaderIsRefused) {
-  const std::string bytes("\x08\x02", 2);  // min_reader: 2
+  const std::string bytes("\x08\x03", 2);  // min_reader: 3
   const absl::StatusOr<TurnRecord> decoded = DecodeTurnRecord(12, bytes);
   EXPECT_EQ(decoded.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(decoded.status().message()),

@@ -1,0 +1,160 @@
+#include "workflow/engine/activator_modes.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "graph/base/workflow_limits.h"
+#include "graph/rdf/docent_iris.h"
+
+namespace docent::engine {
+namespace {
+
+using Mode = cawl::ActivatorMode;
+using Firing = Activations::Firing;
+
+void SayOf(Engine::Core* core, const std::string& workflow, std::string_view to, const Firing& firing,
+           const std::string& why) {
+  core->Say(absl::StrCat(kActivatorSubject, "/", IriSegment(workflow)), "", to,
+            absl::StrCat(firing.cause, "; ", why));
+}
+
+void Ignore(Engine::Core* core, const std::string& workflow, const Firing& firing, const std::string& why) {
+  core->activations.Ignored(workflow);
+  SayOf(core, workflow, "ignored", firing, why);
+}
+
+void StartRun(Engine::Core* core, const Activations::Place& place, Firing firing) {
+  const cawl::DocumentPtr document = core->deployments.at(place.first).document;
+  const auto flow = core->FindFlow(document, document->activator->flow.value);
+  if (!flow) return;
+  const RunId run =
+      core->Start(flow->first, flow->second, std::move(firing.variables), firing.cause, nullptr);
+  core->activations.Started(place, run);
+  core->touched.insert(run);  // also where it has ended already
+}
+
+std::string ListOf(const std::vector<RunId>& runs) {
+  return absl::StrJoin(runs, ", ",
+                       [](std::string* out, const RunId& run) { absl::StrAppend(out, run.value()); });
+}
+
+// As the mode says, now that the workflow may start runs.
+void Fire(Engine::Core* core, const Activations::Place& place, Firing firing) {
+  const std::string& workflow = place.first;
+  const cawl::Activator& activator = *core->deployments.at(workflow).document->activator;
+  const Activations::Key* known = core->activations.Find(place);
+  const size_t waiting = known == nullptr ? 0 : known->waiting.size();
+  std::vector<RunId> live;  // without those that have ended in this turn
+  if (known != nullptr) {
+    std::copy_if(known->live.begin(), known->live.end(), std::back_inserter(live),
+                 [core](const RunId& run) { return core->runs.at(run).state == WorkState::kRunning; });
+  }
+  switch (activator.mode) {
+    case Mode::kSingle:
+      if (live.empty()) break;
+      return Ignore(
+          core, workflow, firing,
+          absl::StrCat("ignored: ", ListOf(live), " of the same key is live (ext:mode=\"single\")"));
+    case Mode::kQueued: {
+      if (live.empty() && waiting == 0) break;
+      if (activator.max && waiting >= static_cast<size_t>(*activator.max)) {
+        return Ignore(core, workflow, firing,
+                      absl::StrCat("ignored: ", waiting, " of the same key wait (ext:max)"));
+      }
+      if (core->activations.Waiting(workflow) >= kWorkflowLimits.firings_waiting) {
+        return Ignore(
+            core, workflow, firing,
+            absl::StrCat("ignored: the limit firings_waiting is ", kWorkflowLimits.firings_waiting));
+      }
+      SayOf(core, workflow, "queued", firing,
+            absl::StrCat("it waits for ", live.empty() ? "those before it" : ListOf(live)));
+      core->activations.Wait(place, std::move(firing));
+      return;
+    }
+    case Mode::kRestart:
+      for (const RunId& run : live)
+        core->Cancel(run,
+                     absl::StrCat("activator ", activator.name.value, " fired again (ext:mode=\"restart\")"));
+      break;
+    case Mode::kParallel:
+      if (!activator.max || live.size() < static_cast<size_t>(*activator.max)) break;
+      return Ignore(core, workflow, firing,
+                    absl::StrCat("ignored: ", live.size(), " runs of the same key are live (ext:max)"));
+  }
+  if (core->runs.size() >= core->limits.runs_live) {
+    core->activations.Ignored(workflow);
+    return SayOf(core, workflow, "failed", firing,
+                 absl::StrCat("no run was started for ", place.second, ": the limit runs_live is ",
+                              core->limits.runs_live));
+  }
+  StartRun(core, place, std::move(firing));
+}
+
+// The firing of a binding that the condition has now.
+void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
+             const TermBinding& binding) {
+  const cawl::DocumentPtr document = core->deployments.at(workflow).document;
+  Firing firing{binding, ""};
+  auto solutions = core->input->conditions->Solutions(handle, binding, 1);
+  if (solutions.ok() && !solutions->empty())
+    firing.variables.insert(solutions->front().begin(), solutions->front().end());
+  std::string evidence = core->input->conditions->Evidence(handle, firing.variables);
+  std::replace(evidence.begin(), evidence.end(), '\n', ' ');
+  firing.cause = absl::StrCat("activator ", document->activator->name.value, ": ", evidence);
+  TermBinding key = binding;  // without the events
+  std::erase_if(key, [](const auto& value) { return value.first.starts_with("_"); });
+  Fire(core, {workflow, KeyText(key)}, std::move(firing));
+}
+
+bool MayStart(const Engine::Core& core, const std::string& workflow) {
+  const auto deployed = core.deployments.find(workflow);
+  return deployed != core.deployments.end() && deployed->second.document->activator &&
+         !deployed->second.disabled;
+}
+
+void StartNext(Engine::Core* core, const Activations::Place& place) {
+  const Activations::Key* key = core->activations.Find(place);
+  if (key == nullptr || !key->live.empty() || key->waiting.empty() || !MayStart(*core, place.first)) return;
+  StartRun(core, place, core->activations.Next(place));
+}
+
+}  // namespace
+
+void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
+  const bool holds_back = !MayStart(*core, workflow);
+  Deployment& deployment = holds_back ? core->MutableDeployment(workflow) : core->deployments.at(workflow);
+  // a condition without free variables has one binding, the empty one
+  std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
+  if (edge.rose && appeared.empty()) appeared.emplace_back();
+  if (edge.fell && disappeared.empty()) disappeared.emplace_back();
+  for (const TermBinding& key : disappeared) {
+    const std::string text = KeyText(key);
+    if (core->AddActive(workflow, text, -1) <= 1) deployment.held_back.erase(text);
+  }
+  for (const TermBinding& key : appeared) {
+    const std::string text = KeyText(key);
+    if (core->AddActive(workflow, text, 1) > 0 || deployment.carried.erase(text) > 0) continue;
+    if (holds_back)
+      deployment.held_back[text] = {edge.handle, key};
+    else
+      FireFor(core, workflow, edge.handle, key);
+  }
+}
+
+void ActivatedRunEnded(Engine::Core* core, const RunId& run) {
+  if (const auto place = core->activations.Ended(run)) StartNext(core, *place);
+}
+
+void StartHeldBack(Engine::Core* core, const std::string& workflow) {
+  if (!MayStart(*core, workflow)) return;
+  if (!core->deployments.at(workflow).held_back.empty()) {
+    const auto held_back = std::exchange(core->MutableDeployment(workflow).held_back, {});
+    for (const auto& [text, start] : held_back) FireFor(core, workflow, start.handle, start.key);
+  }
+  for (const std::string& key : core->activations.KeysOf(workflow)) StartNext(core, {workflow, key});
+}
+
+}  // namespace docent::engine

@@ -1,0 +1,105 @@
+// Documents that are deployed: their activators' conditions are armed, and stay so when a document is loaded again.
+#include <algorithm>
+#include <utility>
+
+#include "workflow/engine/engine.h"
+#include "workflow/engine/engine_core.h"
+#include "workflow/engine/service_workflow.h"
+
+namespace docent::engine {
+
+void Engine::Core::DisarmDeployed(ConditionHandle handle) {
+  owners.erase(handle);
+  event_waits.Disarm(handle);
+  const size_t not_yet = std::erase_if(
+      deploy_arm, [handle](const ConditionRequest& request) { return request.handle == handle; });
+  if (not_yet == 0) deploy_disarm.push_back(handle);
+}
+
+namespace {
+
+// Whether a document's activator fires for the same bindings as the deployed one: then what is armed stays, with its times and
+// with what it has fired for.
+bool FiresForTheSame(const Deployment& deployed, const cawl::Document& document,
+                     const std::vector<cawl::CompiledAsk>& asks) {
+  if (deployed.document == nullptr || !deployed.document->activator || !document.activator) return false;
+  return std::equal(deployed.armed.begin(), deployed.armed.end(), asks.begin(), asks.end(),
+                    [&](const ArmedCondition& armed, const cawl::CompiledAsk& ask) {
+                      return cawl::AskTheSame(armed.ask, ask) &&
+                             cawl::KeyVariables(*deployed.document->activator, armed.ask) ==
+                                 cawl::KeyVariables(*document.activator, ask);
+                    });
+}
+
+}  // namespace
+
+absl::Status Engine::Deploy(cawl::DocumentPtr document) {
+  std::vector<cawl::CompiledAsk> asks;
+  if (document->activator) {
+    auto compiled = cawl::CompileCondition(
+        *document, document->activator->condition, [](const std::string&) { return std::nullopt; },
+        core_->limits);
+    if (!compiled.ok()) return compiled.status();
+    asks = *std::move(compiled);
+    for (cawl::CompiledAsk& ask : asks) {
+      if (absl::Status status = cawl::ParseAsks(core_->limits, &ask); !status.ok()) return status;
+    }
+  }
+  Deployment& deployment = core_->MutableDeployment(document->name.value);
+  if (FiresForTheSame(deployment, *document, asks)) {
+    for (size_t i = 0; i < asks.size(); ++i) {
+      core_->event_waits.Arm(deployment.armed[i].handle, asks[i]);
+      deployment.armed[i].ask = Armed(0, std::move(asks[i])).ask;
+    }
+    deployment.document = std::move(document);
+    return absl::OkStatus();
+  }
+  for (const ArmedCondition& armed : deployment.armed) core_->DisarmDeployed(armed.handle);
+  Deployment fresh;
+  fresh.document = document;
+  fresh.disabled = deployment.disabled;
+  fresh.carried = std::move(deployment.carried);
+  for (const auto& [key, count] : deployment.active) {
+    if (!deployment.held_back.contains(key)) fresh.carried.insert(key);
+  }
+  if (!document->activator) core_->activations.Forget(document->name.value);
+  for (cawl::CompiledAsk& ask : asks) {
+    ConditionHandle handle = core_->next_handle++;
+    core_->owners[handle] = {RunId(), 0, document->name.value};
+    core_->event_waits.Arm(handle, ask);
+    core_->deploy_arm.push_back(RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
+    fresh.armed.push_back(Armed(handle, std::move(ask)));
+  }
+  deployment = std::move(fresh);
+  return absl::OkStatus();
+}
+
+bool Engine::Undeploy(const std::string& workflow, bool cancel_runs) {
+  if (core_->deployments.count(workflow) == 0) return false;
+  for (const ArmedCondition& armed : core_->MutableDeployment(workflow).armed)
+    core_->DisarmDeployed(armed.handle);
+  core_->deployments.erase(workflow);
+  core_->activations.Forget(workflow);
+  if (!cancel_runs) return true;
+  for (const auto& [id, run] : core_->runs) {
+    if (run.document->name.value == workflow && ServiceOf(*run.document).empty())
+      core_->deploy_cancel.push_back(id);
+  }
+  return true;
+}
+
+bool Engine::SetEnabled(const std::string& workflow, bool enabled) {
+  const auto deployed = core_->deployments.find(workflow);
+  if (deployed == core_->deployments.end()) return false;
+  if (deployed->second.disabled != enabled) return true;
+  core_->MutableDeployment(workflow).disabled = !enabled;
+  if (enabled) core_->deploy_enabled.push_back(workflow);
+  return true;
+}
+
+bool Engine::IsEnabled(const std::string& workflow) const {
+  const auto deployed = core_->deployments.find(workflow);
+  return deployed != core_->deployments.end() && !deployed->second.disabled;
+}
+
+}  // namespace docent::engine
