@@ -135,6 +135,15 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
       ->type_name("URL");
   command
       ->add_option(
+          "--notify", settings->notify,
+          "Webhooks that workflows may notify (ext:notify), with all below them: http://…, https://…")
+      ->type_name("URL");
+  command
+      ->add_option("--mqtt", settings->mqtt,
+                   "MQTT broker to whose topics workflows may publish (ext:notify to=\"mqtt:…\")")
+      ->type_name("HOST:PORT");
+  command
+      ->add_option(
           "--snapshot-records", settings->limits.snapshot_records,
           "Number of turns after which a snapshot is written, so that a start replays no more of them")
       ->check(AtLeast(1))

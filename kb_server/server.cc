@@ -69,6 +69,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   for (const std::string& entry : settings.allow) {
     if (absl::Status status = RemoteAccess::CheckAllowed(entry); !status.ok()) return status;
   }
+  for (const std::string& entry : settings.notify) {
+    if (absl::Status status = RemoteAccess::CheckAllowed(entry); !status.ok()) return status;
+  }
   std::unique_ptr<Server> server(new Server(settings));
   if (absl::Status status = server->Recover(progress); !status.ok()) return status;
   server->MakeWorkers();
@@ -92,6 +95,13 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   log_ = *std::move(log);
   proxies_ = std::make_unique<proxy::RobotProxies>(
       [this](WriteBatch batch) { inbox_.Push(std::move(batch), nullptr); }, proxy::ProxySettings{}, &clock_);
+  notifier_ = std::make_unique<Notifier>(
+      Notifier::Settings{.allow = settings_.notify, .mqtt = settings_.mqtt},
+      [this](WriteBatch batch, std::function<void(bool)> done) {
+        inbox_.Push(std::move(batch), [done = std::move(done)](const absl::StatusOr<BatchOutcome>& outcome) {
+          done(outcome.ok());
+        });
+      });
   snapshots_ = std::make_unique<SnapshotKeeper>(log_.get(), &dictionary_, settings_.limits);
   history_ = std::make_unique<History>(log_.get(), &queries_, &dictionary_, &functions_, settings_.limits);
   fact_history_ = std::make_unique<LogHistory>(log_.get(), &dictionary_, settings_.explain_limits);
@@ -113,6 +123,7 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports.catalog = &catalog_;
   ports.feed = &feed_;
   ports.proxies = proxies_.get();
+  ports.notifications = notifier_.get();
   ports.snapshots = snapshots_.get();
   ports.history = history_.get();
   ports.subscriptions = subscriptions_.get();
@@ -183,7 +194,8 @@ Server::~Server() {
   writer_done.Notify();
   patience.join();
   if (snapshot) LeaveSnapshot();
-  proxies_.reset();  // after the writer, which sends to the last
+  notifier_.reset();  // these after the writer, which sends to the last
+  proxies_.reset();
   workers_.reset();
   calls_.reset();  // after the workers, which may begin some
   live_.reset();

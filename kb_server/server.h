@@ -26,6 +26,7 @@
 #include "kb_server/web/app_files.h"
 #include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_runner.h"
+#include "kb_server/work/notifier.h"
 #include "kb_server/work/remote_access.h"
 #include "kb_server/work/update_runner.h"
 #include "kb_server/writer/log_history.h"
@@ -47,7 +48,9 @@ struct ServerSettings {
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
   OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
-  std::vector<std::string> allow;  // addresses that SERVICE and LOAD may reach: see RemoteAccess
+  std::vector<std::string> allow;   // addresses that SERVICE and LOAD may reach: see RemoteAccess
+  std::vector<std::string> notify;  // webhooks that workflows may notify: likewise
+  std::string mqtt;                 // HOST:PORT of the broker to whose topics workflows publish; empty: none
   Limits limits;
   ExplainLimits explain_limits;
   SubscriptionLimits subscription_limits;
@@ -115,6 +118,7 @@ class Server {
   UpdateRunner updates_{&ports_};
   LoadRunner loads_{&ports_};
   std::unique_ptr<RemoteAccess> remote_;
+  std::unique_ptr<Notifier> notifier_;
   std::unique_ptr<GrpcServer> grpc_server_;
   AppFiles app_;
   ConnectPorts connect_;

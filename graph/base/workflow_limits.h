@@ -4,6 +4,7 @@
 #define DOCENT_GRAPH_BASE_WORKFLOW_LIMITS_H_
 
 #include <cstddef>
+#include <cstdint>
 
 namespace docent {
 
@@ -12,11 +13,21 @@ struct WorkflowLimits {
       256;  // alternatives of a context, case or expression after its `or`s are moved to the top
   size_t condition_parts = 10000;  // constraints and events in these alternatives together
   size_t name_bytes = 256;         // name of a workflow, flow, node, process, operation and the like
-
   int activator_max = 1000;        // ext:max of an activator
   size_t firings_waiting = 1000;  // firings of one activator that wait for runs of their keys to end (ext:mode="queued")
   size_t events_waiting =
       1000;  // events that stay in the graph because a condition waits with them; beyond, the oldest leave
+  size_t facts_written_per_turn = 100000;  // facts that the runs of workflows tell and withdraw in one turn
+  size_t assign_solutions = 10000;         // solutions of the SELECT of one ext:assign
+  uint64_t assign_steps =
+      20000000;  // steps of one ext:assign: about 0.2 seconds; they are no steps of steps_per_turn
+  uint64_t assign_steps_per_turn = 200000000;  // steps of every ext:assign of one turn: about two seconds
+  size_t assign_memory_bytes = 64u << 20;      // memory of one ext:assign while it is evaluated
+  size_t notifications_open = 10000;           // notifications that are neither delivered nor given up
+  int notify_attempts = 12;                    // times that one notification is sent before it is given up
+  int notify_timeout_ms = 10000;               // time of one attempt
+  int notify_first_pause_ms = 1000;            // pause after the first attempt; it doubles with each
+  int notify_longest_pause_ms = 300000;        // the longest of these pauses
 };
 
 inline constexpr WorkflowLimits kWorkflowLimits;

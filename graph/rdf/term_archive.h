@@ -15,6 +15,11 @@ void Fields(Archive& a, Term& term) {
   }
 }
 
+template <class Archive>
+void Fields(Archive& a, TermQuad& quad) {
+  a(quad.subject, quad.predicate, quad.object, quad.graph);
+}
+
 }  // namespace docent
 
 #endif  // DOCENT_GRAPH_RDF_TERM_ARCHIVE_H_

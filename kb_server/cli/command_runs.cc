@@ -106,6 +106,8 @@ void PrintRun(const v1::Run& run, const Presenter& presenter) {
   for (const v1::NamedTerm& variable : run.variables()) {
     std::cout << "  $" << variable.name() << " = " << presenter.Of(variable.value()) << "\n";
   }
+  for (const v1::NamedTerm& result : run.results())
+    std::cout << "  result " << result.name() << " = " << presenter.Of(result.value()) << "\n";
   for (const v1::Node& node : run.nodes()) PrintNode(node, presenter);
 }
 

@@ -75,6 +75,17 @@ void ReadNode(const GraphReader& graph, const std::string& iri, const std::strin
   }
 }
 
+void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
+                google::protobuf::RepeatedPtrField<v1::NamedTerm>* out) {
+  for (const Term& variable : variables) {
+    const std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
+    if (values.empty()) continue;
+    v1::NamedTerm* named = out->Add();
+    named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
+    ToProto(values.front(), named->mutable_value());
+  }
+}
+
 }  // namespace
 
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
@@ -90,13 +101,8 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
   if (const std::optional<RunId> parent = RunOfIri(graph.Object(iri, DocentIri("parentRun"))))
     run->set_parent(parent->value());
-  for (const Term& variable : graph.Objects(iri, DocentIri("hasVariable"))) {
-    std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
-    if (values.empty()) continue;
-    v1::NamedTerm* named = run->add_variables();
-    named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
-    ToProto(values.front(), named->mutable_value());
-  }
+  ReadValues(graph, graph.Objects(iri, DocentIri("hasVariable")), run->mutable_variables());
+  ReadValues(graph, graph.Objects(iri, DocentIri("hasResult")), run->mutable_results());
   const auto position = [&graph](const std::string& node) {
     return NumberIn(graph.Object(node, DocentIri("position")));
   };

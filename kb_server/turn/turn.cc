@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/log/record_codec.h"
 #include "graph/store/delta_sum.h"
+#include "kb_server/turn/fact_port.h"
 
 namespace docent::server {
 namespace {
@@ -20,6 +21,7 @@ void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->transitions), &result->record.transitions);
   Append(std::move(output->commands), &result->record.commands);
   Append(std::move(output->cancels), &result->cancels);
+  Append(std::move(output->notifications), &result->notifications);
   Append(std::move(output->started), &result->started);
   Append(std::move(output->undeployed), &result->undeployed);
 }
@@ -79,6 +81,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   const Delta told_facts = told_events.empty() && stages->events.events().empty() ? Delta() : *delta;
   allow_steps();
 
+  const FactPort facts(&stages->dictionary, &stages->writer.current(), stages->functions, batch.time_us,
+                       offset, stages->cancellation);
   for (int round = 0;; ++round) {
     if (round == stages->limits.engine_rounds_per_turn) {
       return absl::ResourceExhaustedError(absl::StrCat(
@@ -114,6 +118,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     view.events = round == 0 ? &stages->events.news() : nullptr;
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
+    view.facts = &facts;
     engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
     if (stages->cancellation != nullptr) {                    // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
@@ -128,6 +133,11 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     if (quiet) break;
     delta =
         stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
+    if (absl::Status written =
+            ApplyWrites(output.writes, batch.time_us, &stages->applier, &stages->writer, &*delta);
+        !written.ok()) {
+      return written;
+    }
   }
   stages->events.Settle(stages->engine.AwaitedEvents(), stages->writer.current(), batch.time_us);
   result->delta = sum.Net();

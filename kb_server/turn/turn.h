@@ -35,21 +35,23 @@ inline constexpr char kEngineVersion[] = "11";
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
   // `start`: the graph to begin with; null: empty.
-  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions, const Limits& limits_in,
+  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions_in, const Limits& limits_in,
          GraphVersionPtr start = nullptr)
       : limits(limits_in),
         dictionary(*dictionary_in),
+        functions(functions_in),
         writer(std::move(start)),
         applier(*dictionary_in, limits_in),
         events(dictionary_in),
-        rules(*dictionary_in, limits_in, functions),
-        standing_conditions(*dictionary_in, functions),
+        rules(*dictionary_in, limits_in, functions_in),
+        standing_conditions(*dictionary_in, functions_in),
         conditions(dictionary_in, &standing_conditions),
         robots(dictionary_in),
         engine(dictionary_in, limits_in) {}
 
   const Limits limits;
   Dictionary& dictionary;
+  const sparql::FunctionRegistry* const functions;
   GraphWriter writer;
   BatchApplier applier;
   EventShelf events;
@@ -73,10 +75,11 @@ struct Stages {
 
 struct TurnResult {
   log::TurnRecord record;
-  GraphVersionPtr version;                // null unless Stages::freezes
-  Delta delta;                            // everything that changed in the graph, net
-  size_t inferred = 0;                    // facts that rules added or withdrew
-  std::vector<CommandId> cancels;         // commands to be ended
+  GraphVersionPtr version;         // null unless Stages::freezes
+  Delta delta;                     // everything that changed in the graph, net
+  size_t inferred = 0;             // facts that rules added or withdrew
+  std::vector<CommandId> cancels;  // commands to be ended
+  std::vector<Notification> notifications;
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
   std::vector<RunId> started;             // by the batch's run requests
   std::vector<RunId> undeployed;          // cancelled with their workflow

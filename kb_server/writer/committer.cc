@@ -183,6 +183,9 @@ void Committer::TellFollowers(const DecidedGroup& group) {
 }
 
 void Committer::Send(const TurnResult& result) {
+  if (ports_.notifications != nullptr) {
+    for (const Notification& notification : result.notifications) ports_.notifications->Send(notification);
+  }
   if (ports_.proxies == nullptr) return;
   TellAddresses(result.addresses);
   for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);

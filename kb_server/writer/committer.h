@@ -30,6 +30,7 @@
 #include "graph/log/context_log.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/door/inbox.h"
+#include "kb_server/door/notification_sink.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
 #include "kb_server/robots/robot_records.h"
@@ -78,13 +79,14 @@ struct DecidedGroup {
   std::shared_ptr<const Catalog> catalog;  // after the turns; null: they have not changed it
 };
 
-// Where turns go once they are decided. These may be null: `proxies` (nothing is sent), `history`, `subscriptions`.
+// Where turns go once they are decided. These may be null: `proxies`, `notifications` (nothing is sent), `history`, `subscriptions`.
 struct CommitPorts {
   log::ContextLog* log = nullptr;
   QueryPort* queries = nullptr;
   CatalogPort* catalog = nullptr;
   RunFeed* feed = nullptr;
   proxy::RobotProxies* proxies = nullptr;
+  NotificationSink* notifications = nullptr;
   History* history = nullptr;
   Subscriptions* subscriptions = nullptr;
 };

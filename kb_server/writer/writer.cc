@@ -129,6 +129,9 @@ ServerState Writer::State() const {
 }
 
 void Writer::ResumeCommands() {
+  if (ports_.notifications != nullptr) {
+    for (const Notification& open : stages_->engine.OpenNotifications()) ports_.notifications->Send(open);
+  }
   if (ports_.proxies == nullptr) return;
   for (const engine::CommandUnderWay& open : stages_->engine.OpenCommands()) {
     ports_.proxies->Resume(open.command);

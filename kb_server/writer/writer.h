@@ -46,7 +46,8 @@ class Writer {
   // Makes the newest state from the newest good snapshot and the log after it, and publishes its version. Errors:
   // see FindStart and ReplayTurns. `progress(done, all)` is called now and then.
   absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
-  // Tells the adapters of commands that were open when the server ended. After Recover.
+  // Tells the adapters of commands that were open when the server ended, and sends again what was not known to be delivered.
+  // After Recover.
   void ResumeCommands();
   // Serves until the inbox is closed and empty. OK, or why it cannot go on. The thread that calls it is the
   // writer.

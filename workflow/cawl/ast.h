@@ -27,11 +27,16 @@
 #include "workflow/cawl/expression.h"
 #include "workflow/xml/xml_document.h"
 
+namespace docent::sparql {
+struct Query;
+}  // namespace docent::sparql
+
 namespace docent::cawl {
 
 using xml::Text;
 
-// Docent's extensions: timeout, retry, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
+// Docent's extensions: the elements tell, withdraw, assign, notify and output, and the attributes timeout, retry, onFailure,
+// onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
 // <part name="booth" type="docent:Booth" element="…"/>
@@ -182,6 +187,15 @@ struct Condition {
   SourceSpan span;
 };
 
+// <ext:output part="temperature" variable="measured"/>
+// In an invoke: the result `part` of what is invoked becomes a variable of the run. In a flow: the flow gives back a variable,
+// under the name `part` (without it: the variable's).
+struct Output {
+  Text part;
+  Text variable;
+  SourceSpan span;
+};
+
 // <invoke operation="moveToUser"/>  or  <invoke subflow="BoothGuide"/>
 // `operation`: an RSEL process or, if there is none of that name, an operation that robots offer.
 // `subflow`: a flow of this document or a registered application service.
@@ -191,10 +205,58 @@ struct Invoke {
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
   int retry = 0;                      // ext:retry: further attempts after a failure
+  std::vector<Output> outputs;        // ext:output: none: each result becomes the variable of its name
   SourceSpan span;
 };
 
-// <node name="Move2User" state="deActivate"> message* variable* wait* condition? invoke* </node>
+// What a node does itself, beside what it invokes, in the order of the document.
+//
+// <ext:tell at="open" lifetime="run"> constraint+ </ext:tell>      or lines of "subject verb object"
+//   The run tells the facts: they lie in the graph of its IRI. They stay after the run, or until it ends ("run"), or for a
+//   time ("30s").
+// <ext:withdraw at="done" source="any"> likewise </ext:withdraw>
+//   Takes away what the run told ("own"), or what anybody told ("any"). ?name that the node's condition does not bind matches
+//   anything; where it stands twice in one constraint, the same.
+//
+// <ext:assign none="unset"> SELECT ?place (COUNT(?guest) AS ?guests) WHERE { … $user … } … </ext:assign>
+// <ext:assign variable="n" expression="$n + 1"/>
+//   Variables of the run: those of the projection, or `variable`, which takes the one column. $name is the value of a variable.
+//   The first solution counts: in term order, or in the order of ORDER BY. Without a solution or value, the node fails
+//   (none="fail"), or the variables have none (none="unset"), or this one (default="0").
+//
+// <ext:notify to="https://example.org/hook" type="org.example.arrived" subject="$user" variables="user place" wait="true"/>
+//   A CloudEvent to a webhook or, to="mqtt:TOPIC", to a topic. The node goes on at once, or when it is delivered.
+//
+// `at`: "open", when the node opens and before its invokes; "done", when all its invokes are done.
+inline constexpr char kDefaultEventType[] = "org.w3id.docent.notification";
+
+struct Action {
+  enum class Kind : uint8_t { kTell, kWithdraw, kAssign, kNotify };
+  Kind kind = Kind::kTell;
+  bool when_done = false;
+  std::vector<Constraint> facts;  // without comparisons and types
+  std::optional<int64_t> lifetime_ms;
+  bool until_run_ends = false;  // lifetime="run"
+  bool any_source = false;
+  // kAssign
+  Text query_text;                             // as written: a SELECT, or the expression
+  std::shared_ptr<const sparql::Query> query;  // a SELECT also for an expression; null after a mistake
+  std::vector<std::string> inputs;             // variables of the run that it uses
+  std::vector<SourceSpan> input_places;        // of their first uses
+  std::vector<Text> outputs;                   // that it sets, in order of the columns
+  bool ordered = false;                        // it has ORDER BY
+  bool may_be_none = false;                    // none="unset"
+  std::optional<Term> otherwise;               // default
+  // kNotify; `inputs` are the variables of its data
+  Text target;                                           // "https://…", "mqtt:TOPIC" or $name
+  std::vector<std::pair<std::string, SourceSpan>> uses;  // variables of `target` and `event_subject`
+  Text event_type;                                       // empty: kDefaultEventType
+  Text event_subject;                                    // a text, or $name
+  bool waits = false;                                    // wait="true"
+  SourceSpan span;
+};
+
+// <node name="Move2User" state="deActivate"> message* variable* wait* condition? invoke* action* </node>
 // <wait joinCondition="A and B"/>: names of predecessors; without it, all that can still come.
 // A node without invokes is done as soon as its condition opens it.
 struct Node {
@@ -206,6 +268,7 @@ struct Node {
   std::optional<Expression> join;
   std::optional<Condition> condition;
   std::vector<Invoke> invokes;
+  std::vector<Action> actions;  // ext:tell, ext:withdraw
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
   int retry = 0;                      // ext:retry: the whole node again after a failure
@@ -237,7 +300,7 @@ struct Link {
   SourceSpan span;
 };
 
-// <flow name="BoothGuide"> message* variable* <source name="s"/> node* <sink name="t"/> link* </flow>
+// <flow name="BoothGuide"> message* variable* <source name="s"/> node* <sink name="t"/> link* output* </flow>
 struct Flow {
   Text name;
   std::vector<Message> messages;
@@ -246,6 +309,7 @@ struct Flow {
   Text sink;
   std::vector<Node> nodes;
   std::vector<Link> links;
+  std::vector<Output> outputs;  // ext:output: the results of the flow; none: it does not say
   SourceSpan span;
 };
 

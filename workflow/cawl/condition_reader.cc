@@ -14,39 +14,6 @@ std::optional<Expression> ReadExpression(const Text& text, const Limits& limits,
   return ParseExpression(text, limits.query_nesting, reader);
 }
 
-Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reader) {
-  Constraint out;
-  out.span = element.span;
-  reader->CheckAttributes(element, {"name"}, {"for"});
-  if (const Text time = reader->Extension(element, "for"); time.given()) {
-    reader->Error(time.span, "for stands at a <constraint>",
-                  "write it at the <rule>, which may have this constraint alone");
-  }
-  out.name = reader->OptionalName(element, "name");
-  int subjects = 0, verbs = 0, objects = 0;
-  auto once = [&](int* count, Word* word, WordRole role) {
-    return [count, word, role, reader, &element](const xml::Element& child) {
-      if ((*count)++ > 0) {
-        reader->Error(child.name_span, Concat("a second <", child.name, "> in a <constraint>"),
-                      "one constraint is one subject, verb and object; write another constraint");
-        return;
-      }
-      *word = ReadWord(child, role, reader);
-      for (const auto& grandchild : child.children) {
-        if (grandchild->name == "documentation" || reader->IsForeign(*grandchild)) continue;
-        reader->UnknownChild(child, *grandchild, {});
-      }
-    };
-  };
-  reader->ReadChildren(element, {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
-                                 {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
-                                 {"object", once(&objects, &out.object, WordRole::kObject)}});
-  if (subjects == 0) reader->Error(element.name_span, "<constraint> has no <subject>");
-  if (verbs == 0) reader->Error(element.name_span, "<constraint> has no <verb>");
-  if (objects == 0) reader->Error(element.name_span, "<constraint> has no <object>");
-  return out;
-}
-
 Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
   Rule out;
   out.span = element.span;
@@ -98,6 +65,39 @@ Case ReadCase(const xml::Element& element, const Limits& limits, xml::ElementRea
 }
 
 }  // namespace
+
+Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reader) {
+  Constraint out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"name"}, {"for"});
+  if (const Text time = reader->Extension(element, "for"); time.given()) {
+    reader->Error(time.span, "for stands at a <constraint>",
+                  "write it at the <rule>, which may have this constraint alone");
+  }
+  out.name = reader->OptionalName(element, "name");
+  int subjects = 0, verbs = 0, objects = 0;
+  auto once = [&](int* count, Word* word, WordRole role) {
+    return [count, word, role, reader, &element](const xml::Element& child) {
+      if ((*count)++ > 0) {
+        reader->Error(child.name_span, Concat("a second <", child.name, "> in a <constraint>"),
+                      "one constraint is one subject, verb and object; write another constraint");
+        return;
+      }
+      *word = ReadWord(child, role, reader);
+      for (const auto& grandchild : child.children) {
+        if (grandchild->name == "documentation" || reader->IsForeign(*grandchild)) continue;
+        reader->UnknownChild(child, *grandchild, {});
+      }
+    };
+  };
+  reader->ReadChildren(element, {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
+                                 {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
+                                 {"object", once(&objects, &out.object, WordRole::kObject)}});
+  if (subjects == 0) reader->Error(element.name_span, "<constraint> has no <subject>");
+  if (verbs == 0) reader->Error(element.name_span, "<constraint> has no <verb>");
+  if (objects == 0) reader->Error(element.name_span, "<constraint> has no <object>");
+  return out;
+}
 
 Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
   Condition out;

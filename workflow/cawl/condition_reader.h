@@ -10,6 +10,9 @@ namespace docent::cawl {
 
 Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::ElementReader* reader);
 
+// <constraint>: one subject, verb and object.
+Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reader);
+
 }  // namespace docent::cawl
 
 #endif  // DOCENT_WORKFLOW_CAWL_CONDITION_READER_H_

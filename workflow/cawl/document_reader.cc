@@ -5,6 +5,7 @@
 
 #include "absl/strings/match.h"
 #include "graph/base/text.h"
+#include "workflow/cawl/action_reader.h"
 #include "workflow/cawl/condition_reader.h"
 #include "workflow/cawl/flow_order.h"
 #include "workflow/cawl/mode_reader.h"
@@ -193,12 +194,14 @@ class DocumentReader {
       };
     };
     reader_.ReadChildren(
-        element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
-                  {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
-                  {"source", end(&out.source)},
-                  {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
-                  {"sink", end(&out.sink)},
-                  {"link", [&](const xml::Element& e) { out.links.push_back(ReadLink(e)); }}});
+        element,
+        {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+         {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
+         {"source", end(&out.source)},
+         {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
+         {"sink", end(&out.sink)},
+         {"link", [&](const xml::Element& e) { out.links.push_back(ReadLink(e)); }},
+         {"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e, &reader_)); }}});
     OrderNodes(&out);
     if (!out.source.given()) reader_.Error(element.name_span, "<flow> has no <source name=\"…\"/>");
     if (!out.sink.given()) reader_.Error(element.name_span, "<flow> has no <sink name=\"…\"/>");
@@ -229,6 +232,11 @@ class DocumentReader {
                     "take it away, or write ext:forEach=\"?…\"");
     }
     ReadHold(element, &out);
+    const auto action = [&](Action::Kind kind) {
+      return [this, kind, &out](const xml::Element& e) {
+        out.actions.push_back(ReadAction(e, kind, limits_, &reader_));
+      };
+    };
     reader_.ReadChildren(
         element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
@@ -238,7 +246,11 @@ class DocumentReader {
                      if (out.condition) return Second(e, element);
                      out.condition = ReadCondition(e, limits_, &reader_);
                    }},
-                  {"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }}});
+                  {"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }},
+                  {"tell", action(Action::Kind::kTell)},
+                  {"withdraw", action(Action::Kind::kWithdraw)},
+                  {"assign", action(Action::Kind::kAssign)},
+                  {"notify", action(Action::Kind::kNotify)}});
     if (out.holds_condition &&
         (!out.condition || (out.condition->contexts.empty() && out.condition->cases.empty()))) {
       reader_.Error(out.hold_text.span, "while-holds=\"true\" on a node without a condition",
@@ -297,7 +309,13 @@ class DocumentReader {
     out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
-    Nothing(element);
+    reader_.ReadChildren(
+        element,
+        {{"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e, &reader_)); }}});
+    for (const Output& output : out.outputs) {
+      if (!output.part.given())
+        reader_.Error(output.span, "<output> of an <invoke> needs the attribute part", "it names the result");
+    }
     if (out.operation.empty() == out.subflow.empty()) {
       reader_.Error(element.name_span, "<invoke> needs either operation or subflow",
                     "operation: a robot service or operation; subflow: a flow or an application service");

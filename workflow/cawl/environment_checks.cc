@@ -108,6 +108,9 @@ class EnvironmentChecker {
       CheckTypes(node);
       if (node.condition) CheckCondition(*node.condition);
       if (node.hold) CheckConstraint(*node.hold);
+      for (const Action& action : node.actions) {
+        for (const Constraint& fact : action.facts) CheckConstraint(fact);
+      }
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
         CheckSubflow(invoke.subflow);

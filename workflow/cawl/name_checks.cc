@@ -162,6 +162,41 @@ class NameChecker {
     }
   }
 
+  // `target`: what one of them alone may give a value.
+  template <typename Target>
+  void CheckOutputs(const Scope& scope, const std::vector<Output>& outputs, const Target& target) {
+    std::set<std::string> given;
+    for (const Output& output : outputs) {
+      if (output.variable.empty()) continue;
+      CheckUse(scope, output.variable.value, output.variable.span);
+      const Text& name = target(output);
+      if (!given.insert(name.value).second)
+        reader_.Error(name.span, Concat("two <output> give ", name.value), "take one of them away");
+    }
+  }
+
+  // What is told has a value in each place: ?name is what the node's condition binds.
+  void CheckAction(const Scope& scope, const Node& node, const Action& action) {
+    const std::vector<std::string> bound =
+        node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
+    for (size_t i = 0; i < action.inputs.size(); ++i)
+      CheckUse(scope, action.inputs[i], action.input_places[i]);
+    for (const auto& [name, span] : action.uses) CheckUse(scope, name, span);
+    for (const Text& output : action.outputs) CheckUse(scope, output.value, output.span);
+    for (const Constraint& fact : action.facts) {
+      CheckConstraint(scope, fact);
+      if (action.kind != Action::Kind::kTell) continue;
+      for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
+        if (word->kind != Word::Kind::kFree ||
+            std::find(bound.begin(), bound.end(), word->name) != bound.end())
+          continue;
+        reader_.Error(word->span, Concat("the node's condition does not bind ?", word->name),
+                      reader_.DidYouMean(word->name, bound,
+                                         Concat("write $", word->name, " for a variable of the run")));
+      }
+    }
+  }
+
   // Each name of the expression is a child; a child that it leaves out is not looked at, which is worth a warning.
   void CheckExpression(const std::optional<Expression>& expression, const std::vector<const Text*>& children,
                        std::string_view what) {
@@ -248,8 +283,16 @@ class NameChecker {
         CheckFreeNames(flow, scope, *node.condition);
       }
       if (node.hold) CheckConstraint(scope, *node.hold);
-      CheckForEach(node);
+      for (const Action& action : node.actions) CheckAction(scope, node, action);
+      for (const Invoke& invoke : node.invokes) {
+        CheckOutputs(scope, invoke.outputs,
+                     [](const Output& output) -> const Text& { return output.variable; });
+      }
+      CheckForEach(flow, node);
     }
+    CheckOutputs(flow_scope, flow.outputs, [](const Output& output) -> const Text& {
+      return output.part.given() ? output.part : output.variable;
+    });
     for (const Link& link : flow.links) {
       if (link.while_constraint) CheckConstraint(flow_scope, *link.while_constraint);
     }
@@ -277,9 +320,14 @@ class NameChecker {
     }
   }
 
-  void CheckForEach(const Node& node) {
+  void CheckForEach(const Flow& flow, const Node& node) {
     if (node.for_each.empty()) return;
     std::vector<std::string> bound = node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
+    for (const Node& other : flow.nodes) {
+      for (const Action& action : other.actions) {
+        for (const Text& output : action.outputs) bound.push_back(output.value);
+      }
+    }
     for (const std::string& name : node.for_each) {
       if (std::find(bound.begin(), bound.end(), name) != bound.end()) continue;
       reader_.Error(

@@ -152,6 +152,9 @@ class RunChecker {
 
   static bool TakesTime(const Node& node) {
     if (!node.invokes.empty()) return true;
+    for (const Action& action : node.actions) {
+      if (action.waits) return true;
+    }
     return node.condition && !(node.condition->contexts.empty() && node.condition->cases.empty());
   }
 

@@ -48,7 +48,9 @@ class TimeoutChecker {
   }
 
   void Check(const Node& node) {
-    if (node.timeout_ms && node.invokes.empty()) {
+    const bool waits = std::any_of(node.actions.begin(), node.actions.end(),
+                                   [](const Action& action) { return action.waits; });
+    if (node.timeout_ms && node.invokes.empty() && !waits) {
       Warn(node.timeout_text,
            Concat("node ", node.name.value, " invokes nothing and is done as soon as it opens"),
            node.condition ? "write it at the <condition> to limit the wait" : "take it away");

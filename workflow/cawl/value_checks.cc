@@ -52,7 +52,12 @@ struct NodeValues {
 NodeValues ValuesOf(const Node& node, const Environment* environment) {
   NodeValues out;
   if (node.condition) out.matched = MatchedBy(*node.condition);
+  for (const Action& action : node.actions) {
+    for (const Text& output : action.outputs) out.matched.insert(output.value);
+  }
   for (const Invoke& invoke : node.invokes) {
+    for (const Output& output : invoke.outputs) out.given.insert(output.variable.value);
+    if (!invoke.outputs.empty()) continue;
     std::optional<OperationSignature> operation;
     if (environment != nullptr && !invoke.operation.empty())
       operation = environment->FindOperation(invoke.operation.value);
@@ -169,6 +174,7 @@ class ValueChecker {
     for (const Node& node : flow.nodes) {
       if (node.condition) CheckComparisons(*node.condition, node, values);
       for (const Invoke& invoke : node.invokes) CheckInputs(Scope(of_flow, node), node, invoke, values);
+      for (const Action& action : node.actions) CheckAction(action, node, values);
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint || !IsComparedVariable(link.while_constraint->object)) continue;
@@ -204,6 +210,23 @@ class ValueChecker {
         }
       }
     }
+  }
+
+  // What a node tells or takes into a query.
+  void CheckAction(const Action& action, const Node& node, const FlowValues& values) {
+    const auto check = [&](const std::string& name, const SourceSpan& span) {
+      if (values.MayHave(name, node, action.when_done)) return;
+      Warn(span, Concat("variable ", name, " is never set before: the node fails"),
+           Concat("initialize it, or bind ?", name, " in a condition before"), kUnsetVariable);
+    };
+    for (const Constraint& fact : action.facts) {
+      for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
+        if (word->kind == Word::Kind::kVariable) check(word->name, word->span);
+      }
+    }
+    for (const auto& [name, span] : action.uses) check(name, span);
+    if (action.kind == Action::Kind::kNotify) return;  // a value that there is not is null
+    for (size_t i = 0; i < action.inputs.size(); ++i) check(action.inputs[i], action.input_places[i]);
   }
 
   void NeverTrue(const Word& word) {

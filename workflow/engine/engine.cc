@@ -12,6 +12,7 @@
 #include "workflow/engine/engine_core.h"
 #include "workflow/engine/robot_facts.h"
 #include "workflow/engine/run_facts.h"
+#include "workflow/engine/run_notifications.h"
 #include "workflow/engine/run_scheduler.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/service_workflow.h"
@@ -318,6 +319,10 @@ void TakeEnd(Engine::Core* core, const CommandReport& report) {
 
 void TakeReports(Engine::Core* core) {
   for (const CommandReport& report : *core->input->reports) {
+    if (core->outbox.contains(report.command)) {
+      if (IsFinal(report.outcome)) TakeDelivery(core, report);
+      continue;
+    }
     auto it = core->commands.find(report.command.value());
     if (it == core->commands.end()) {
       if (IsFinal(report.outcome)) TakeEnd(core, report);
@@ -383,6 +388,11 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->advanced.clear();
   core_->released.clear();
   core_->changed_robots.clear();
+  const bool first_round = input.requests != nullptr || input.reports != nullptr;
+  core_->turn_round = first_round ? 0 : core_->turn_round + 1;
+  if (first_round) core_->facts_written = 0;
+  core_->written.clear();
+  core_->writing_trees.clear();
   std::swap(output.arm, core_->deploy_arm);
   std::swap(output.disarm, core_->deploy_disarm);
   for (const RunId& run : std::exchange(core_->deploy_cancel, {})) {
@@ -430,6 +440,7 @@ void Engine::Commit() {
   core_->undo_active.clear();
   core_->undo_services.reset();
   core_->undo_robot_facts.clear();
+  core_->undo_outbox.clear();
   core_->ledger.Commit();
   core_->event_waits.Commit();
   core_->activations.Commit();
@@ -444,7 +455,7 @@ void Engine::Rollback() {
   bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
                    core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
                    core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&
-                   !core_->activations.changed();
+                   !core_->activations.changed() && core_->undo_outbox.empty();
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -481,6 +492,12 @@ void Engine::Rollback() {
       core_->robot_facts[robot] = before;
     else
       core_->robot_facts.erase(robot);
+  }
+  for (auto& [id, before] : core_->undo_outbox) {
+    if (before)
+      core_->outbox.insert_or_assign(id, *std::move(before));
+    else
+      core_->outbox.erase(id);
   }
   core_->ledger.Rollback();
   core_->event_waits.Rollback();

@@ -38,6 +38,7 @@ struct EngineInput {
   const EventNews* events = nullptr;  // in the first round; null: none
   const ConditionView* conditions = nullptr;
   const RobotDirectory* robots = nullptr;
+  const FactView* facts = nullptr;
 };
 
 // A command without a final report.
@@ -102,6 +103,8 @@ class Engine {
   // Commands without a final report: those that are to end, then the others, oldest run first. After a restart their
   // adapters are asked about them.
   std::vector<CommandUnderWay> OpenCommands() const;
+  // Notifications that are neither delivered nor given up, in order of their ids. After a restart they are sent again.
+  std::vector<Notification> OpenNotifications() const;
   // The outermost run that holds the robot; null: it is free. Until the next change.
   const RunId* HolderOf(const RobotId& robot) const;
 

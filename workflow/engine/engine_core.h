@@ -86,6 +86,7 @@ struct Engine::Core {
   EventWaits event_waits;  // the events that conditions have of those that they need are state
   std::map<RunId, std::set<RunId>> trees;   // live runs, by root
   std::map<RobotId, FactsPtr> robot_facts;  // as last told to the graph
+  std::map<CommandId, OpenNotification> outbox;
 
   // The journal: what Rollback puts back. Empty after Commit.
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
@@ -97,6 +98,7 @@ struct Engine::Core {
   std::vector<ActiveBefore> undo_active;
   std::optional<rsel::ServiceRegistry> undo_services;
   std::map<RobotId, FactsPtr> undo_robot_facts;
+  std::map<CommandId, std::optional<OpenNotification>> undo_outbox;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
   size_t kept_new = 0;             // at the end of `kept`
   ConditionHandle committed_handle = 1;
@@ -114,6 +116,10 @@ struct Engine::Core {
   std::set<RunId> awaiting;          // runs that armed a `while` condition in the round before
   std::map<RunId, int> rounds;       // of this turn in which a run changed
   bool services_changed = false;     // since the last Step
+  int turn_round = 0;                // of this turn, from 0
+  size_t facts_written = 0;          // by runs in this turn
+  std::map<RunId, std::vector<size_t>> written;  // in this round: index in output->writes
+  std::set<RunId> writing_trees;                 // of these, the outermost runs
   // Output of Deploy and Undeploy, told with the next Step.
   std::vector<ConditionRequest> deploy_arm;
   std::vector<ConditionHandle> deploy_disarm;

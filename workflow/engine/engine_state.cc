@@ -121,6 +121,7 @@ struct Packed {
   std::vector<EndingCommand> ending;
   EventWaits::Joint joint_events;
   Activations::State activations;
+  std::vector<OpenNotification> outbox;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };
@@ -143,6 +144,12 @@ void Fields(Archive& a, OpenCommand& open) {
 template <class Archive>
 void Fields(Archive& a, ArmedCondition& armed) {
   a(armed.handle, armed.ask, armed.waiting_events);
+}
+
+template <class Archive>
+void Fields(Archive& a, OpenNotification& open) {
+  Notification& n = open.notification;
+  a(n.id, n.target, n.source, n.type, n.subject, n.time_us, n.data, open.run, open.node);
 }
 
 template <class Archive>
@@ -245,6 +252,33 @@ void AddedIn7(Archive& a, Packed& p) {
   a(p.activations);
 }
 
+template <class Archive>
+void SolutionFields(Archive& a, std::map<std::string, SolutionsPtr>* solutions) {
+  std::map<std::string, std::vector<TermBinding>> values;
+  for (const auto& [name, list] : *solutions) values[name] = *list;
+  a(values);
+  if constexpr (Archive::kReads) {
+    for (auto& [name, list] : values)
+      (*solutions)[name] = std::make_shared<const std::vector<TermBinding>>(std::move(list));
+  }
+}
+
+// What format 8 added, behind that: what nodes have done of their own.
+template <class Archive>
+void AddedIn8(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    std::vector<TermQuad> until_end(run.run.actions.until_end.begin(), run.run.actions.until_end.end());
+    a(until_end);
+    run.run.actions.until_end = {until_end.begin(), until_end.end()};
+    SolutionFields(a, &run.run.actions.solutions);
+    for (PackedNode& node : run.nodes) {
+      NodeActions& actions = node.state.actions;
+      a(actions.next[0], actions.next[1], actions.bindings, actions.begun, actions.awaited);
+    }
+  }
+  List(a, p.outbox);
+}
+
 // A state of format 4 as this version would have it.
 void Complete(Packed* packed) {
   std::map<RunId, Run*> runs;
@@ -329,6 +363,9 @@ bool FitsDocument(const Run& run) {
     for (const InvocationState& invocation : run.nodes[n].invocations) {
       if (invocation.invoke >= flow.nodes[n].invokes.size()) return false;
     }
+    for (const size_t next : run.nodes[n].actions.next) {
+      if (next > flow.nodes[n].actions.size()) return false;
+    }
   }
   return true;
 }
@@ -396,6 +433,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   for (const auto& [id, ending] : state.ending) packed.ending.push_back(ending);
   packed.joint_events = state.joint_events;
   packed.activations = state.activations;
+  for (const auto& [id, open] : state.outbox) packed.outbox.push_back(open);
   packed.next_handle = state.next_handle;
   packed.next_run = state.next_run;
   ByteWriter writer;
@@ -403,6 +441,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedFields(writer, packed);
   AddedIn6(writer, packed);
   AddedIn7(writer, packed);
+  AddedIn8(writer, packed);
   return writer.Take();
 }
 
@@ -417,6 +456,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     AddedFields(reader, packed);
   if (!reader.AtEnd()) AddedIn6(reader, packed);
   if (!reader.AtEnd()) AddedIn7(reader, packed);
+  if (!reader.AtEnd()) AddedIn8(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -459,6 +499,10 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   }
   state.joint_events = std::move(packed.joint_events);
   state.activations = std::move(packed.activations);
+  for (OpenNotification& open : packed.outbox) {
+    const CommandId id = open.notification.id;
+    state.outbox.emplace(id, std::move(open));
+  }
   state.next_handle = packed.next_handle;
   state.next_run = packed.next_run;
   return state;
@@ -501,6 +545,7 @@ EngineState Engine::Save() const {
           core_->ledger.ending(),
           core_->event_waits.joint(),
           core_->activations.state(),
+          core_->outbox,
           core_->next_handle,
           core_->next_run};
 }
@@ -510,6 +555,7 @@ void Engine::Restore(EngineState state) {
   core_->kept.assign(state.kept.begin(), state.kept.end());
   core_->deployments = std::move(state.deployments);
   core_->services = std::move(state.services);
+  core_->outbox = std::move(state.outbox);
   core_->next_handle = state.next_handle;
   core_->next_run = state.next_run;
   core_->ledger.Restore(std::move(state.ending));

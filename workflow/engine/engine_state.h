@@ -26,6 +26,7 @@ struct EngineState {
   RobotLedger::Ending ending;
   EventWaits::Joint joint_events;
   Activations::State activations;
+  std::map<CommandId, OpenNotification> outbox;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };

@@ -20,6 +20,7 @@
 #include "graph/base/ids.h"
 #include "graph/rdf/term.h"
 #include "graph/store/decisions.h"
+#include "graph/store/notification.h"
 #include "graph/store/quad.h"
 
 namespace docent::sparql {
@@ -121,10 +122,44 @@ struct EventNews {
 
 // Transitions about an activator begin so: "activator/WORKFLOW", the workflow's name as a segment (graph/rdf/docent_iris.h).
 inline constexpr std::string_view kActivatorSubject = "activator";
+// A fact that is looked for; an absent position matches anything.
+struct FactPattern {
+  std::optional<Term> subject;
+  std::optional<Term> predicate;
+  std::optional<Term> object;
+  std::string source;  // graph; empty: every graph in which clients, robots and runs tell
+};
+
+struct FactMatches {
+  std::vector<TermQuad> told;
+  bool inferred = false;  // a rule derived one that matches, whatever the source
+};
+
+// The graph as of this round.
+class FactView {
+ public:
+  virtual ~FactView() = default;
+  // RESOURCE_EXHAUSTED: more than `limit` match.
+  virtual absl::StatusOr<FactMatches> Match(const FactPattern& pattern, size_t limit) const = 0;
+  // All solutions of a SELECT, in its order, a name of `columns` for each column. `given` are values of variables of the query.
+  // RESOURCE_EXHAUSTED naming the limit: it has more solutions than assign_solutions, or takes too long.
+  virtual absl::StatusOr<std::vector<TermBinding>> Select(const sparql::Query& query,
+                                                          const TermBinding& given,
+                                                          const std::vector<std::string>& columns) const = 0;
+};
+
+// A fact that a run tells or withdraws; the graph of the quad is its source.
+struct FactWrite {
+  bool tells = true;
+  TermQuad quad;
+  uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
+};
 
 struct EngineOutput {
+  std::vector<Notification> notifications;
   std::vector<Quad> add;  // run facts, in graph docent:runs
   std::vector<Quad> remove;
+  std::vector<FactWrite> writes;  // in their order
   std::vector<ConditionRequest> arm;
   std::vector<ConditionHandle> disarm;
   std::vector<Transition> transitions;
@@ -134,8 +169,8 @@ struct EngineOutput {
   std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
 
   bool quiet() const {
-    return add.empty() && remove.empty() && arm.empty() && transitions.empty() && commands.empty() &&
-           cancels.empty();
+    return add.empty() && remove.empty() && writes.empty() && notifications.empty() && arm.empty() &&
+           transitions.empty() && commands.empty() && cancels.empty();
   }
 };
 

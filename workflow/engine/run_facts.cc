@@ -8,6 +8,7 @@
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "workflow/engine/run_results.h"
 
 namespace docent::engine {
 namespace {
@@ -145,6 +146,16 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
     out.About(variable);
     out.SayText(RunTerm::kVariableName, name);
     out.SayTerm(RunTerm::kVariableValue, value);
+  }
+  if (run.state == WorkState::kDone) {
+    for (const auto& [name, value] : FlowResults(run)) {
+      const TermId result = out.Iri(absl::StrCat(run_iri, "/=", IriSegment(name)));
+      out.About(id);
+      out.Say(RunTerm::kHasResult, result);
+      out.About(result);
+      out.SayText(RunTerm::kVariableName, name);
+      out.SayTerm(RunTerm::kVariableValue, value);
+    }
   }
   for (size_t i = 0; i < run.nodes.size(); ++i) WriteNode(run, run_iri, id, i, &out);
   return out.Take();

@@ -11,7 +11,7 @@
 
 namespace docent::engine {
 
-// All facts of a run (urn:docent:run:ID and, beneath it, /NODE, /NODE/N for invocations from 0, and /$VARIABLE), sorted, none twice. New terms are interned: writer thread only.
+// All facts of a run (urn:docent:run:ID and, beneath it, /NODE, /NODE/N for invocations from 0, /$VARIABLE and /=RESULT), sorted, none twice. New terms are interned: writer thread only.
 std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
+#include "workflow/engine/run_results.h"
 #include "workflow/engine/run_stepper.h"
 
 namespace docent::engine {
@@ -296,9 +297,10 @@ void RunStepper::SettleHandler(size_t node, size_t index) {
     case rsel::InstructionHandler::State::kRunning:
       return;
     case rsel::InstructionHandler::State::kDone: {
-      const rsel::Arguments results = invocation.handler->Results();
+      const rsel::Arguments given = invocation.handler->Results();
+      const TermBinding results = ResultsOf(node, index, TermBinding(given.begin(), given.end()));
       SetInvocation(node, index, WorkState::kDone, "");
-      SetVariables(TermBinding(results.begin(), results.end()));  // last: it may end the run
+      SetVariables(results);  // last: it may end the run
       return;
     }
     case rsel::InstructionHandler::State::kFailed:
@@ -378,10 +380,14 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
                      absl::StrCat("subflow ", child.id.value(), ": ", child.reason));
     return;
   }
-  TermBinding results;
-  for (const auto& [name, value] : child.variables) {
-    if (run_.variables.count(name) == 0) results.emplace(name, value);
+  const bool mapped = !flow_.nodes[owner.node].invokes[invocation.invoke].outputs.empty();
+  TermBinding given = mapped || !child.Flow().outputs.empty() ? FlowResults(child) : TermBinding();
+  if (child.Flow().outputs.empty()) {
+    for (const auto& [name, value] : child.variables) {
+      if (mapped || run_.variables.count(name) == 0) given.emplace(name, value);
+    }
   }
+  const TermBinding results = ResultsOf(owner.node, owner.invocation, given);
   invocation.overdue.clear();
   SetInvocation(owner.node, owner.invocation, WorkState::kDone, "");
   SetVariables(results);  // last: it may end the run

@@ -18,6 +18,7 @@
 #include "graph/store/quad.h"
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/ast.h"
+#include "workflow/engine/action_state.h"
 #include "workflow/engine/ports.h"
 #include "workflow/rsel/instruction_handler.h"
 
@@ -128,6 +129,7 @@ struct NodeState {
   std::optional<Guard> hold;   // running: its ext:while-holds, where that is not its condition
   std::map<std::string, ReplacedValue> replaced;  // running: by the match that opened it
   int first_attempt = 1;                          // of the invocations when it opens next
+  NodeActions actions;                            // running: what it has done of its own
   std::string waits_for;                          // the ASK, while waiting
   std::string fired_because;                      // N-Triples, since it opened
   TimeMicros fired_us = 0;
@@ -156,6 +158,8 @@ struct Run {
   bool sink_reached = false;
   std::set<RobotId> robots;      // that this run or a run nested in it has taken (robot_ledger.h)
   bool unknown_outcome = false;  // of an operation that is not idempotent: nothing of this run is tried again
+
+  RunActions actions;  // what its nodes have done of their own
 
   RunId root;  // the outermost run that it is nested in, or itself
 

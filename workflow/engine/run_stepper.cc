@@ -13,9 +13,6 @@
 namespace docent::engine {
 namespace {
 
-// Solutions looked at to find one whose robot is free, and the most that forEach takes.
-constexpr size_t kSolutionLimit = 1000;
-
 std::string ShowBinding(const TermBinding& binding) {
   return absl::StrJoin(binding, ", ", [](std::string* out, const auto& pair) {
     absl::StrAppend(out, pair.first, " = ", ToDisplay(pair.second));
@@ -296,6 +293,7 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   node.fired_us = core_.input->now_us;
   if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
   node.invocations.clear();
+  node.actions = {};
   if (!guarded.ok()) return NodeImpossible(index, guarded);
   if (!bindings.empty()) {
     for (const auto& [name, value] : bindings.front()) {
@@ -310,26 +308,8 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   // new values can make another node's condition impossible, and that may end the run or begin a loop again
   if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning) return;
   if (absl::Status held = ArmHold(index); !held.ok()) return NodeImpossible(index, held);
-  std::vector<TermBinding> overlays;
-  if (syntax.for_each.empty())
-    overlays.emplace_back();
-  else
-    overlays = bindings;
-  for (size_t o = 0; o < overlays.size(); ++o) {
-    for (size_t i = 0; i < syntax.invokes.size(); ++i) {
-      InvocationState invocation;
-      invocation.invoke = i;
-      invocation.binding = overlays[o];
-      invocation.attempt = node.first_attempt;
-      if (node.guard && o < bindings.size()) invocation.match = MatchOf(node.guard->armed.ask, bindings[o]);
-      node.invocations.push_back(std::move(invocation));
-    }
-  }
-  for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
-    TryDispatch(index, i, true);
-    if (run_.state != WorkState::kRunning || run_.nodes[index].state != WorkState::kRunning) return;
-  }
-  SettleGuard(index);
+  run_.nodes[index].actions.bindings = bindings;
+  GoOnOpening(index, true);
 }
 
 // True if the node came to an end.
@@ -347,8 +327,8 @@ bool RunStepper::CheckNode(size_t index) {
     NodeFailed(index, failed->reason);
     return true;
   }
-  if (!all_done) return false;
-  NodeDone(index);
+  if (!all_done || DoActions(index, true) == Progress::kWaits) return false;
+  if (run_.state == WorkState::kRunning && node.state == WorkState::kRunning) NodeDone(index);
   return true;
 }
 
@@ -507,6 +487,10 @@ void RunStepper::Advance() {
             if (IsKnown(run_.nodes[i].pending_links[0].handle)) changed = ResolvePendingLinks(i) || changed;
             break;
           }
+          if (IsOpening(i)) {
+            changed = GoOnOpening(i, false) || CheckDeadlines(i) || changed;
+            break;
+          }
           if (CheckHold(i)) {
             changed = true;
             break;
@@ -545,6 +529,7 @@ void RunStepper::End(WorkState state, const std::string& reason) {
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
     CancelNode(i, state == WorkState::kDone ? "the sink was reached" : reason);
   }
+  WithdrawUntilEnd();
   run_.reason = reason;
   run_.ended_us = core_.input->now_us;
   core_.Say(run_.id.value(), ToString(WorkState::kRunning), ToString(state), reason);

@@ -12,6 +12,9 @@
 
 namespace docent::engine {
 
+// Solutions looked at to find one whose robot is free, and the most that forEach takes.
+inline constexpr size_t kSolutionLimit = 1000;
+
 // The key variables with which a node's condition is armed. `every`: a change of any binding is to be noticed.
 std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every);
 
@@ -29,6 +32,8 @@ class RunStepper {
   void OutcomeUnknown(const CommandOwner& owner);
   // A subflow ended.
   void ChildEnded(const CommandOwner& owner, const Run& child);
+  // What became of a notification of the node.
+  void Delivered(size_t node, const CommandReport& report);
   // Ends the run; what is under way is cancelled.
   void End(WorkState state, const std::string& reason);
 
@@ -64,6 +69,35 @@ class RunStepper {
   bool CheckEnd();
   void SetVariables(const TermBinding& binding);
   void RearmWaiting();
+
+  // run_actions.cc: what a node does itself
+  enum class Progress { kDone, kWaits, kEnded };
+  bool IsOpening(size_t index) const;
+  bool GoOnOpening(size_t index, bool at_once);
+  Progress DoActions(size_t index, bool when_done);
+  absl::Status DoAction(size_t index, const cawl::Action& action);
+  std::vector<std::pair<size_t, TermBinding>> EachBinding(size_t index) const;
+  std::vector<TermBinding> BindingsOf(size_t index) const;
+  void MakeInvocations(size_t index);
+  absl::Status Assign(size_t index, const cawl::Action& action);
+  absl::Status CheckAssigned(size_t index, const TermBinding& values) const;
+  absl::Status Notify(size_t index, const cawl::Action& action);
+  absl::StatusOr<std::string> TextOf(const cawl::Text& text, const TermBinding* binding) const;
+  // run_results.cc: results of what was invoked
+  TermBinding ResultsOf(size_t node, size_t invocation, const TermBinding& given);
+  void KeepSolutions(const cawl::Action& action, std::vector<TermBinding> solutions);
+  absl::Status MayWrite(size_t facts);
+  absl::StatusOr<Term> ValueOf(const cawl::Word& word, const TermBinding* binding) const;
+  absl::StatusOr<TermQuad> FactOf(const cawl::Constraint& fact, const TermBinding* binding) const;
+  absl::Status Tell(size_t index, const cawl::Action& action);
+  absl::Status Withdraw(size_t index, const cawl::Action& action);
+  absl::StatusOr<FactPattern> PatternOf(size_t index, const cawl::Constraint& fact, bool any_source,
+                                        const TermBinding* binding) const;
+  absl::StatusOr<std::vector<TermQuad>> ToldFacts(const cawl::Constraint& fact,
+                                                  const absl::StatusOr<FactPattern>& wanted,
+                                                  bool* of_others) const;
+  void Write(bool tells, TermQuad fact, const cawl::Action* action);
+  void WithdrawUntilEnd();
 
   // run_guards.cc: guards
   enum class Answer { kYes, kNo, kUnknown };

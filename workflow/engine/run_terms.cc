@@ -49,8 +49,9 @@ constexpr std::array kNames = {
     Name{kDocentNs, "heldBy"},
     Name{kDocentNs, "heldFor"},
     Name{kDocentNs, "endingCommand"},
+    Name{kDocentNs, "hasResult"},
 };
-static_assert(kNames.size() == static_cast<size_t>(RunTerm::kEndingCommand) + 1);
+static_assert(kNames.size() == static_cast<size_t>(RunTerm::kHasResult) + 1);
 
 }  // namespace
 

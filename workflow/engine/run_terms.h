@@ -49,6 +49,7 @@ enum class RunTerm : uint8_t {
   kHeldBy,
   kHeldFor,
   kEndingCommand,
+  kHasResult,
 };
 
 // Writer thread only.
@@ -63,7 +64,7 @@ class RunTerms {
 
  private:
   Dictionary& dictionary_;
-  std::array<TermId, static_cast<size_t>(RunTerm::kEndingCommand) + 1> terms_;
+  std::array<TermId, static_cast<size_t>(RunTerm::kHasResult) + 1> terms_;
   std::array<TermId, static_cast<size_t>(WorkState::kCancelled) + 1> states_;
 };
 

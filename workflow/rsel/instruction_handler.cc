@@ -134,6 +134,12 @@ void InstructionHandler::Cancel(std::string reason) {
 
 Arguments InstructionHandler::Results() const {
   Arguments out;
+  if (plan_->document.empty()) {  // an operation itself: all that it gave
+    constexpr std::string_view kOfItsStep = "1.";
+    for (const auto& [slot, value] : values_) {
+      if (slot.starts_with(kOfItsStep)) out.emplace(slot.substr(kOfItsStep.size()), value);
+    }
+  }
   for (const auto& [part, source] : plan_->outputs) {
     if (std::optional<Term> value = Value(source)) out.emplace(part, *std::move(value));
   }

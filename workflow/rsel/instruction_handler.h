@@ -84,7 +84,7 @@ class InstructionHandler {
   bool ended() const { return state_ != State::kRunning; }
   // Failed: "2/4 moveToBooth: <reason of the last attempt>". Cancelled: its reason.
   const std::string& reason() const { return reason_; }
-  // The values of the process's outputs that there are. Complete when done.
+  // The values of the process's outputs that there are; of an operation itself, all that it gave. Complete when done.
   Arguments Results() const;
 
   const Plan& plan() const { return *plan_; }

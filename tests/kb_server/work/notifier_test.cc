@@ -1,0 +1,93 @@
+// What becomes of notifications that cannot be delivered.
+#include "kb_server/work/notifier.h"
+
+#include <string>
+
+#include "absl/synchronization/notification.h"
+#include "gmock/gmock.h"
+#include "graph/rdf/vocabulary.h"
+#include "gtest/gtest.h"
+#include "kb_server/work/cloud_event.h"
+
+namespace docent::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+Notification To(const std::string& target) {
+  Notification one;
+  one.id = CommandId("F-1/A/0/notify.0.0@1");
+  one.target = target;
+  one.source = "urn:docent:run:F-1";
+  one.type = "org.example.x";
+  return one;
+}
+
+// The report of the one notification, and how often it was offered before it was taken.
+CommandReport ReportOf(Notifier::Settings settings, const Notification& notification, int refusals = 0) {
+  settings.first_pause = std::chrono::milliseconds(1);
+  CommandReport report;
+  absl::Notification taken;
+  int offered = 0;
+  Notifier notifier(std::move(settings), [&](WriteBatch batch, const std::function<void(bool)>& done) {
+    report = batch.reports.at(0);
+    const bool takes = offered++ == refusals;
+    done(takes);
+    if (takes) taken.Notify();
+  });
+  notifier.Send(notification);
+  EXPECT_TRUE(taken.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  EXPECT_EQ(offered, refusals + 1);
+  return report;
+}
+
+TEST(NotifierTest, ItIsGivenUpAfterTheLimitOfAttempts) {
+  Notifier::Settings settings;
+  settings.allow = {"http://127.0.0.1:1/"};
+  settings.attempts = 3;
+  const CommandReport report = ReportOf(settings, To("http://127.0.0.1:1/hook"));
+  EXPECT_EQ(report.outcome, CommandReport::Outcome::kFailed);
+  EXPECT_EQ(report.command.value(), "F-1/A/0/notify.0.0@1");
+  EXPECT_THAT(report.message, HasSubstr("given up after 3 attempts (the limit notify_attempts is 3)"));
+}
+
+TEST(NotifierTest, AnAddressThatIsNotAllowedIsNotReached) {
+  EXPECT_THAT(ReportOf({}, To("http://127.0.0.1:1/hook")).message, HasSubstr("--notify"));
+  EXPECT_THAT(ReportOf({}, To("mqtt:a/b")).message, HasSubstr("--mqtt"));
+}
+
+TEST(NotifierTest, AReportThatTheDoorDoesNotTakeComesAgain) {
+  EXPECT_EQ(ReportOf({}, To("http://127.0.0.1:1/hook"), 3).outcome, CommandReport::Outcome::kFailed);
+}
+
+TEST(NotifierTest, NoBrokerIsAFailureOfTheAttempt) {
+  Notifier::Settings settings;
+  settings.mqtt = "127.0.0.1:1";
+  settings.attempts = 1;
+  EXPECT_THAT(ReportOf(settings, To("mqtt:a/b")).message,
+              HasSubstr("the MQTT broker at 127.0.0.1:1: connecting"));
+}
+
+TEST(CloudEventTest, TermsAreJson) {
+  Notification one = To("http://h/");
+  one.subject = "urn:w:John";
+  one.data = {{"iri", Term::Iri("urn:w:John")},
+              {"text", Term::Literal("a \"b\"\n")},
+              {"tagged", Term::LangString("hallo", "de")},
+              {"whole", Term::Integer(7)},
+              {"nan", Term::Literal("NaN", std::string(kXsdNs) + "double")},
+              {"yes", Term::Boolean(true)},
+              {"blank", Term::Blank("b1")},
+              {"nothing", std::nullopt}};
+  EXPECT_EQ(ToCloudEvent(one),
+            "{\"specversion\":\"1.0\",\"id\":\"F-1/A/0/"
+            "notify.0.0@1\",\"source\":\"urn:docent:run:F-1\",\"type\":\"org.example.x\","
+            "\"subject\":\"urn:w:John\",\"time\":\"1970-01-01T00:00:00Z\",\"datacontenttype\":\"application/"
+            "json\",\"data\":{"
+            "\"iri\":\"urn:w:John\",\"text\":\"a "
+            "\\\"b\\\"\\n\",\"tagged\":{\"value\":\"hallo\",\"language\":\"de\"},\"whole\":7,"
+            "\"nan\":\"NaN\",\"yes\":true,\"blank\":\"_:b1\",\"nothing\":null}}");
+}
+
+}  // namespace
+}  // namespace docent::server

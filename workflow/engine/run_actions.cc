@@ -1,0 +1,327 @@
+// What the nodes of a run do themselves: facts that they tell and withdraw. The turn applies them after the round, in their
+// order, so that rules and conditions see them in the next round of the same turn.
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
+#include "graph/base/workflow_limits.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/term_check.h"
+#include "workflow/cawl/structure_checks.h"
+#include "workflow/engine/run_stepper.h"
+
+namespace docent::engine {
+namespace {
+
+std::string Show(const TermQuad& fact) {
+  return absl::StrCat(ToDisplay(fact.subject), " ", ToDisplay(fact.predicate), " ", ToDisplay(fact.object));
+}
+
+// "told 3 facts: …" with the first of them.
+std::string Summary(const char* did, const std::vector<TermQuad>& facts) {
+  if (facts.empty()) return absl::StrCat(did, " nothing");
+  return absl::StrCat(did, " ", facts.size(),
+                      facts.size() == 1 ? " fact: " : " facts, the first: ", Show(facts.front()));
+}
+
+// ?x twice in one fact is one value.
+bool Agrees(const cawl::Constraint& fact, const TermQuad& quad) {
+  const std::pair<const cawl::Word*, const Term*> places[] = {
+      {&fact.subject, &quad.subject}, {&fact.verb, &quad.predicate}, {&fact.object, &quad.object}};
+  for (const auto& [word, term] : places) {
+    for (const auto& [other, other_term] : places) {
+      const bool same = word->kind == cawl::Word::Kind::kFree && other->kind == cawl::Word::Kind::kFree &&
+                        word->name == other->name;
+      if (same && *term != *other_term) return false;
+    }
+  }
+  return true;
+}
+
+bool Matches(const FactPattern& pattern, const TermQuad& quad) {
+  return (!pattern.subject || *pattern.subject == quad.subject) &&
+         (!pattern.predicate || *pattern.predicate == quad.predicate) &&
+         (!pattern.object || *pattern.object == quad.object) &&
+         (pattern.source.empty() || pattern.source == quad.graph.lexical);
+}
+
+}  // namespace
+
+bool RunStepper::IsOpening(size_t index) const {
+  return !flow_.nodes[index].actions.empty() && !run_.nodes[index].actions.begun;
+}
+
+// The actions at="open", then the invocations. `at_once`: the condition opens the node in this round. True if something changed.
+bool RunStepper::GoOnOpening(size_t index, bool at_once) {
+  const Progress progress = DoActions(index, false);
+  if (progress != Progress::kDone) return progress == Progress::kEnded;
+  MakeInvocations(index);
+  for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
+    TryDispatch(index, i, at_once);
+    if (run_.state != WorkState::kRunning || run_.nodes[index].state != WorkState::kRunning) return true;
+  }
+  SettleGuard(index);
+  return true;
+}
+
+// The bindings of forEach, each with the number of the match that it comes from: of the condition's matches, times the
+// solutions of assignments. Without forEach: one, of the first match.
+std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index) const {
+  const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
+  const std::vector<TermBinding>& matches = run_.nodes[index].actions.bindings;
+  std::vector<std::pair<size_t, TermBinding>> all;
+  if (for_each.empty()) return {{0, TermBinding()}};
+  for (size_t i = 0; i < matches.size(); ++i) all.emplace_back(i, matches[i]);
+  if (matches.empty()) all.emplace_back(0, TermBinding());
+  std::set<const std::vector<TermBinding>*> lists;
+  for (const std::string& name : for_each) {
+    const bool matched = !matches.empty() && matches[0].contains(name);
+    const auto list = run_.actions.solutions.find(name);
+    if (matched || list == run_.actions.solutions.end() || !lists.insert(list->second.get()).second) continue;
+    std::vector<std::pair<size_t, TermBinding>> more;
+    for (const auto& [match, binding] : all) {
+      for (const TermBinding& solution : *list->second) {
+        if (more.size() == kSolutionLimit) break;
+        more.emplace_back(match, binding).second.insert(solution.begin(), solution.end());
+      }
+    }
+    all = std::move(more);
+  }
+  if (lists.empty()) return all;
+  std::set<std::vector<Term>> seen;
+  std::erase_if(all, [&](const auto& binding) {
+    std::vector<Term> key;
+    for (const std::string& name : for_each) {
+      const auto value = binding.second.find(name);
+      key.push_back(value == binding.second.end() ? Term() : value->second);
+    }
+    return !seen.insert(std::move(key)).second;
+  });
+  return all;
+}
+
+std::vector<TermBinding> RunStepper::BindingsOf(size_t index) const {
+  std::vector<TermBinding> bindings;
+  for (auto& [match, binding] : EachBinding(index)) bindings.push_back(std::move(binding));
+  return bindings;
+}
+
+void RunStepper::MakeInvocations(size_t index) {
+  const cawl::Node& syntax = flow_.nodes[index];
+  NodeState& node = run_.nodes[index];
+  node.actions.begun = true;
+  for (auto& [match, binding] : EachBinding(index)) {
+    for (size_t i = 0; i < syntax.invokes.size(); ++i) {
+      InvocationState invocation;
+      invocation.invoke = i;
+      invocation.binding = binding;
+      invocation.attempt = node.first_attempt;
+      if (node.guard && match < node.actions.bindings.size())
+        invocation.match = MatchOf(node.guard->armed.ask, node.actions.bindings[match]);
+      node.invocations.push_back(std::move(invocation));
+    }
+  }
+  if (syntax.actions.empty() || syntax.for_each.empty()) node.actions.bindings.clear();
+}
+
+// Those at="open" or at="done" that are not done yet. kWaits: an assignment comes after what the run wrote in this round, and
+// sees it in the next one; or a notification is not delivered yet. kEnded: the node has come to an end.
+RunStepper::Progress RunStepper::DoActions(size_t index, bool when_done) {
+  const std::vector<cawl::Action>& actions = flow_.nodes[index].actions;
+  const int iteration = run_.nodes[index].iteration;
+  while (true) {
+    if (!run_.nodes[index].actions.awaited.empty()) return Progress::kWaits;
+    const size_t next = run_.nodes[index].actions.next[when_done];
+    if (next == actions.size()) return Progress::kDone;
+    const cawl::Action& action = actions[next];
+    const bool due = action.when_done == when_done;
+    if (due && action.kind == cawl::Action::Kind::kAssign &&
+        core_.writing_trees.contains(core_.RootOf(run_))) {
+      core_.awaiting.insert(run_.id);
+      return Progress::kWaits;
+    }
+    ++run_.nodes[index].actions.next[when_done];
+    if (!due) continue;
+    if (const absl::Status done = DoAction(index, action); !done.ok()) {
+      NodeImpossible(index, done);
+      return Progress::kEnded;
+    }
+    const NodeState& node = run_.nodes[index];
+    if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning || node.iteration != iteration)
+      return Progress::kEnded;
+  }
+}
+
+absl::Status RunStepper::DoAction(size_t index, const cawl::Action& action) {
+  switch (action.kind) {
+    case cawl::Action::Kind::kTell:
+      return Tell(index, action);
+    case cawl::Action::Kind::kWithdraw:
+      return Withdraw(index, action);
+    case cawl::Action::Kind::kAssign:
+      return Assign(index, action);
+    case cawl::Action::Kind::kNotify:
+      return Notify(index, action);
+  }
+  return absl::OkStatus();
+}
+
+// Whether so many facts more may be written in this turn. What a turn writes may start other runs that write: that comes to an
+// end before the turn as a whole is refused.
+absl::Status RunStepper::MayWrite(size_t facts) {
+  const int most = core_.limits.engine_rounds_per_turn * 3 / 4;
+  if (core_.turn_round >= most) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "nothing more is written in this turn, which has gone on for ", core_.turn_round,
+        " rounds; does what is told start again what tells it? (the limit engine_rounds_per_turn is ",
+        core_.limits.engine_rounds_per_turn, ")"));
+  }
+  if (facts > kWorkflowLimits.facts_written_per_turn - core_.facts_written) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("runs would tell and withdraw more than ", kWorkflowLimits.facts_written_per_turn,
+                     " facts in one turn; the limit is facts_written_per_turn"));
+  }
+  core_.facts_written += facts;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Term> RunStepper::ValueOf(const cawl::Word& word, const TermBinding* binding) const {
+  if (word.kind == cawl::Word::Kind::kTerm) return word.term;
+  if (std::optional<Term> value = Value(word.name, binding)) return *std::move(value);
+  return absl::FailedPreconditionError(absl::StrCat("variable $", word.name, " has no value"));
+}
+
+absl::StatusOr<TermQuad> RunStepper::FactOf(const cawl::Constraint& fact, const TermBinding* binding) const {
+  TermQuad quad;
+  quad.graph = Term::Iri(RunIri(run_.id));
+  const std::pair<const cawl::Word*, Term*> places[] = {
+      {&fact.subject, &quad.subject}, {&fact.verb, &quad.predicate}, {&fact.object, &quad.object}};
+  for (const auto& [word, term] : places) {
+    absl::StatusOr<Term> value = ValueOf(*word, binding);
+    if (!value.ok()) return value.status();
+    *term = *std::move(value);
+  }
+  if (absl::Status status = CheckQuad(quad, core_.limits.term_bytes); !status.ok()) {
+    return absl::Status(status.code(),
+                        absl::StrCat(status.message(), " (in the fact ", fact.subject.text.value, " ",
+                                     fact.verb.text.value, " ", fact.object.text.value, ")"));
+  }
+  return quad;
+}
+
+// All facts of all bindings, or none.
+absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
+  std::vector<TermQuad> facts;
+  for (const TermBinding& binding : BindingsOf(index)) {
+    for (const cawl::Constraint& fact : action.facts) {
+      absl::StatusOr<TermQuad> quad = FactOf(fact, &binding);
+      if (!quad.ok())
+        return WithMessage(quad.status(), absl::StrCat("it cannot tell: ", quad.status().message()));
+      facts.push_back(*std::move(quad));
+    }
+  }
+  if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
+  core_.Say(Subject(index), "running", "running", Summary("told", facts));
+  for (TermQuad& fact : facts) Write(true, std::move(fact), &action);
+  return absl::OkStatus();
+}
+
+void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action) {
+  if (tells && action->until_run_ends)
+    run_.actions.until_end.insert(fact);
+  else
+    run_.actions.until_end.erase(fact);
+  core_.written[run_.id].push_back(core_.output->writes.size());
+  core_.writing_trees.insert(core_.RootOf(run_));
+  const int64_t lifetime_ms = tells ? action->lifetime_ms.value_or(0) : 0;
+  core_.output->writes.push_back({tells, std::move(fact), static_cast<uint64_t>(lifetime_ms)});
+}
+
+absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
+  std::vector<TermQuad> facts;
+  bool of_others = false;
+  for (const TermBinding& binding : BindingsOf(index)) {
+    for (const cawl::Constraint& fact : action.facts) {
+      absl::StatusOr<std::vector<TermQuad>> found =
+          ToldFacts(fact, PatternOf(index, fact, action.any_source, &binding), &of_others);
+      if (!found.ok())
+        return WithMessage(found.status(), absl::StrCat("it cannot withdraw: ", found.status().message()));
+      facts.insert(facts.end(), found->begin(), found->end());
+    }
+  }
+  if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
+  std::string said = Summary("withdrew", facts);
+  if (facts.empty() && of_others)
+    absl::StrAppend(&said, ": what matches was told by others, and source=\"any\" would take it away");
+  core_.Say(Subject(index), "running", "running", std::move(said));
+  for (TermQuad& fact : facts) Write(false, std::move(fact), &action);
+  return absl::OkStatus();
+}
+
+// ?name that the node's condition does not bind matches anything.
+absl::StatusOr<FactPattern> RunStepper::PatternOf(size_t index, const cawl::Constraint& fact, bool any_source,
+                                                  const TermBinding* binding) const {
+  const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
+  const std::vector<std::string> bound = condition ? cawl::BoundBy(*condition) : std::vector<std::string>();
+  FactPattern pattern;
+  if (!any_source) pattern.source = RunIri(run_.id);
+  const std::pair<const cawl::Word*, std::optional<Term>*> places[] = {
+      {&fact.subject, &pattern.subject}, {&fact.verb, &pattern.predicate}, {&fact.object, &pattern.object}};
+  for (const auto& [word, term] : places) {
+    if (word->kind == cawl::Word::Kind::kFree &&
+        std::find(bound.begin(), bound.end(), word->name) == bound.end())
+      continue;
+    absl::StatusOr<Term> value = ValueOf(*word, binding);
+    if (!value.ok()) return value.status();
+    *term = *std::move(value);
+  }
+  return pattern;
+}
+
+// The told facts that match, with what this run has written in the same round.
+absl::StatusOr<std::vector<TermQuad>> RunStepper::ToldFacts(const cawl::Constraint& fact,
+                                                            const absl::StatusOr<FactPattern>& wanted,
+                                                            bool* of_others) const {
+  if (!wanted.ok()) return wanted.status();
+  const FactPattern& pattern = *wanted;
+  if (core_.input->facts == nullptr) return absl::FailedPreconditionError("there is no graph");
+  const size_t limit = kWorkflowLimits.facts_written_per_turn;
+  absl::StatusOr<FactMatches> found = core_.input->facts->Match(pattern, limit);
+  if (!found.ok()) return found.status();
+  std::vector<TermQuad> told = std::move(found->told);
+  std::erase_if(told, [&](const TermQuad& quad) { return !Agrees(fact, quad); });
+  if (const auto written = core_.written.find(run_.id); written != core_.written.end()) {
+    for (const size_t at : written->second) {
+      const FactWrite& write = core_.output->writes[at];
+      if (!Matches(pattern, write.quad) || !Agrees(fact, write.quad)) continue;
+      std::erase(told, write.quad);
+      if (write.tells) told.push_back(write.quad);
+    }
+  }
+  if (!told.empty()) return told;
+  FactPattern anywhere = pattern;
+  anywhere.source.clear();
+  const absl::StatusOr<FactMatches> others = core_.input->facts->Match(anywhere, limit);
+  if (!others.ok() || !others->told.empty()) {
+    *of_others = true;
+  } else if (others->inferred) {
+    return absl::FailedPreconditionError(absl::StrCat("nothing told matches ", fact.subject.text.value, " ",
+                                                      fact.verb.text.value, " ", fact.object.text.value,
+                                                      "; rules derive it: withdraw what it follows from"));
+  }
+  return told;
+}
+
+// The run ends, and what it told with lifetime="run" with it.
+void RunStepper::WithdrawUntilEnd() {
+  for (const TermQuad& fact : std::exchange(run_.actions.until_end, {}))
+    core_.output->writes.push_back({false, fact, 0});
+}
+
+}  // namespace docent::engine

@@ -1,0 +1,95 @@
+// Variables that a node of a run sets from a SELECT or an expression (ext:assign).
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "graph/base/overload.h"
+#include "workflow/cawl/structure_checks.h"
+#include "workflow/cawl/symbol_table.h"
+#include "workflow/cawl/value_type.h"
+#include "workflow/engine/run_stepper.h"
+
+namespace docent::engine {
+
+absl::Status RunStepper::Assign(size_t index, const cawl::Action& action) {
+  const auto refused = [](const absl::Status& why) {
+    return WithMessage(why, absl::StrCat("it cannot assign: ", why.message()));
+  };
+  TermBinding given;
+  for (const std::string& input : action.inputs) {
+    const std::optional<Term> value = Value(input, nullptr);
+    if (!value)
+      return refused(absl::FailedPreconditionError(absl::StrCat("variable $", input, " has no value")));
+    given.emplace(input, *value);
+  }
+  if (core_.input->facts == nullptr) return refused(absl::FailedPreconditionError("there is no graph"));
+  std::vector<std::string> names;
+  for (const cawl::Text& output : action.outputs) names.push_back(output.value);
+  absl::StatusOr<std::vector<TermBinding>> solutions =
+      core_.input->facts->Select(*action.query, given, names);
+  if (!solutions.ok()) return refused(solutions.status());
+  if (!action.ordered) std::sort(solutions->begin(), solutions->end());
+  const bool none = solutions->empty() || (names.size() == 1 && solutions->front().empty());
+  if (none && !action.may_be_none && !action.otherwise) {
+    return refused(absl::FailedPreconditionError(
+        solutions->empty() ? "the SELECT has no solution"
+                           : absl::StrCat("there is no value for variable ", names[0])));
+  }
+  TermBinding values = solutions->empty() ? TermBinding() : solutions->front();
+  for (const std::string& name : names) {
+    if (action.otherwise) values.try_emplace(name, *action.otherwise);
+  }
+  if (absl::Status status = CheckAssigned(index, values); !status.ok()) return refused(status);
+  KeepSolutions(action, *std::move(solutions));
+  core_.Say(
+      Subject(index), "running", "running",
+      absl::StrCat("assigned ", absl::StrJoin(names, ", ", [&](std::string* out, const std::string& name) {
+                     const auto value = values.find(name);
+                     absl::StrAppend(out, name, " = ",
+                                     value == values.end() ? "nothing" : ToDisplay(value->second));
+                   })));
+  bool erased = false;
+  for (const std::string& name : names) {
+    if (!values.contains(name)) erased = run_.variables.erase(name) > 0 || erased;
+  }
+  if (erased) RearmWaiting();
+  if (run_.state == WorkState::kRunning) SetVariables(values);  // last: it may end the run
+  return absl::OkStatus();
+}
+
+// Of the types that the variables declare.
+absl::Status RunStepper::CheckAssigned(size_t index, const TermBinding& values) const {
+  const cawl::Scope cawl(*run_.document), of_flow(cawl, flow_), scope(of_flow, flow_.nodes[index]);
+  for (const auto& [name, value] : values) {
+    const cawl::Variable* variable = scope.FindVariable(name);
+    const std::string fault = variable == nullptr ? "" : cawl::TypeFault(value, variable->type_term);
+    if (!fault.empty())
+      return absl::InvalidArgumentError(absl::StrCat("the value for variable ", name, " ", fault));
+  }
+  return absl::OkStatus();
+}
+
+// Where a node has forEach of a variable that its condition does not bind, all solutions are kept.
+void RunStepper::KeepSolutions(const cawl::Action& action, std::vector<TermBinding> solutions) {
+  std::vector<std::string> wanted;
+  for (const cawl::Node& node : flow_.nodes) {
+    const std::vector<std::string> bound =
+        node.condition ? cawl::BoundBy(*node.condition) : std::vector<std::string>();
+    for (const std::string& name : node.for_each) {
+      const bool set = std::any_of(action.outputs.begin(), action.outputs.end(),
+                                   [&](const cawl::Text& output) { return output.value == name; });
+      if (set && std::find(bound.begin(), bound.end(), name) == bound.end()) wanted.push_back(name);
+    }
+  }
+  if (wanted.empty()) return;
+  if (solutions.size() > kSolutionLimit) solutions.resize(kSolutionLimit);
+  const auto kept = std::make_shared<const std::vector<TermBinding>>(std::move(solutions));
+  for (const std::string& name : wanted) run_.actions.solutions[name] = kept;
+}
+
+}  // namespace docent::engine
