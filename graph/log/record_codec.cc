@@ -22,7 +22,7 @@ static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
 static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
 static_assert(static_cast<int>(Document::Action::kRemove) == 1);
 static_assert(static_cast<int>(CommandReport::Outcome::kRefused) == 7);
-static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
+static_assert(static_cast<int>(RunRequest::Kind::kCancelCommands) == 11);
 
 // An arena whose first block lies on the stack: most records need no further block.
 class RecordArena {
@@ -157,6 +157,11 @@ void EncodeBatch(const WriteBatch& batch, TermTable* terms, record::Batch* out) 
     entry->set_kind(static_cast<uint32_t>(request.kind));
     entry->set_target(request.target);
     terms->AddNamed(request.arguments, entry->mutable_arguments());
+    entry->set_node(request.node);
+    entry->set_robot(request.robot);
+    entry->set_reason(request.reason);
+    entry->set_cancels_commands(request.cancels_commands);
+    entry->set_compensates(request.compensates);
   }
 }
 
@@ -165,6 +170,9 @@ uint32_t ReaderOf(const WriteBatch& batch) {
   for (const Document& document : batch.documents) {
     // an earlier one would remove all of the workflow
     if (document.action == Document::Action::kRemove && !document.text.empty()) return 2;
+  for (const RunRequest& request : batch.run_requests) {
+    if (request.kind > RunRequest::Kind::kInvokeService || request.compensates || !request.reason.empty())
+      return 2;
   }
   return 1;
 }
@@ -298,8 +306,9 @@ class Decoder {
                                 Named(entry.results())});
     }
     for (const record::RunWish& entry : in.run_requests()) {
-      batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kInvokeService, "run request"),
-                                     entry.target(), Named(entry.arguments())});
+      batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kCancelCommands, "run request"),
+                                     entry.target(), Named(entry.arguments()), entry.node(), entry.robot(),
+                                     entry.reason(), entry.cancels_commands(), entry.compensates()});
     }
   }
 

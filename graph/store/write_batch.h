@@ -81,12 +81,30 @@ struct CommandReport {
 
 // A request of an operator or client about workflow runs.
 struct RunRequest {
-  enum class Kind : uint8_t { kStart, kCancel, kInvokeService };
+  enum class Kind : uint8_t {
+    kStart,
+    kCancel,
+    kInvokeService,
+    kPause,
+    kResume,
+    kPauseWorkflow,
+    kResumeWorkflow,
+    kRetryNode,  // of a node that has an incident, as the two that follow
+    kSkipNode,
+    kFailNode,
+    kSetVariable,
+    kCancelCommands  // of a robot that is taken out of service
+  };
   Kind kind = Kind::kStart;
   std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL
-                       // process; else a run id
-  std::vector<std::pair<std::string, Term>>
-      arguments;  // kStart, kInvokeService: variable or part name → value
+                       // process; k…Workflow: its name; kCancelCommands: the robot's IRI; else a run id
+  // kStart, kInvokeService, kSkipNode, kSetVariable: variable or part name → value
+  std::vector<std::pair<std::string, Term>> arguments;
+  std::string node{};             // k…Node: its name
+  std::string robot{};            // kRetryNode: IRI of the robot to use; empty: as the document says
+  std::string reason{};           // for people
+  bool cancels_commands = false;  // kPause, kPauseWorkflow: what is under way does not end by itself
+  bool compensates = false;       // kCancel: what done nodes did is undone
 
   friend bool operator==(const RunRequest&, const RunRequest&) = default;
 };

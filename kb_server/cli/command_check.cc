@@ -18,7 +18,6 @@
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check.h"
-#include "workflow/engine/engine.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
 
@@ -176,10 +175,6 @@ class Checker {
   Diagnostics CheckCawl(const std::string& file, const std::string& text) {
     const bool check_words = has_environment_ || has_operations_ || environment_.HasWords();
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
-    if (report.ok()) {
-      Diagnostics unsupported = engine::Engine::CheckSupported(*report.document);
-      report.diagnostics.insert(report.diagnostics.end(), unsupported.begin(), unsupported.end());
-    }
     if (!arguments_.ask || arguments_.fix) return report.diagnostics;
     for (const cawl::ConditionText& condition : report.conditions) {
       if (arguments_.json) {

@@ -6,16 +6,14 @@
 #include <optional>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
-#include "absl/time/time.h"
 #include "docent/v1/workflows.grpc.pb.h"
-#include "graph/base/text.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/run_printer.h"
+#include "kb_server/cli/steering_commands.h"
 #include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
 
@@ -37,12 +35,10 @@ struct RunsArguments {
   bool live = false;
   bool watch = false;
   bool cancel = false;
+  std::string workflow, state, robot;
+  uint32_t limit = 0;
+  std::string after;
 };
-
-std::string LocalTime(int64_t time_us, const char* format) {
-  if (time_us == 0) return "";
-  return absl::FormatTime(format, absl::FromUnixMicros(time_us), absl::LocalTimeZone());
-}
 
 // Details of an event and rows of a run are cut to so many columns.
 constexpr size_t kDetailColumns = 200;
@@ -64,58 +60,11 @@ void Print(const ClientOptions& client, const Presenter& presenter, const v1::Ru
     PrintEvent(event, presenter);
 }
 
-void PrintLines(const char* title, const std::string& text, const Presenter& presenter) {
-  if (text.empty()) return;
-  std::cout << "    " << title << "\n";
-  for (absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
-    if (!absl::StartsWith(line, "PREFIX"))
-      std::cout << "      " << presenter.names().InText(FromAbsl(line)) << "\n";
-  }
-}
-
-void PrintNode(const v1::Node& node, const Presenter& presenter) {
-  std::cout << "  " << node.name() << "  " << presenter.State(node.state());
-  if (node.since_us() > 0) std::cout << " since " << LocalTime(node.since_us(), "%H:%M:%S");
-  if (!node.reason().empty()) std::cout << "  (" << presenter.names().InText(node.reason()) << ")";
-  std::cout << "\n";
-  PrintLines("waits for", node.waits_for(), presenter);
-  PrintLines("fired because", node.fired_because(), presenter);
-  for (const v1::Invocation& invocation : node.invocations()) {
-    std::cout << "    " << invocation.operation() << "  " << presenter.State(invocation.state());
-    if (!invocation.robot().empty()) std::cout << "  on " << presenter.Iri(invocation.robot());
-    if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
-    if (invocation.state() == "running")
-      std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
-    if (!invocation.reason().empty()) std::cout << "  (" << invocation.reason() << ")";
-    std::cout << "\n";
-    for (const v1::AwaitedRobot& robot : invocation.awaits()) {
-      std::cout << "      " << presenter.Iri(robot.robot()) << " is " << presenter.State(robot.state());
-      if (!robot.held_by().empty()) std::cout << ", held by " << robot.held_by();
-      std::cout << "\n";
-    }
-  }
-}
-
-// One run with its variables and nodes.
-void PrintRun(const v1::Run& run, const Presenter& presenter) {
-  std::cout << run.id() << "  " << presenter.State(run.state()) << "  workflow " << run.workflow()
-            << "  started " << LocalTime(run.started_us(), "%H:%M:%S");
-  if (run.ended_us() > 0) std::cout << "  ended " << LocalTime(run.ended_us(), "%H:%M:%S");
-  if (!run.reason().empty()) std::cout << "  (" << presenter.names().InText(run.reason()) << ")";
-  std::cout << "\n";
-  for (const v1::NamedTerm& variable : run.variables()) {
-    std::cout << "  $" << variable.name() << " = " << presenter.Of(variable.value()) << "\n";
-  }
-  for (const v1::NamedTerm& result : run.results())
-    std::cout << "  result " << result.name() << " = " << presenter.Of(result.value()) << "\n";
-  for (const v1::Node& node : run.nodes()) PrintNode(node, presenter);
-}
-
 void PrintTable(const v1::ListRunsReply& reply, const Presenter& presenter) {
   Table table({"run", "state", "workflow", "started", "ended", "reason"});
   for (const v1::Run& run : reply.runs()) {
     table.Add({run.id(),
-               {run.state(), StyleOfState(run.state())},
+               {StateOf(run), StyleOfState(StateOf(run))},
                run.workflow(),
                LocalTime(run.started_us(), "%Y-%m-%d %H:%M:%S"),
                LocalTime(run.ended_us(), "%Y-%m-%d %H:%M:%S"),
@@ -218,7 +167,7 @@ int Follow(const ClientOptions& client, const Presenter& presenter, v1::Workflow
     }
     if (event.run() != run_id) continue;
     Print(client, presenter, event);
-    if (event.kind() == "run" && event.to() != "running") break;
+    if (event.kind() == "run" && event.to() != "running" && event.to() != "paused") break;
   }
   if (status.ok()) status = get();
   if (!status.ok()) return Fail(status, client);
@@ -277,17 +226,7 @@ int ShowRuns(const RunsArguments& arguments) {
   const Presenter presenter(arguments.client);
   if (arguments.cancel) {
     if (arguments.run.empty()) return Fail(absl::InvalidArgumentError("--cancel needs the id of a run"));
-    grpc::ClientContext context;
-    v1::CancelRunRequest request;
-    request.set_run(arguments.run);
-    v1::Run run;
-    grpc::Status status = stub->Cancel(&context, request, &run);
-    if (!status.ok()) return Fail(status, arguments.client);
-    if (arguments.client.json)
-      PrintJson(run);
-    else
-      PrintRun(run, presenter);
-    return kExitOk;
+    return CancelRun(arguments.client, arguments.run);
   }
   if (arguments.watch) return Watch(arguments.client, presenter, arguments.run);
   grpc::ClientContext context;
@@ -305,6 +244,14 @@ int ShowRuns(const RunsArguments& arguments) {
   }
   v1::ListRunsRequest request;
   request.set_live_only(arguments.live);
+  request.set_workflow(arguments.workflow);
+  request.set_state(arguments.state);
+  if (!arguments.robot.empty()) {
+    FactArguments facts([&] { return ServerNames(arguments.client); });
+    request.set_robot(facts.Iri(arguments.robot));
+  }
+  request.set_page_size(arguments.limit);
+  request.set_page_token(arguments.after);
   v1::ListRunsReply reply;
   grpc::Status status = stub->ListRuns(&context, request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
@@ -315,6 +262,8 @@ int ShowRuns(const RunsArguments& arguments) {
   } else {
     PrintTable(reply, presenter);
   }
+  if (!reply.next_page_token().empty())
+    std::cerr << "there are more; go on with --after " << reply.next_page_token() << "\n";
   return kExitOk;
 }
 
@@ -350,21 +299,38 @@ void AddRunCommand(CLI::App* app, int* exit_code) {
 
 void AddRunsCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RunsArguments>();
-  CLI::App* command = app->add_subcommand(
-      "runs", "List runs; show one with what it waits for and why its nodes fired; follow or cancel it");
+  CLI::App* command = app->add_subcommand("runs",
+                                          "List runs; show one with what it waits for and why its nodes "
+                                          "fired; follow, pause, repair or cancel it");
   command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
   command->add_option("run", arguments->run, "Id of the run to show; by default all runs are listed");
   command->add_flag("--live", arguments->live, "List only runs that have not ended");
+  command->add_option("--workflow", arguments->workflow, "List only runs of this workflow")
+      ->type_name("NAME");
+  command
+      ->add_option("--state", arguments->state,
+                   "List only runs in this state: running, paused, incident, done, failed, cancelled")
+      ->type_name("STATE");
+  command->add_option("--robot", arguments->robot, "List only runs that have taken this robot")
+      ->type_name("IRI");
+  command->add_option("--limit", arguments->limit, "List at most this number of runs (default: all)")
+      ->type_name("N");
+  command->add_option("--after", arguments->after, "Go on where the list before ended")->type_name("TOKEN");
   command->add_flag("--watch", arguments->watch, "Print events as they happen; of one run until it ends");
   command->add_flag("--cancel", arguments->cancel, "Cancel the run");
   command->footer(
-      "Exit code 1: the run that is shown failed or was cancelled.\n"
+      "Runs are listed newest first. Exit code 1: the run that is shown failed or was cancelled.\n"
       "Examples:\n"
       "  docent runs --live\n"
-      "  docent runs BoothGuide-1 --watch");
-  command->callback([arguments, exit_code] { *exit_code = ShowRuns(*arguments); });
+      "  docent runs --state incident\n"
+      "  docent runs BoothGuide-1 --watch\n"
+      "  docent runs pause BoothGuide-1 --reason 'the hall is being cleaned'");
+  AddSteeringCommands(command, exit_code);
+  command->callback([arguments, command, exit_code] {
+    if (command->get_subcommands().empty()) *exit_code = ShowRuns(*arguments);
+  });
 }
 
 }  // namespace docent::server

@@ -4,7 +4,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/workflows.grpc.pb.h"
 #include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
@@ -17,6 +19,7 @@ struct WhyArguments {
   ClientOptions client;
   std::vector<std::string> question;
   std::vector<std::string> prefixes;
+  std::string run, node;
   uint32_t sets = 0;
   bool prov = false;
 };
@@ -69,7 +72,53 @@ void Print(const v1::ExplainReply& reply, const WhyArguments& arguments, const P
   std::cerr << "revision " << reply.revision() << "\n";
 }
 
+// Of each node that opened: the facts that made it.
+std::string OpenedBecause(const v1::Run& run, const std::string& only) {
+  std::string text;
+  for (const v1::Node& node : run.nodes()) {
+    if (!only.empty() && node.name() != only) continue;
+    if (node.fired_because().empty() && node.reason().empty()) continue;
+    absl::StrAppend(&text, "  ", node.name(), " is ", node.state(),
+                    node.reason().empty() ? "" : absl::StrCat(": ", node.reason()), "\n");
+    for (absl::string_view fact : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty()))
+      absl::StrAppend(&text, "    opened because ", fact, "\n");
+  }
+  return text;
+}
+
+// What a run waits for, or why it ended. `why`: also why its nodes opened.
+int ExplainRun(const WhyArguments& arguments, bool why) {
+  auto stub = v1::Workflows::NewStub(Connect(arguments.client));
+  v1::ExplainRunRequest request;
+  request.set_run(arguments.run);
+  request.set_node(arguments.node);
+  v1::ExplainRunReply reply;
+  grpc::ClientContext context;
+  grpc::Status status = stub->Explain(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json) {
+    PrintJson(reply);
+    return kExitOk;
+  }
+  std::string text = reply.text();
+  if (why) {
+    v1::GetRunRequest get;
+    get.set_run(arguments.run);
+    v1::Run run;
+    grpc::ClientContext of_get;
+    status = stub->Get(&of_get, get, &run);
+    if (!status.ok()) return Fail(status, arguments.client);
+    absl::StrAppend(&text, OpenedBecause(run, arguments.node));
+  }
+  std::cout << Presenter(arguments.client).names().InText(text);
+  return kExitOk;
+}
+
 int RunWhy(const WhyArguments& arguments, bool why) {
+  if (!arguments.run.empty()) return ExplainRun(arguments, why);
+  if (arguments.question.empty())
+    return Fail(absl::InvalidArgumentError(
+        "ask about a fact ('S P O'), a query (ask 'ASK { … }') or a run (--run ID)"));
   const IriNames known = ServerNames(arguments.client);
   FactArguments facts([&] { return known; });
   if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
@@ -101,11 +150,16 @@ void AddCommon(CLI::App* command, WhyArguments* arguments) {
   command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
-  command
-      ->add_option("question", arguments->question,
-                   "A fact in Turtle ('S P O'), or the word ask and a query ('ASK { … }')")
-      ->required()
-      ->expected(1, 2);
+  CLI::Option* question =
+      command
+          ->add_option("question", arguments->question,
+                       "A fact in Turtle ('S P O'), or the word ask and a query ('ASK { … }')")
+          ->expected(1, 2);
+  CLI::Option* run =
+      command->add_option("--run", arguments->run, "Ask about a run: what it waits for, or why it ended so")
+          ->type_name("ID")
+          ->excludes(question);
+  command->add_option("--node", arguments->node, "Of the run only this node")->type_name("NAME")->needs(run);
   AddPrefixOption(command, &arguments->prefixes);
 }
 
@@ -121,7 +175,8 @@ void AddWhyCommand(CLI::App* app, int* exit_code) {
       "Exit code 1: it does not hold.\n"
       "Examples:\n"
       "  docent why 'expo:John docent:isNear expo:R01'\n"
-      "  docent why ask 'ASK { ?robot a docent:AvailableRobot }'");
+      "  docent why ask 'ASK { ?robot a docent:AvailableRobot }'\n"
+      "  docent why --run BoothGuide-1");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, true); });
 }
 
@@ -135,8 +190,9 @@ void AddWhyNotCommand(CLI::App* app, int* exit_code) {
       ->type_name("N");
   command->footer(
       "Exit code 1: it holds, or no set was found.\n"
-      "Example:\n"
-      "  docent whynot ask 'ASK { ?robot a docent:AvailableRobot }'");
+      "Examples:\n"
+      "  docent whynot ask 'ASK { ?robot a docent:AvailableRobot }'\n"
+      "  docent whynot --run BoothGuide-1 --node Move2User");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, false); });
 }
 

@@ -64,7 +64,7 @@ std::string Terminal::In(Style style, std::string_view text) const {
 
 Style StyleOfState(std::string_view state) {
   if (state == "done" || state == "standby") return Style::kGood;
-  if (state == "failed" || state == "lost") return Style::kBad;
+  if (state == "failed" || state == "lost" || state == "incident") return Style::kBad;
   if (state == "running" || state == "busy") return Style::kBusy;
   if (state == "cancelled" || state == "skipped" || state == "inactive" || state == "offline")
     return Style::kFaint;

@@ -23,7 +23,7 @@ size_t BytesOf(const WriteBatch& batch) {
     for (const auto& [name, value] : report.results) bytes += name.size() + TextBytes(value);
   }
   for (const RunRequest& request : batch.run_requests) {
-    bytes += request.target.size();
+    bytes += request.target.size() + request.node.size() + request.robot.size() + request.reason.size();
     for (const auto& [name, value] : request.arguments) bytes += name.size() + TextBytes(value);
   }
   return bytes;

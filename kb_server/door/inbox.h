@@ -35,6 +35,7 @@ struct BatchOutcome {
   bool repeated = false;       // its request id was known: applied before, at `offset`
   std::vector<RunId> started;  // runs that its requests started
   uint64_t cancelled_runs = 0;  // with workflows that it undeployed; not kept for a repeated request
+  std::vector<RunId> steered;  // that they paused or resumed; not kept for a repeated request
 };
 
 // The graph that a batch is about to be applied to, on the writer's turn.

@@ -39,6 +39,8 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
   out->set_address(robot.address);
   out->set_incarnation(robot.incarnation);
   out->set_state(std::string(ToString(robot.state)));
+  out->set_out_of_service(robot.out_of_service.has_value());
+  out->set_out_of_service_reason(robot.out_of_service.value_or(""));
   out->set_held_by(robot.held_by.value());
   for (const RobotTaskRecord& task : robot.held_for) {
     v1::RobotTask* held_for = out->add_held_for();

@@ -96,6 +96,17 @@ class WorkflowsService final : public v1::Workflows::CallbackService {
                                                 const v1::WatchRequest* request) override;
   grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context, const v1::CancelRunRequest* request,
                                    v1::Run* reply) override;
+  grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext* context, const v1::PauseRequest* request,
+                                  v1::PauseReply* reply) override;
+  grpc::ServerUnaryReactor* Resume(grpc::CallbackServerContext* context, const v1::ResumeRequest* request,
+                                   v1::ResumeReply* reply) override;
+  grpc::ServerUnaryReactor* Settle(grpc::CallbackServerContext* context, const v1::SettleRequest* request,
+                                   v1::Run* reply) override;
+  grpc::ServerUnaryReactor* SetVariable(grpc::CallbackServerContext* context,
+                                        const v1::SetVariableRequest* request, v1::Run* reply) override;
+  grpc::ServerUnaryReactor* Explain(grpc::CallbackServerContext* context,
+                                    const v1::ExplainRunRequest* request,
+                                    v1::ExplainRunReply* reply) override;
 
  private:
   const RunPorts& ports_;
@@ -125,6 +136,12 @@ class FleetService final : public v1::Fleet::CallbackService {
                                  v1::JoinReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListRobotsRequest* request,
                                  v1::ListRobotsReply* reply) override;
+  grpc::ServerUnaryReactor* TakeOutOfService(grpc::CallbackServerContext* context,
+                                             const v1::TakeOutOfServiceRequest* request,
+                                             v1::ServiceStateReply* reply) override;
+  grpc::ServerUnaryReactor* PutInService(grpc::CallbackServerContext* context,
+                                         const v1::PutInServiceRequest* request,
+                                         v1::ServiceStateReply* reply) override;
 
  private:
   void ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,

@@ -120,7 +120,7 @@ class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
   }
   bool Tell(const RunEvent& event, v1::InvokeServiceReply* message) override {
     if (event.run != run_) return false;
-    final_ = event.kind == "run" && event.to != "running";
+    final_ = event.kind == "run" && event.to != "running" && event.to != "paused";
     message->set_run(event.run);
     message->set_step(event.node);
     message->set_state(event.to);

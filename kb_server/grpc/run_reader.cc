@@ -1,11 +1,14 @@
 #include "kb_server/grpc/run_reader.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "graph/base/text.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
@@ -84,6 +87,39 @@ void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
     named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
     ToProto(values.front(), named->mutable_value());
   }
+bool HasIncident(const GraphReader& graph, const std::string& run) {
+  const std::vector<std::string> nodes = graph.Subjects(DocentIri("ofRun"), Term::Iri(run));
+  return std::any_of(nodes.begin(), nodes.end(), [&graph](const std::string& node) {
+    return graph.Object(node, DocentIri("nodeState")) == "incident";
+  });
+}
+
+// Now, or before it ended.
+bool HasTaken(const GraphReader& graph, const std::string& run, const std::string& robot) {
+  const auto is_robot = [&robot](const Term& term) { return term.lexical == robot; };
+  const std::vector<Term> uses = graph.Objects(run, DocentIri("usesRobot"));
+  if (std::any_of(uses.begin(), uses.end(), is_robot)) return true;
+  for (const std::string& node : graph.Subjects(DocentIri("ofRun"), Term::Iri(run))) {
+    for (const std::string& invocation : graph.Subjects(DocentIri("ofNode"), Term::Iri(node))) {
+      if (graph.Object(invocation, DocentIri("robot")) == robot) return true;
+    }
+  }
+  return false;
+}
+
+bool IsAskedFor(const GraphReader& graph, const std::string& run, const v1::ListRunsRequest& request) {
+  const std::string state = graph.Object(run, DocentIri("runState"));
+  if (request.live_only() && state != "running") return false;
+  if (!request.workflow().empty() && graph.Object(run, DocentIri("workflow")) != request.workflow())
+    return false;
+  if (request.state() == "paused") {
+    if (state != "running" || graph.Object(run, DocentIri("pausedAt")).empty()) return false;
+  } else if (request.state() == "incident") {
+    if (state != "running" || !HasIncident(graph, run)) return false;
+  } else if (!request.state().empty() && request.state() != state) {
+    return false;
+  }
+  return request.robot().empty() || HasTaken(graph, run, request.robot());
 }
 
 }  // namespace
@@ -97,6 +133,7 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   run->set_workflow(graph.Object(iri, DocentIri("workflow")));
   run->set_flow(graph.Object(iri, DocentIri("flow")));
   run->set_reason(graph.Object(iri, DocentIri("reason")));
+  run->set_paused(!graph.Object(iri, DocentIri("pausedAt")).empty());
   run->set_started_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "startedAtTime"))));
   run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
   if (const std::optional<RunId> parent = RunOfIri(graph.Object(iri, DocentIri("parentRun"))))
@@ -113,17 +150,42 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   return true;
 }
 
-std::vector<std::string> RunIds(const GraphReader& graph, bool live_only) {
-  std::vector<std::pair<std::string, std::string>> by_time;
+absl::Status ReadRuns(const GraphReader& graph, const v1::ListRunsRequest& request,
+                      v1::ListRunsReply* reply) {
+  static const std::vector<std::string> kStates = {"running", "paused", "incident",
+                                                   "done",    "failed", "cancelled"};
+  if (!request.state().empty() &&
+      std::find(kStates.begin(), kStates.end(), request.state()) == kStates.end()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "\"", request.state(), "\" is no state of a run; states are ", absl::StrJoin(kStates, ", ")));
+  }
+  int64_t before = std::numeric_limits<int64_t>::max();
+  if (!request.page_token().empty() && !absl::SimpleAtoi(request.page_token(), &before))
+    return absl::InvalidArgumentError("page_token is not one that an answer gave");
+  std::vector<std::pair<int64_t, std::string>> found;
   for (const std::string& iri : graph.Subjects(kRdfType, Term::Iri(DocentIri("Run")))) {
     const std::optional<RunId> run = RunOfIri(iri);
-    if (!run || (live_only && graph.Object(iri, DocentIri("runState")) != "running")) continue;
-    by_time.emplace_back(graph.Object(iri, Concat(kProvNs, "startedAtTime")), run->value());
+    if (!run || !IsAskedFor(graph, iri, request)) continue;
+    const int64_t number = NumberIn(run->value().substr(run->value().rfind('-') + 1));
+    if (number < before) found.emplace_back(number, run->value());
   }
-  std::sort(by_time.begin(), by_time.end());
-  std::vector<std::string> ids;
-  for (auto& [time, id] : by_time) ids.push_back(std::move(id));
-  return ids;
+  std::sort(found.rbegin(), found.rend());
+  for (const auto& [number, id] : found) {
+    if (request.page_size() > 0 && static_cast<uint32_t>(reply->runs_size()) == request.page_size()) {
+      reply->set_next_page_token(absl::StrCat(before));
+      break;
+    }
+    ReadRun(graph, id, reply->add_runs());
+    before = number;
+  }
+  return absl::OkStatus();
+}
+
+uint32_t LiveRunsOf(const GraphReader& graph, const std::string& workflow) {
+  uint32_t live = 0;
+  for (const std::string& iri : graph.Subjects(DocentIri("runState"), Term::Literal("running")))
+    live += graph.Object(iri, DocentIri("workflow")) == workflow ? 1 : 0;
+  return live;
 }
 
 }  // namespace docent::server

@@ -2,9 +2,10 @@
 #ifndef DOCENT_KB_SERVER_GRPC_RUN_READER_H_
 #define DOCENT_KB_SERVER_GRPC_RUN_READER_H_
 
+#include <cstdint>
 #include <string>
-#include <vector>
 
+#include "absl/status/status.h"
 #include "docent/v1/workflows.pb.h"
 #include "graph/store/graph_reader.h"
 
@@ -13,8 +14,11 @@ namespace docent::server {
 // False: the graph has no run of this id.
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run);
 
-// Ids of all runs, oldest first.
-std::vector<std::string> RunIds(const GraphReader& graph, bool live_only);
+// A page of the runs that the request asks for, newest first. INVALID_ARGUMENT: an unknown state or page token.
+absl::Status ReadRuns(const GraphReader& graph, const v1::ListRunsRequest& request, v1::ListRunsReply* reply);
+
+// How many runs of the workflow have not ended.
+uint32_t LiveRunsOf(const GraphReader& graph, const std::string& workflow);
 
 }  // namespace docent::server
 

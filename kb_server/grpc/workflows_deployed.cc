@@ -1,5 +1,4 @@
 // Workflows: what is deployed and what was; undeploy, disable and enable.
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,29 +7,15 @@
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "kb_server/door/workflow_removal.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/unary_reactors.h"
 
 namespace docent::server {
 namespace {
-
-// Runs of the workflow that have not ended.
-uint32_t LiveRuns(const Dictionary& dictionary, const GraphVersion& version, const std::string& workflow) {
-  const std::optional<TermId> of = dictionary.FindIri(DocentIri("workflow")),
-                              state = dictionary.FindIri(DocentIri("runState")),
-                              name = dictionary.Find(Term::Literal(workflow)),
-                              running = dictionary.Find(Term::Literal("running")),
-                              runs = dictionary.FindIri(kRunsGraph);
-  if (!of || !state || !name || !running || !runs) return 0;
-  uint32_t count = 0;
-  version.ForEach({{}, *of, *name, *runs}, [&](const Quad& quad) {
-    count += version.ContainsMatch({quad.subject, *state, *running, *runs}) ? 1 : 0;
-    return true;
-  });
-  return count;
-}
 
 absl::Status NoWorkflow(const std::string& name, const std::vector<std::string>& known) {
   const std::string near = Nearest(name, known);
@@ -54,7 +39,9 @@ void ToProto(const RunPorts& ports, const Catalog& catalog, const cawl::Document
   if (document->activator) out->set_activated_flow(document->activator->flow.value);
   out->set_revision(revision.value());
   out->set_disabled(catalog.disabled_workflows.contains(name));
-  out->set_live_runs(LiveRuns(*ports.dictionary, graph, name));
+  const GraphReader reader(*ports.dictionary, graph);
+  out->set_paused(!reader.Object(WorkflowIri(name), DocentIri("pausedAt")).empty());
+  out->set_live_runs(LiveRunsOf(reader, name));
   if (const DocumentVersionsPtr versions = catalog.versions.Find({Document::Kind::kCawl, name}))
     out->set_deployed_version(versions->newest().number);
 }

@@ -5,6 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -135,30 +138,11 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-                    GraphVersionPtr version = ports_.queries->Newest();
-                    GraphReader graph(*ports_.dictionary, *version);
-                    for (const std::string& id : RunIds(graph, request->live_only()))
-                      ReadRun(graph, id, reply->add_runs());
-                    reactor->Finish(grpc::Status::OK);
-                  });
-}
-
-grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,
-                                                   const v1::CancelRunRequest* request, v1::Run* reply) {
-  WriteBatch batch;
-  batch.run_requests.push_back({RunRequest::Kind::kCancel, request->run(), {}});
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [this, reactor, reply,
-                                        run = request->run()](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (outcome.ok()) {
-      GraphVersionPtr version = ports_.queries->Newest();
-      ReadRun(GraphReader(*ports_.dictionary, *version), run, reply);
-    }
-    reactor->Finish(ToGrpc(outcome.status()));
-  });
-  return reactor;
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        GraphVersionPtr version = ports_.queries->Newest();
+        reactor->Finish(ToGrpc(ReadRuns(GraphReader(*ports_.dictionary, *version), *request, reply)));
+      });
 }
 
 }  // namespace docent::server

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/str_cat.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
@@ -15,7 +16,8 @@ GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
                                             dictionary->InternIri(DocentIri("idempotent")),
                                             dictionary->InternIri(DocentIri("input")),
                                             dictionary->InternIri(DocentIri("inputsKnown")),
-                                            dictionary->InternIri(DocentIri("occupies"))} {}
+                                            dictionary->InternIri(DocentIri("occupies")),
+                                            dictionary->InternIri(DocentIri("outOfService"))} {}
 
 void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delta) {
   auto concerns = [this](const Quad& quad) {
@@ -72,6 +74,12 @@ void GraphRobotDirectory::ReadStatus(TermId robot, engine::RobotOffer* offer) co
     if (status == DocentIri("Maintenance")) offer->out_of_service = "is in maintenance";
     return true;
   });
+  if (const std::optional<TermId> out = dictionary_.FindIri(DocentIri("outOfService"))) {
+    version_->ForEach({robot, *out, {}, {}}, [&](const Quad& quad) {
+      offer->out_of_service = absl::StrCat("is out of service: ", dictionary_.Decode(quad.object).lexical);
+      return false;
+    });
+  }
 }
 
 std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta) {

@@ -1,5 +1,5 @@
 // Index of the robots that offer an operation, by the graph: docent:offers, docent:incarnation, docent:status,
-// docent:idempotent, docent:input. Answers are kept until a change of one of these properties. It also says which adapters'
+// docent:idempotent, docent:input, docent:outOfService. Answers are kept until a change of one of these properties. It also says which adapters'
 // addresses a turn changed. Writer thread only.
 #ifndef DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_

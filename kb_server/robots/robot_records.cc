@@ -9,6 +9,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
 #include "kb_server/robots/measures.h"
+#include "kb_server/robots/service_state.h"
 
 namespace docent::server {
 namespace {
@@ -38,6 +39,7 @@ RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
   out.address = graph.Object(robot, DocentIri("adapterAddress"));
   out.incarnation = graph.Object(robot, DocentIri("incarnation"));
   out.state = RobotStateOf(graph, robot);
+  out.out_of_service = OutOfServiceReason(graph, robot);
   ReadHold(graph, robot, &out);
   for (const Term& operation : graph.Objects(robot, DocentIri("offers")))
     out.operations.push_back(OperationOfIri(operation.lexical).value_or(operation.lexical));

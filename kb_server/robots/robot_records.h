@@ -30,8 +30,9 @@ struct RobotRecord {
   std::string address;  // of its adapter; empty: it has never joined
   std::string incarnation;
   State state = State::kOffline;
-  std::vector<std::string> operations;  // names
-  TimeMicros last_seen_us = 0;          // of a robot that was lost; 0: not known
+  std::optional<std::string> out_of_service;  // why, for people; nullopt: it is in service
+  std::vector<std::string> operations;        // names
+  TimeMicros last_seen_us = 0;                // of a robot that was lost; 0: not known
   std::optional<double> x_m, y_m, heading_rad;
   std::vector<std::string> regions;  // IRIs
   RunId held_by;                     // the outermost run that holds it; empty: none

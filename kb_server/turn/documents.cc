@@ -163,8 +163,6 @@ absl::Status Documents::ApplyCawl(const Document& document, Revision revision, c
   if (document.action == Document::Action::kRemove) return ChangeCawl(document, revision, engine, operations);
   const auto parsed = CawlOf(document, stages.limits);
   if (!parsed.ok()) return parsed.status();
-  const Diagnostics unsupported = engine::Engine::CheckSupported(**parsed);
-  if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
   *name = (*parsed)->name.value;
   const VersionHistory::Key key{document.kind, *name};
   std::set<Fact> before = Facts(*engine, document.kind, *name, versions_.Find(key).get());

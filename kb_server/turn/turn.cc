@@ -45,6 +45,7 @@ Delta Both(const Delta& withdrawn, Delta delta) {
   delta.added.insert(delta.added.end(), withdrawn.added.begin(), withdrawn.added.end());
   delta.removed.insert(delta.removed.end(), withdrawn.removed.begin(), withdrawn.removed.end());
   return delta;
+  Append(std::move(output->steered), &result->steered);
 }
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {

@@ -30,7 +30,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "11";
+inline constexpr char kEngineVersion[] = "12";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
@@ -83,6 +83,7 @@ struct TurnResult {
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
   std::vector<RunId> started;             // by the batch's run requests
   std::vector<RunId> undeployed;          // cancelled with their workflow
+  std::vector<RunId> steered;             // paused or resumed by them
   bool documents_changed = false;
 };
 

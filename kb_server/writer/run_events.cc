@@ -47,6 +47,7 @@ std::vector<RunEvent> EventsOf(const log::TurnRecord& record) {
     event.from = transition.from;
     event.to = transition.to;
     event.detail = transition.cause;
+    if (event.kind == "node" && event.node.starts_with('$')) event.kind = "variable";
     if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
   }
   for (const RobotCommand& command : record.commands) {

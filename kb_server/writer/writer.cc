@@ -40,6 +40,7 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
   outcome.inferred = result.inferred;
   outcome.started = result.started;
   outcome.cancelled_runs = result.undeployed.size();
+  outcome.steered = result.steered;
   return outcome;
 }
 

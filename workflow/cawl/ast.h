@@ -35,8 +35,8 @@ namespace docent::cawl {
 
 using xml::Text;
 
-// Docent's extensions: the elements tell, withdraw, assign, notify and output, and the attributes timeout, retry, onFailure,
-// onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
+// Docent's extensions: the elements tell, withdraw, assign, notify and output, and the attributes timeout, retry, retry-delay,
+// retry-backoff, retry-other-robot, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
 // <part name="booth" type="docent:Booth" element="…"/>
@@ -195,6 +195,16 @@ struct Output {
   Text variable;
   SourceSpan span;
 };
+// ext:retry-delay="10s" ext:retry-backoff="2" ext:retry-other-robot="true", beside ext:retry: how the next attempt begins.
+struct RetryPolicy {
+  std::optional<int64_t> delay_ms;  // from the failure to the next attempt
+  double backoff = 1;               // each delay is so many times the one before
+  bool other_robot = false;         // not on a robot that has failed it, while another one offers it
+};
+
+// ext:onFailure of a node, or of a flow for its nodes: what becomes of a node that failed. kIncident: it waits for an
+// operator. kFail: it takes its links with onFailure, or the run fails. kUnset: as the flow says, else kFail.
+enum class OnFailure { kUnset, kFail, kIncident };
 
 // <invoke operation="moveToUser"/>  or  <invoke subflow="BoothGuide"/>
 // `operation`: an RSEL process or, if there is none of that name, an operation that robots offer.
@@ -206,6 +216,7 @@ struct Invoke {
   std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
   int retry = 0;                      // ext:retry: further attempts after a failure
   std::vector<Output> outputs;        // ext:output: none: each result becomes the variable of its name
+  RetryPolicy retry_policy;
   SourceSpan span;
 };
 
@@ -272,7 +283,11 @@ struct Node {
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
   int retry = 0;                      // ext:retry: the whole node again after a failure
-  Text compensate;     // ext:compensate: operation to invoke when the run fails after this node was done
+  RetryPolicy retry_policy;
+  Text on_failure_text;
+  OnFailure on_failure = OnFailure::kUnset;
+  Text
+      compensate;  // ext:compensate: operation that undoes what this node did, when the run fails or is cancelled so
   Text for_each_text;  // ext:forEach="?booth ?visitor": the invokes once for each binding of these
   std::vector<std::string> for_each;  // without "?"
   bool sequential = false;            // ext:sequential="true": of forEach, one binding after the other
@@ -303,6 +318,7 @@ struct Link {
 // <flow name="BoothGuide"> message* variable* <source name="s"/> node* <sink name="t"/> link* output* </flow>
 struct Flow {
   Text name;
+  OnFailure on_failure = OnFailure::kUnset;  // of nodes that do not say it and have no link with onFailure
   std::vector<Message> messages;
   std::vector<Variable> variables;
   Text source;

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "workflow/cawl/action_reader.h"
 #include "workflow/cawl/condition_reader.h"
@@ -13,6 +15,8 @@
 
 namespace docent::cawl {
 namespace {
+
+constexpr int kMostBackoff = 100;
 
 class DocumentReader {
  public:
@@ -183,8 +187,9 @@ class DocumentReader {
   Flow ReadFlow(const xml::Element& element) {
     Flow out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name"});
+    reader_.CheckAttributes(element, {"name"}, {"onFailure"});
     out.name = reader_.Name(element, "name");
+    out.on_failure = ReadOnFailure(reader_.Extension(element, "onFailure"));
     auto end = [&](Text* name) {
       return [this, name, &element](const xml::Element& e) {
         if (name->given()) return Second(e, element);
@@ -212,7 +217,8 @@ class DocumentReader {
     Node out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name", "state"},
-                            {"timeout", "retry", "compensate", "forEach", "sequential", "while-holds"});
+                            {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot",
+                             "onFailure", "compensate", "forEach", "sequential", "while-holds"});
     out.name = reader_.Name(element, "name");
     out.state = reader_.Attribute(element, "state");
     if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
@@ -223,6 +229,9 @@ class DocumentReader {
     out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
+    out.retry_policy = ReadRetryPolicy(element, out.retry);
+    out.on_failure_text = reader_.Extension(element, "onFailure");
+    out.on_failure = ReadOnFailure(out.on_failure_text);
     out.compensate = reader_.Extension(element, "compensate");
     out.for_each_text = reader_.Extension(element, "forEach");
     ReadForEach(&out);
@@ -255,6 +264,44 @@ class DocumentReader {
         (!out.condition || (out.condition->contexts.empty() && out.condition->cases.empty()))) {
       reader_.Error(out.hold_text.span, "while-holds=\"true\" on a node without a condition",
                     "write what has to hold: ext:while-holds=\"subject verb object\"");
+    }
+    return out;
+  }
+
+  OnFailure ReadOnFailure(const Text& text) {
+    if (!text.given()) return OnFailure::kUnset;
+    if (text.value == "incident") return OnFailure::kIncident;
+    if (text.value == "fail") return OnFailure::kFail;
+    reader_.Error(
+        text.span, Concat("onFailure is \"", text.value, "\""),
+        reader_.DidYouMean(text.value, {"incident", "fail"},
+                           "write incident (an operator decides) or fail; true stands at a <link>"));
+    return OnFailure::kUnset;
+  }
+
+  RetryPolicy ReadRetryPolicy(const xml::Element& element, int retry) {
+    RetryPolicy out;
+    out.delay_ms = reader_.Duration(element, "retry-delay");
+    const Text backoff = reader_.Extension(element, "retry-backoff");
+    if (backoff.given() && (!absl::SimpleAtod(backoff.value, &out.backoff) ||
+                            !(out.backoff >= 1 && out.backoff <= kMostBackoff))) {
+      out.backoff = 1;
+      reader_.Error(backoff.span, Concat("retry-backoff \"", backoff.value, "\" is not a factor"),
+                    absl::StrCat("write a number from 1 to ", kMostBackoff,
+                                 ": each delay is so many times the one before"));
+    }
+    out.other_robot = reader_.Flag(element, "retry-other-robot");
+    const Text delay = reader_.Extension(element, "retry-delay");
+    if (backoff.given() && !delay.given()) {
+      reader_.Error(backoff.span,
+                    "ext:retry-backoff without ext:retry-delay: there is no delay to be made longer",
+                    "write ext:retry-delay=\"…\", or take it away");
+    }
+    for (const char* name : {"retry-delay", "retry-other-robot"}) {
+      const Text text = reader_.Extension(element, name);
+      if (!text.given() || retry > 0 || text.value == "false") continue;
+      reader_.Error(text.span, Concat("ext:", name, " without ext:retry: there is no further attempt"),
+                    "write ext:retry=\"…\", or take it away");
     }
     return out;
   }
@@ -303,12 +350,14 @@ class DocumentReader {
   Invoke ReadInvoke(const xml::Element& element) {
     Invoke out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"operation", "subflow"}, {"timeout", "retry"});
+    reader_.CheckAttributes(element, {"operation", "subflow"},
+                            {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot"});
     out.operation = reader_.OptionalName(element, "operation");
     out.subflow = reader_.OptionalName(element, "subflow");
     out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
+    out.retry_policy = ReadRetryPolicy(element, out.retry);
     reader_.ReadChildren(
         element,
         {{"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e, &reader_)); }}});

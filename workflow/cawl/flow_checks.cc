@@ -25,6 +25,7 @@ class FlowChecker {
     CheckReachable();
     CheckCycles();
     for (const Node& node : flow_.nodes) CheckJoin(node);
+    for (const Node& node : flow_.nodes) CheckOnFailure(node);
   }
 
  private:
@@ -51,6 +52,20 @@ class FlowChecker {
     all_[link.from.value].insert(link.to.value);
     back_[link.to.value].insert(link.from.value);
     if (!link.while_text.given()) forward_[link.from.value].insert(link.to.value);
+  }
+
+  void CheckOnFailure(const Node& node) {
+    if (node.compensate.given() && node.invokes.empty()) {
+      reader_.Warning(node.compensate.span,
+                      Concat("node ", node.name.value, " invokes nothing: there is nothing to undo"),
+                      "take ext:compensate away");
+    }
+    const bool waits_for_ever = !node.condition || !node.condition->timeout_ms;
+    if (node.on_failure != OnFailure::kIncident || !node.invokes.empty() || !waits_for_ever) return;
+    reader_.Warning(
+        node.on_failure_text.span,
+        Concat("node ", node.name.value, " cannot fail: it invokes nothing, and its wait has no end"),
+        "take ext:onFailure away, or give its <condition> an ext:timeout");
   }
 
   bool HasHold(const std::string& name) const {

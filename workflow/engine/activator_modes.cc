@@ -112,7 +112,7 @@ void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle ha
 bool MayStart(const Engine::Core& core, const std::string& workflow) {
   const auto deployed = core.deployments.find(workflow);
   return deployed != core.deployments.end() && deployed->second.document->activator &&
-         !deployed->second.disabled;
+         !deployed->second.disabled && !core.paused_workflows.contains(workflow);
 }
 
 void StartNext(Engine::Core* core, const Activations::Place& place) {

@@ -4,6 +4,7 @@
 
 #include "workflow/engine/engine.h"
 #include "workflow/engine/engine_core.h"
+#include "workflow/engine/run_steering.h"
 #include "workflow/engine/service_workflow.h"
 
 namespace docent::engine {
@@ -80,6 +81,11 @@ bool Engine::Undeploy(const std::string& workflow, bool cancel_runs) {
     core_->DisarmDeployed(armed.handle);
   core_->deployments.erase(workflow);
   core_->activations.Forget(workflow);
+  if (const auto pause = core_->paused_workflows.find(workflow); pause != core_->paused_workflows.end()) {
+    core_->deploy_remove = PausedWorkflowFacts(workflow, pause->second, &core_->run_terms);
+    if (!core_->undo_paused_workflows) core_->undo_paused_workflows = core_->paused_workflows;
+    core_->paused_workflows.erase(pause);
+  }
   if (!cancel_runs) return true;
   for (const auto& [id, run] : core_->runs) {
     if (run.document->name.value == workflow && ServiceOf(*run.document).empty())

@@ -5,7 +5,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "graph/base/overload.h"
 #include "graph/rdf/docent_iris.h"
 #include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/activator_modes.h"
@@ -14,6 +13,7 @@
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_notifications.h"
 #include "workflow/engine/run_scheduler.h"
+#include "workflow/engine/run_steering.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/service_workflow.h"
 
@@ -212,20 +212,6 @@ Engine::Engine(Dictionary* dictionary, const Limits& limits)
     : core_(std::make_unique<Core>(dictionary, limits)) {}
 Engine::~Engine() = default;
 
-Diagnostics Engine::CheckSupported(const cawl::Document& document) {
-  Diagnostics diagnostics;
-  for (const cawl::Flow& flow : document.flows) {
-    for (const cawl::Node& node : flow.nodes) {
-      if (node.compensate.value.empty()) continue;
-      diagnostics.push_back(
-          {document.file, node.compensate.span,
-           absl::StrCat("node ", node.name.value, " has ext:compensate, which this server cannot do yet"),
-           "leave it out, or handle the failure with a link that has ext:onFailure=\"true\""});
-    }
-  }
-  return diagnostics;
-}
-
 Diagnostics Engine::PutServices(rsel::DocumentPtr document) {
   if (!core_->undo_services) core_->undo_services = core_->services;
   core_->services_changed = true;
@@ -236,35 +222,6 @@ absl::Status Engine::RemoveServices(const std::string& document) {
   if (!core_->undo_services) core_->undo_services = core_->services;
   core_->services_changed = true;
   return core_->services.Remove(document);
-}
-
-absl::Status Engine::CheckRequest(const RunRequest& request) const {
-  if (request.kind != RunRequest::Kind::kCancel && core_->runs.size() >= core_->limits.runs_live) {
-    return OverloadError(absl::StrCat("there are ", core_->runs.size(), " live runs; the limit runs_live is ",
-                                      core_->limits.runs_live));
-  }
-  switch (request.kind) {
-    case RunRequest::Kind::kStart:
-      if (const auto flow = core_->FindFlow(nullptr, request.target)) {
-        const std::string& workflow = flow->first->name.value;
-        if (IsEnabled(workflow)) return absl::OkStatus();
-        return absl::FailedPreconditionError(absl::StrCat(
-            "workflow ", workflow, " is disabled; `docent workflows enable` lets it start runs"));
-      }
-      return absl::NotFoundError(absl::StrCat("no workflow \"", request.target, "\" is deployed"));
-    case RunRequest::Kind::kCancel:
-      if (core_->runs.count(RunId(request.target)) > 0) return absl::OkStatus();
-      return absl::NotFoundError(absl::StrCat("no live run \"", request.target, "\""));
-    case RunRequest::Kind::kInvokeService: {
-      rsel::PlanPtr plan = core_->services.Find(request.target);
-      if (plan == nullptr)
-        return absl::NotFoundError(absl::StrCat("no robot service \"", request.target, "\" is registered"));
-      return rsel::InstructionHandler::Start(
-                 plan, rsel::Arguments(request.arguments.begin(), request.arguments.end()))
-          .status();
-    }
-  }
-  return absl::InvalidArgumentError("unknown kind of request");
 }
 
 namespace {
@@ -280,12 +237,12 @@ void TakeRequests(Engine::Core* core) {
               core->Start(flow->first, flow->second, std::move(arguments), "asked for", nullptr));
         }
         break;
-      case RunRequest::Kind::kCancel:
-        core->Cancel(RunId(request.target), "cancelled on request");
-        break;
       case RunRequest::Kind::kInvokeService:
         core->output->started.push_back(
             core->Start(ServiceWorkflow(request.target), 0, std::move(arguments), "asked for", nullptr));
+        break;
+      default:
+        Steer(core, request);
         break;
     }
   }
@@ -399,6 +356,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
     if (core_->runs.contains(run)) output.undeployed.push_back(run);
     core_->Cancel(run, "its workflow was undeployed");
   }
+  std::swap(output.remove, core_->deploy_remove);
   if (input.requests != nullptr) TakeRequests(core_.get());
   if (input.reports != nullptr) TakeReports(core_.get());
   if (input.events != nullptr) core_->event_waits.Take(*input.events);
@@ -439,6 +397,7 @@ void Engine::Commit() {
   core_->undo_deployments.clear();
   core_->undo_active.clear();
   core_->undo_services.reset();
+  core_->undo_paused_workflows.reset();
   core_->undo_robot_facts.clear();
   core_->undo_outbox.clear();
   core_->ledger.Commit();
@@ -455,7 +414,8 @@ void Engine::Rollback() {
   bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
                    core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
                    core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&
-                   !core_->activations.changed() && core_->undo_outbox.empty();
+                   !core_->activations.changed() && core_->undo_outbox.empty() &&
+                   !core_->undo_paused_workflows;
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -478,12 +438,14 @@ void Engine::Rollback() {
       active[change->key] = change->count;
   }
   if (core_->undo_services) core_->services = *std::move(core_->undo_services);
+  if (core_->undo_paused_workflows) core_->paused_workflows = *std::move(core_->undo_paused_workflows);
   core_->next_handle = core_->committed_handle;
   core_->next_run = core_->committed_run;
   core_->deploy_arm.clear();
   core_->deploy_disarm.clear();
   core_->deploy_enabled.clear();
   core_->deploy_cancel.clear();
+  core_->deploy_remove.clear();
   core_->awaiting.clear();
   core_->kept.erase(core_->kept.end() - core_->kept_new, core_->kept.end());
   core_->kept.insert(core_->kept.begin(), core_->undo_kept.begin(), core_->undo_kept.end());

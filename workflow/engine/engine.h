@@ -61,9 +61,6 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  // What Deploy refuses though the language has it: none of the words in it is ignored silently. Pure.
-  static Diagnostics CheckSupported(const cawl::Document& document);
-
   // Arms the document's activator; replaces the document of the same name, whose live runs go on unchanged
   // and whose bindings that already started a run do not start another. `document` is correct
   // (cawl::ParseCawl). INVALID_ARGUMENT: the activator's condition can never be asked; nothing has changed.

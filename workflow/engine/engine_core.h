@@ -35,6 +35,11 @@ struct HeldBackStart {
   TermBinding key;
 };
 
+struct PausedWorkflow {
+  TimeMicros since_us = 0;
+  std::string reason;
+};
+
 struct Deployment {
   cawl::DocumentPtr document;
   std::vector<ArmedCondition> armed;  // the activator's alternatives
@@ -63,6 +68,11 @@ inline constexpr std::string_view kComesLater = "it comes after the one before i
 // Or a command of an attempt before has no final report yet.
 inline constexpr std::string_view kAttemptNotEnded = "the end of the attempt before it is not known yet";
 
+// Or the workflow that is to be its sub-flow is paused.
+inline constexpr std::string_view kWorkflowPaused = "the workflow of its sub-flow is paused";
+// Or its ext:retry-delay is not over.
+inline constexpr std::string_view kRetryLater = "its next attempt begins later";
+
 struct Engine::Core {
   Core(Dictionary* dictionary, const Limits& limits_in) : run_terms(dictionary), limits(limits_in) {}
 
@@ -72,6 +82,7 @@ struct Engine::Core {
   // Ended ones whose facts are still in the graph, the one that ended first in front.
   std::deque<KeptRun> kept;
   std::map<std::string, Deployment> deployments;
+  std::map<std::string, PausedWorkflow> paused_workflows;  // deployed ones
   rsel::ServiceRegistry services;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
@@ -97,6 +108,7 @@ struct Engine::Core {
   };
   std::vector<ActiveBefore> undo_active;
   std::optional<rsel::ServiceRegistry> undo_services;
+  std::optional<std::map<std::string, PausedWorkflow>> undo_paused_workflows;
   std::map<RobotId, FactsPtr> undo_robot_facts;
   std::map<CommandId, std::optional<OpenNotification>> undo_outbox;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
@@ -125,6 +137,7 @@ struct Engine::Core {
   std::vector<ConditionHandle> deploy_disarm;
   std::vector<std::string> deploy_enabled;  // workflows
   std::vector<RunId> deploy_cancel;         // runs of workflows that were undeployed
+  std::vector<Quad> deploy_remove;
 
   // The run to be changed; journals it first. Null if it is not live.
   Run* Mutable(const RunId& id);
@@ -138,6 +151,10 @@ struct Engine::Core {
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
               const CommandOwner* parent);
   void Cancel(const RunId& id, const std::string& reason);
+  // Whether the workflow of that document starts no run now.
+  bool IsPaused(const cawl::Document& document) const {
+    return paused_workflows.contains(document.name.value);
+  }
   // The flow that `subflow` names, seen from `from`: a flow of that document, or a deployed document's first
   // flow.
   std::optional<std::pair<cawl::DocumentPtr, size_t>> FindFlow(const cawl::DocumentPtr& from,

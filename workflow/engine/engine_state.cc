@@ -62,6 +62,22 @@ template <class Archive>
 void Fields(Archive& a, ReplacedValue& value) {
   a(value.given, value.before);
 }
+template <class Archive>
+void Fields(Archive& a, DoneStep& step) {
+  a(step.place, step.operation, step.variables, step.done_us);
+}
+template <class Archive>
+void Fields(Archive& a, Undoing& undoing) {
+  a(undoing.outcome, undoing.reason, undoing.left, undoing.child, undoing.current, undoing.failed);
+}
+template <class Archive>
+void Fields(Archive& a, HeldBackStart& start) {
+  a(start.handle, start.key);
+}
+template <class Archive>
+void Fields(Archive& a, PausedWorkflow& pause) {
+  a(pause.since_us, pause.reason);
+}
 
 template <class Archive>
 void Fields(Archive& a, Activations::Firing& firing) {
@@ -122,6 +138,7 @@ struct Packed {
   EventWaits::Joint joint_events;
   Activations::State activations;
   std::vector<OpenNotification> outbox;
+  std::map<std::string, PausedWorkflow> paused_workflows;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };
@@ -279,6 +296,25 @@ void AddedIn8(Archive& a, Packed& p) {
   List(a, p.outbox);
 }
 
+// What format 9 added.
+template <class Archive>
+void AddedIn9(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    a(run.run.pause, run.run.paused_since_us);
+    for (PackedNode& node : run.nodes) {
+      a(node.state.wanted_robot);
+      for (PackedInvocation& invocation : node.invocations) {
+        a(invocation.state.not_before_us, invocation.state.failed_on);
+        for (std::vector<OpenCommand>* commands : {&invocation.state.commands, &invocation.state.lost}) {
+          for (OpenCommand& open : *commands) a(open.stopped);
+        }
+      }
+    }
+  }
+  for (PackedRun& run : p.runs) a(run.run.done_steps, run.run.undoing);
+  a(p.paused_workflows);
+}
+
 // A state of format 4 as this version would have it.
 void Complete(Packed* packed) {
   std::map<RunId, Run*> runs;
@@ -434,6 +470,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   packed.joint_events = state.joint_events;
   packed.activations = state.activations;
   for (const auto& [id, open] : state.outbox) packed.outbox.push_back(open);
+  packed.paused_workflows = state.paused_workflows;
   packed.next_handle = state.next_handle;
   packed.next_run = state.next_run;
   ByteWriter writer;
@@ -442,6 +479,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedIn6(writer, packed);
   AddedIn7(writer, packed);
   AddedIn8(writer, packed);
+  AddedIn9(writer, packed);
   return writer.Take();
 }
 
@@ -457,6 +495,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) AddedIn6(reader, packed);
   if (!reader.AtEnd()) AddedIn7(reader, packed);
   if (!reader.AtEnd()) AddedIn8(reader, packed);
+  if (!reader.AtEnd()) AddedIn9(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -503,6 +542,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     const CommandId id = open.notification.id;
     state.outbox.emplace(id, std::move(open));
   }
+  state.paused_workflows = std::move(packed.paused_workflows);
   state.next_handle = packed.next_handle;
   state.next_run = packed.next_run;
   return state;
@@ -546,6 +586,7 @@ EngineState Engine::Save() const {
           core_->event_waits.joint(),
           core_->activations.state(),
           core_->outbox,
+          core_->paused_workflows,
           core_->next_handle,
           core_->next_run};
 }
@@ -556,6 +597,7 @@ void Engine::Restore(EngineState state) {
   core_->deployments = std::move(state.deployments);
   core_->services = std::move(state.services);
   core_->outbox = std::move(state.outbox);
+  core_->paused_workflows = std::move(state.paused_workflows);
   core_->next_handle = state.next_handle;
   core_->next_run = state.next_run;
   core_->ledger.Restore(std::move(state.ending));

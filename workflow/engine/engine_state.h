@@ -27,6 +27,7 @@ struct EngineState {
   EventWaits::Joint joint_events;
   Activations::State activations;
   std::map<CommandId, OpenNotification> outbox;
+  std::map<std::string, PausedWorkflow> paused_workflows;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };

@@ -64,7 +64,9 @@ bool Engine::Core::FreeIfOver(const RobotId& robot) {
   const RunId* holder = ledger.Holder(robot);
   if (holder == nullptr || ledger.Awaits(robot)) return false;
   const auto run = runs.find(*holder);
-  if (run != runs.end() && run->second.state == WorkState::kRunning) return false;
+  const bool live = run != runs.end() && run->second.state == WorkState::kRunning;
+  if (live && run->second.robots.contains(robot))
+    return false;  // not if it was let go (RunStepper::LetRobotsGo)
   ledger.Release(robot);
   changed_robots.insert(robot);
   return true;

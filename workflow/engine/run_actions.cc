@@ -64,7 +64,7 @@ bool RunStepper::GoOnOpening(size_t index, bool at_once) {
   MakeInvocations(index);
   for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
     TryDispatch(index, i, at_once);
-    if (run_.state != WorkState::kRunning || run_.nodes[index].state != WorkState::kRunning) return true;
+    if (!GoesOn() || run_.nodes[index].state != WorkState::kRunning) return true;
   }
   SettleGuard(index);
   return true;
@@ -121,6 +121,8 @@ void RunStepper::MakeInvocations(size_t index) {
       InvocationState invocation;
       invocation.invoke = i;
       invocation.binding = binding;
+      if (!node.wanted_robot.empty())
+        invocation.binding["robot"] = Term::Iri(node.wanted_robot.value());
       invocation.attempt = node.first_attempt;
       if (node.guard && match < node.actions.bindings.size())
         invocation.match = MatchOf(node.guard->armed.ask, node.actions.bindings[match]);
@@ -153,7 +155,7 @@ RunStepper::Progress RunStepper::DoActions(size_t index, bool when_done) {
       return Progress::kEnded;
     }
     const NodeState& node = run_.nodes[index];
-    if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning || node.iteration != iteration)
+    if (!GoesOn() || node.state != WorkState::kRunning || node.iteration != iteration)
       return Progress::kEnded;
   }
 }

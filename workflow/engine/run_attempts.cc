@@ -96,7 +96,28 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
   fresh.sent = invocation.sent;
   fresh.attempt = invocation.attempt + 1;
   fresh.retries = invocation.retries + 1;
+  DelayAttempt(flow_.nodes[node].invokes[invocation.invoke].retry_policy, invocation.retries, invocation,
+               &fresh);
   invocation = std::move(fresh);
+}
+
+std::optional<TimeMicros> RunStepper::NextDeadline() const {
+  std::optional<TimeMicros> next;
+  auto consider = [&next](const std::optional<TimeMicros>& deadline) {
+    if (deadline && (!next || *deadline < *next)) next = deadline;
+  };
+  for (const NodeState& node : run_.nodes) {
+    if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) continue;
+    if (!run_.paused()) consider(node.deadline_us);
+    for (const InvocationState& invocation : node.invocations) {
+      if (IsFinal(invocation.state)) continue;
+      if (!run_.paused()) consider(invocation.deadline_us);
+      if (!run_.paused() && invocation.not_before_us > core_.input->now_us)
+        consider(invocation.not_before_us);
+      for (const OpenCommand& open : invocation.commands) consider(open.EndsAt());
+    }
+  }
+  return next;
 }
 
 // True if a time was over.
@@ -104,7 +125,7 @@ bool RunStepper::CheckOverdue(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
   if (IsFinal(invocation.state)) return false;
   const TimeMicros now = core_.input->now_us;
-  if (invocation.deadline_us && *invocation.deadline_us <= now) {
+  if (!run_.paused() && invocation.deadline_us && *invocation.deadline_us <= now) {
     if (!invocation.overdue.empty()) {
       invocation.once = true;
       InvocationFailed(node, index, absl::StrCat(invocation.overdue, "; ", ToAbsl(kAttemptNotEnded)));

@@ -74,6 +74,7 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   for (const OpenCommand& open : invocation.commands)
     out->SayText(RunTerm::kCommand, open.command.id.value());
   out->SayText(RunTerm::kStep, invocation.step);
+  if (invocation.not_before_us) out->SayTime(RunTerm::kNotBefore, *invocation.not_before_us);
   if (invocation.state == WorkState::kRunning) out->SayTerm(RunTerm::kProgress, Decimal(invocation.progress));
   out->SayText(RunTerm::kReason, invocation.reason);
 }
@@ -119,6 +120,8 @@ std::string_view ToString(WorkState state) {
       return "skipped";
     case WorkState::kCancelled:
       return "cancelled";
+    case WorkState::kIncident:
+      return "incident";
   }
   return "";
 }
@@ -136,6 +139,10 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
   out.SayTime(RunTerm::kStartedAtTime, run.started_us);
   if (run.ended_us != 0) out.SayTime(RunTerm::kEndedAtTime, run.ended_us);
   if (!run.parent.empty()) out.Say(RunTerm::kParentRun, out.Iri(RunIri(run.parent)));
+  if (run.paused() && run.state == WorkState::kRunning) {
+    out.SayTime(RunTerm::kPausedAt, run.paused_since_us);
+    if (run.pause) out.SayText(RunTerm::kPauseReason, *run.pause);
+  }
   if (run.state == WorkState::kRunning) {
     for (const RobotId& robot : run.robots) out.Say(RunTerm::kUsesRobot, out.Iri(robot.value()));
   }

@@ -184,15 +184,11 @@ void RunStepper::WaitAgain(size_t index, const std::string& why) {
   node.fired_because.clear();
   node.fired_us = 0;
   const std::map<std::string, ReplacedValue> replaced = std::exchange(node.replaced, {});
-  const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
   SetNode(index, WorkState::kWaiting, why);
   PutBack(replaced);
-  if (run_.state != WorkState::kRunning || run_.nodes[index].state != WorkState::kWaiting) return;
-  if (!condition || (condition->contexts.empty() && condition->cases.empty()))
-    return Open(index, {}, "", "it has no condition", nullptr);
-  if (condition->timeout_ms)
-    run_.nodes[index].deadline_us = core_.input->now_us + *condition->timeout_ms * 1000;
-  ArmNode(index);
+  if (!GoesOn() || run_.nodes[index].state != WorkState::kWaiting) return;
+  if (!HasCondition(index) && !run_.paused()) return Open(index, {}, "", "it has no condition", nullptr);
+  AwaitCondition(index);
 }
 
 // The values that a match gave to the run and that nothing has changed since.

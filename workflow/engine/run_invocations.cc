@@ -107,6 +107,7 @@ bool RunStepper::GoOn(size_t node, size_t index) {
 // True if something changed: it was sent to a robot, or it failed.
 bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
+  if (run_.paused()) return false;
   const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
   invocation.queued = false;
   core_.waiting.Leave({run_.id, node, index});
@@ -119,6 +120,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
     if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
     return WaitForOwnRobot(node, index, kAttemptNotEnded);
   }
+  if (IsTooEarly(node, index)) return false;
   if (ComesLater(node, index)) {
     invocation.reason = std::string(kComesLater);
     return false;
@@ -141,6 +143,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   const CommandOwner self{run_.id, node, index};
   std::vector<RobotId> robots = core_.RobotsFor(
       *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), self, &why_not);
+  LeaveOutFailed(node, index, *plan, &robots, &why_not);
   if (robots.empty()) {
     if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
     WaitForRobot(node, index, std::move(why_not));
@@ -177,6 +180,8 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
   const std::string& name = flow_.nodes[node].invokes[invocation.invoke].subflow.value;
   auto flow = core_.FindFlow(run_.document, name);
+  if (flow && flow->first != run_.document && core_.IsPaused(*flow->first))
+    return WaitForOwnRobot(node, index, kWorkflowPaused);
   if (!flow) {
     InvocationFailed(node, index, absl::StrCat("there is no flow or deployed workflow \"", name, "\""));
     return true;
@@ -227,7 +232,7 @@ bool RunStepper::MaySend(size_t node, size_t index, const std::string& operation
 // True if a command was sent, or the handler ended.
 bool RunStepper::SendReady(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
-  if (!invocation.overdue.empty()) return false;
+  if (!invocation.overdue.empty() || run_.paused()) return false;
   std::string why_not;
   std::vector<Occupation> taken;
   bool sent = false;
@@ -285,6 +290,10 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
   OpenCommand again = lost;
   again.command.id =
       CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
+  if (std::exchange(again.stopped, Stopped::kNo) != Stopped::kNo && again.command.deadline_us != 0) {
+    const rsel::PlanStep& step = invocation.handler->plan().steps[static_cast<size_t>(lost.step - 1)];
+    again.command.deadline_us = StepDeadline(node, index, step.timeout_ms).value_or(0);
+  }
   core_.commands[again.command.id.value()] = {run_.id, node, index};
   core_.output->commands.push_back(again.command);
   invocation.commands.push_back(std::move(again));
@@ -342,6 +351,9 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
               "running", "done", "");
     invocation.handler->Succeeded(done.step, done.attempt, results);
+  } else if (done.stopped != Stopped::kNo && invocation.overdue.empty() &&
+             !(report.outcome == Outcome::kUnknown && done.command.idempotent)) {
+    return CommandStopped(owner, std::move(done), report.message);
   } else if (report.outcome == Outcome::kUnknown && done.command.idempotent && !done.overdue_until_us &&
              invocation.resends < kResendLimit) {
     ++invocation.resends;
@@ -368,6 +380,9 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
 }
 
 void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
+  if (StepUndone(child)) return;
+  TakeDoneSteps(child.id);
+  if (owner.node >= run_.nodes.size()) return;  // it undid a step of a run that has ended since
   // its node may have begun again since
   if (owner.invocation >= run_.nodes[owner.node].invocations.size()) return;
   InvocationState& invocation = run_.nodes[owner.node].invocations[owner.invocation];

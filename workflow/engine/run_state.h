@@ -27,6 +27,7 @@ namespace docent::engine {
 // The words of docent:runState, docent:nodeState and docent:invocationState.
 //   run:        running → done | failed | cancelled
 //   node:       inactive → waiting → running → done | failed | skipped | cancelled
+//               waiting, running → incident (it failed, and waits for an operator) → waiting, running or failed
 //   invocation: pending (no robot free yet) → running → done | failed | cancelled
 enum class WorkState : uint8_t {
   kInactive,
@@ -36,12 +37,20 @@ enum class WorkState : uint8_t {
   kDone,
   kFailed,
   kSkipped,
-  kCancelled
+  kCancelled,
+  kIncident  // last: the numbers are part of the format of snapshots
 };
 std::string_view ToString(WorkState state);
 inline bool IsFinal(WorkState state) {
-  return state >= WorkState::kDone;
+  return state >= WorkState::kDone && state != WorkState::kIncident;
 }
+// Of a node: its run does not end before it.
+inline bool IsLive(WorkState state) {
+  return state == WorkState::kWaiting || state == WorkState::kRunning || state == WorkState::kIncident;
+}
+
+// Why a command was cancelled though its invocation goes on.
+enum class Stopped : uint8_t { kNo, kByPause, kWithRobot };
 
 // A command that went out (or goes out with this turn) and has no final report.
 struct OpenCommand {
@@ -51,6 +60,7 @@ struct OpenCommand {
   Occupation occupies;
   // Its time was over and it was cancelled; until then its end is waited for, then the step fails without another attempt.
   std::optional<TimeMicros> overdue_until_us;
+  Stopped stopped = Stopped::kNo;
 
   // When something has to be done about it, if it has no final report by then.
   std::optional<TimeMicros> EndsAt() const {
@@ -77,7 +87,9 @@ struct InvocationState {
   std::string reason;
   // Of this attempt, where the document gives a time; else of waiting for a robot.
   std::optional<TimeMicros> deadline_us;
-  Occupation occupies;  // of the robot, while it runs
+  std::optional<TimeMicros> not_before_us;  // pending: its ext:retry-delay
+  std::set<RobotId> failed_on;  // ext:retry-other-robot: robots on which an attempt before has failed
+  Occupation occupies;          // of the robot, while it runs
   // This attempt has failed, and the next one begins when the end of all its commands is known. Empty: it goes on.
   std::string overdue;
   TermBinding match;        // of the guard, with which the node opened for this invocation
@@ -127,13 +139,14 @@ struct NodeState {
   std::vector<InvocationState> invocations;
   std::optional<Guard> guard;  // running: the condition that opened it, while it may have to be asked again
   std::optional<Guard> hold;   // running: its ext:while-holds, where that is not its condition
-  std::map<std::string, ReplacedValue> replaced;  // running: by the match that opened it
+  std::map<std::string, ReplacedValue> replaced;  // running, incident: by the match that opened it
   int first_attempt = 1;                          // of the invocations when it opens next
   NodeActions actions;                            // running: what it has done of its own
   std::string waits_for;                          // the ASK, while waiting
   std::string fired_because;                      // N-Triples, since it opened
   TimeMicros fired_us = 0;
-  std::string reason;  // failed, skipped, cancelled: why
+  std::string reason;    // failed, skipped, cancelled, incident: why
+  RobotId wanted_robot;  // that an operator chose for it; empty: as the document says
 };
 
 using FactsPtr = std::shared_ptr<const std::vector<Quad>>;
@@ -142,6 +155,24 @@ using FactsPtr = std::shared_ptr<const std::vector<Quad>>;
 struct KeptRun {
   RunId id;
   FactsPtr facts;
+};
+
+// A node that is done and has ext:compensate, for one binding of its forEach.
+struct DoneStep {
+  std::string place;      // "Deliver"; of a sub-flow "Visit-3/Deliver"
+  std::string operation;  // that undoes it
+  TermBinding variables;  // when it was done, with the robot that did it
+  TimeMicros done_us = 0;
+};
+
+// A run that undoes what it did, then ends.
+struct Undoing {
+  WorkState outcome = WorkState::kCancelled;
+  std::string reason;
+  std::vector<DoneStep> left;       // the last is the next
+  RunId child;                      // that undoes a step now
+  std::string current;              // this step, for people
+  std::vector<std::string> failed;  // steps that could not be undone, and why
 };
 
 struct Run {
@@ -160,6 +191,11 @@ struct Run {
   bool unknown_outcome = false;  // of an operation that is not idempotent: nothing of this run is tried again
 
   RunActions actions;  // what its nodes have done of their own
+  std::optional<std::string> pause;  // that was asked for this run: why
+  TimeMicros paused_since_us = 0;    // by that or by a pause of a run that it is nested in; 0: it goes on
+
+  std::vector<DoneStep> done_steps;  // in order of completion
+  std::optional<Undoing> undoing;    // no node of its flow goes on any more
 
   RunId root;  // the outermost run that it is nested in, or itself
 
@@ -172,6 +208,7 @@ struct Run {
   std::optional<TimeMicros> timer_us;  // as in the engine's timer queue
 
   const cawl::Flow& Flow() const { return document->flows[flow]; }
+  bool paused() const { return paused_since_us != 0; }
 };
 
 }  // namespace docent::engine

@@ -46,7 +46,8 @@ void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause
     node.busy_robots.clear();
     core_.Reblock(run_);
   }
-  if (state == WorkState::kFailed || state == WorkState::kCancelled || state == WorkState::kSkipped) {
+  if (state == WorkState::kFailed || state == WorkState::kCancelled || state == WorkState::kSkipped ||
+      state == WorkState::kIncident) {
     node.reason = cause;
   }
 }
@@ -129,9 +130,7 @@ void RunStepper::Reenter(size_t index) {
   }
   std::set<size_t> again = Reachable(flow_, index);
   for (size_t i : again) {
-    if (run_.nodes[i].state == WorkState::kWaiting || run_.nodes[i].state == WorkState::kRunning) {
-      CancelNode(i, "the loop begins again");
-    }
+    if (IsLive(run_.nodes[i].state)) CancelNode(i, "the loop begins again");
     NodeState& node = run_.nodes[i];
     std::string from(ToString(node.state));
     NodeState fresh;
@@ -151,12 +150,21 @@ void RunStepper::Reenter(size_t index) {
 
 void RunStepper::Activate(size_t index) {
   NodeState& node = run_.nodes[index];
-  const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
-  if (!condition || (condition->contexts.empty() && condition->cases.empty())) {
-    return Open(index, {}, "", "it has no condition", nullptr);
-  }
+  if (!HasCondition(index) && !run_.paused()) return Open(index, {}, "", "it has no condition", nullptr);
   SetNode(index, WorkState::kWaiting, absl::StrCat("after ", absl::StrJoin(node.arrived, ", ")));
-  if (condition->timeout_ms) node.deadline_us = core_.input->now_us + *condition->timeout_ms * 1000;
+  AwaitCondition(index);
+}
+
+bool RunStepper::HasCondition(size_t index) const {
+  const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
+  return condition && !(condition->contexts.empty() && condition->cases.empty());
+}
+
+// From now on. A node without a condition waits only while its run is paused.
+void RunStepper::AwaitCondition(size_t index) {
+  if (!HasCondition(index)) return;
+  const std::optional<int64_t>& timeout_ms = flow_.nodes[index].condition->timeout_ms;
+  if (timeout_ms) run_.nodes[index].deadline_us = core_.input->now_us + *timeout_ms * 1000;
   ArmNode(index);
 }
 
@@ -200,6 +208,14 @@ void RunStepper::DisarmNode(size_t index) {
 }
 
 bool RunStepper::TryOpen(size_t index) {
+  if (run_.paused()) {  // events come once
+    for (ArmedCondition& armed : run_.nodes[index].armed) TakeEvents(&armed);
+    return false;
+  }
+  if (!HasCondition(index)) {
+    Open(index, {}, "", "it has no condition", nullptr);
+    return true;
+  }
   std::set<RobotId> busy;
   for (ArmedCondition& armed : run_.nodes[index].armed) {
     TakeEvents(&armed);
@@ -258,6 +274,8 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set
   std::set<std::string> seen;
   for (TermBinding& solution : Solutions(armed)) {
     auto robot = solution.find("robot");
+    const RobotId& wanted = run_.nodes[index].wanted_robot;
+    if (robot != solution.end() && !wanted.empty() && robot->second.lexical != wanted.value()) continue;
     if (robot != solution.end() && !CanServe(index, RobotId(robot->second.lexical), root)) {
       busy->insert(RobotId(robot->second.lexical));
       continue;
@@ -306,7 +324,7 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
     SetVariables(bindings.front());
   }
   // new values can make another node's condition impossible, and that may end the run or begin a loop again
-  if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning) return;
+  if (!GoesOn() || node.state != WorkState::kRunning) return;
   if (absl::Status held = ArmHold(index); !held.ok()) return NodeImpossible(index, held);
   run_.nodes[index].actions.bindings = bindings;
   GoOnOpening(index, true);
@@ -356,6 +374,7 @@ void RunStepper::NodeDone(size_t index) {
   }
   SetNode(index, WorkState::kDone,
           node.invocations.empty() ? "nothing to do" : "all its invocations are done");
+  NoteDone(index);
   FollowLinks(index, plain);
 }
 
@@ -378,6 +397,7 @@ bool RunStepper::ResolvePendingLinks(size_t index) {
     }
   }
   SetNode(index, WorkState::kDone, "all its invocations are done");
+  NoteDone(index);
   FollowLinks(index, taken);
   return true;
 }
@@ -395,7 +415,7 @@ void RunStepper::FollowLinks(size_t index, const std::vector<size_t>& taken) {
       Arrive(from, link.to.value, closes);
     else if (!closes && !loops)
       DeadEnd(from, link.to.value);
-    if (run_.state != WorkState::kRunning) return;
+    if (!GoesOn()) return;
   }
 }
 
@@ -419,16 +439,25 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       fresh.match = old.match;
       fresh.sent = old.sent;
       fresh.attempt = old.attempt + 1;  // its own retries begin anew
+      DelayAttempt(syntax.retry_policy, node.attempt - 2, old, &fresh);
       old = std::move(fresh);
     }
     return;  // they are sent as the run advances
   }
+  if (WaitsForOperator(index))
+    BeginIncident(index, reason);
+  else
+    NodeFailedForGood(index, reason);
+}
+
+void RunStepper::NodeFailedForGood(size_t index, const std::string& reason) {
+  const std::string& name = flow_.nodes[index].name.value;
   SetNode(index, WorkState::kFailed, reason);
   std::vector<size_t> taken;
-  for (size_t i : LinksFrom(flow_, syntax.name.value)) {
+  for (size_t i : LinksFrom(flow_, name)) {
     if (flow_.links[i].on_failure) taken.push_back(i);
   }
-  if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", syntax.name.value, ": ", reason));
+  if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", name, ": ", reason));
   FollowLinks(index, taken);
 }
 
@@ -440,7 +469,7 @@ void RunStepper::NodeImpossible(size_t index, const absl::Status& why) {
 
 void RunStepper::CancelNode(size_t index, const std::string& reason) {
   NodeState& node = run_.nodes[index];
-  if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) return;
+  if (!IsLive(node.state)) return;
   DisarmNode(index);
   for (const PendingLink& pending : node.pending_links) core_.Disarm(pending.handle);
   node.pending_links.clear();
@@ -451,7 +480,7 @@ void RunStepper::CancelNode(size_t index, const std::string& reason) {
 bool RunStepper::CheckDeadlines(size_t index) {
   NodeState& node = run_.nodes[index];
   TimeMicros now = core_.input->now_us;
-  if (node.deadline_us && *node.deadline_us <= now) {
+  if (!run_.paused() && node.deadline_us && *node.deadline_us <= now) {
     int64_t seconds = (now - node.since_us) / 1000000;
     NodeFailed(index, node.state == WorkState::kWaiting
                           ? absl::StrCat("its condition did not hold within ", seconds, " s")
@@ -467,16 +496,17 @@ bool RunStepper::CheckDeadlines(size_t index) {
 void RunStepper::Advance() {
   auto rounds = core_.rounds.find(run_.id);
   int most = core_.limits.engine_rounds_per_turn * 3 / 4;  // others still have time to see that it failed
-  if (rounds != core_.rounds.end() && rounds->second >= most) {
+  if (!run_.undoing && rounds != core_.rounds.end() && rounds->second >= most) {
     End(WorkState::kFailed, absl::StrCat("it went on for ", most,
                                          " rounds of one turn; look for a loop that does not wait "
                                          "for anything (the limit engine_rounds_per_turn is ",
                                          core_.limits.engine_rounds_per_turn, ")"));
   }
+  if (run_.undoing) return Undo();
   bool changed = true;
-  while (changed && run_.state == WorkState::kRunning) {
+  while (changed && GoesOn()) {
     changed = false;
-    for (size_t i = 0; i < run_.nodes.size() && run_.state == WorkState::kRunning; ++i) {
+    for (size_t i = 0; i < run_.nodes.size() && GoesOn(); ++i) {
       switch (run_.nodes[i].state) {
         case WorkState::kWaiting:
           changed = TryOpen(i) || CheckDeadlines(i) || changed;
@@ -497,9 +527,9 @@ void RunStepper::Advance() {
           }
           for (size_t k = 0; k < run_.nodes[i].invocations.size(); ++k) {
             changed = GoOn(i, k) || changed;
-            if (run_.state != WorkState::kRunning || run_.nodes[i].state != WorkState::kRunning) break;
+            if (!GoesOn() || run_.nodes[i].state != WorkState::kRunning) break;
           }
-          if (run_.state != WorkState::kRunning || run_.nodes[i].state != WorkState::kRunning) break;
+          if (!GoesOn() || run_.nodes[i].state != WorkState::kRunning) break;
           SettleGuard(i);
           changed = CheckNode(i) || CheckDeadlines(i) || changed;
           break;
@@ -507,14 +537,14 @@ void RunStepper::Advance() {
           break;
       }
     }
-    if (run_.state == WorkState::kRunning) changed = CheckEnd() || changed;
+    if (GoesOn()) changed = CheckEnd() || changed;
     if (changed) core_.advanced.insert(run_.id);
   }
 }
 
 bool RunStepper::CheckEnd() {
   for (const NodeState& node : run_.nodes) {
-    if (node.state == WorkState::kWaiting || node.state == WorkState::kRunning) return false;
+    if (IsLive(node.state)) return false;
   }
   if (run_.sink_reached)
     End(WorkState::kDone, "");
@@ -523,8 +553,10 @@ bool RunStepper::CheckEnd() {
   return true;
 }
 
-void RunStepper::End(WorkState state, const std::string& reason) {
+void RunStepper::End(WorkState state, const std::string& why) {
   if (run_.state != WorkState::kRunning) return;
+  if (state == WorkState::kFailed && GoesOn() && HasDoneSteps()) return EndAndUndo(state, why);
+  const std::string reason = run_.undoing ? EndUndoing(why) : why;
   run_.state = state;  // first: what is cancelled below must not go on
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
     CancelNode(i, state == WorkState::kDone ? "the sink was reached" : reason);
@@ -533,23 +565,6 @@ void RunStepper::End(WorkState state, const std::string& reason) {
   run_.reason = reason;
   run_.ended_us = core_.input->now_us;
   core_.Say(run_.id.value(), ToString(WorkState::kRunning), ToString(state), reason);
-}
-
-std::optional<TimeMicros> RunStepper::NextDeadline() const {
-  std::optional<TimeMicros> next;
-  auto consider = [&next](const std::optional<TimeMicros>& deadline) {
-    if (deadline && (!next || *deadline < *next)) next = deadline;
-  };
-  for (const NodeState& node : run_.nodes) {
-    if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) continue;
-    consider(node.deadline_us);
-    for (const InvocationState& invocation : node.invocations) {
-      if (IsFinal(invocation.state)) continue;
-      consider(invocation.deadline_us);
-      for (const OpenCommand& open : invocation.commands) consider(open.EndsAt());
-    }
-  }
-  return next;
 }
 
 }  // namespace docent::engine

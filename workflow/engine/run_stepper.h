@@ -35,7 +35,19 @@ class RunStepper {
   // What became of a notification of the node.
   void Delivered(size_t node, const CommandReport& report);
   // Ends the run; what is under way is cancelled.
-  void End(WorkState state, const std::string& reason);
+  void End(WorkState state, const std::string& why);
+
+  // Ends the run when what its done nodes did is undone (run_compensation.cc).
+  void EndAndUndo(WorkState outcome, const std::string& reason);
+
+  // Steering (run_incidents.cc). Each `reason` is an operator's, and may be empty.
+  void SetVariable(const std::string& name, const Term& value);
+  // Cancels what is under way; it begins again when it may, or an operator is asked. `robot`: of this one only.
+  void StopCommands(Stopped why, const RobotId* robot);
+  // Of a node that has an incident.
+  void RetryNode(size_t index, const RobotId& robot, const std::string& reason);
+  void SkipNode(size_t index, const TermBinding& values, const std::string& reason);
+  void FailNode(size_t index, const std::string& reason);
 
   // The earliest deadline of this run.
   std::optional<TimeMicros> NextDeadline() const;
@@ -48,6 +60,8 @@ class RunStepper {
   void Resolve(size_t index);
   void Activate(size_t index);
   void Reenter(size_t index);
+  bool HasCondition(size_t index) const;
+  void AwaitCondition(size_t index);
   void ArmNode(size_t index);
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
@@ -61,6 +75,7 @@ class RunStepper {
   bool CheckNode(size_t index);
   void NodeDone(size_t index);
   void NodeFailed(size_t index, const std::string& reason);
+  void NodeFailedForGood(size_t index, const std::string& reason);
   void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
   bool ResolvePendingLinks(size_t index);
@@ -98,6 +113,26 @@ class RunStepper {
                                                   bool* of_others) const;
   void Write(bool tells, TermQuad fact, const cawl::Action* action);
   void WithdrawUntilEnd();
+  // run_compensation.cc: ext:compensate
+  bool GoesOn() const { return run_.state == WorkState::kRunning && !run_.undoing; }
+  void NoteDone(size_t index);
+  void TakeDoneSteps(const RunId& child);
+  bool HasDoneSteps() const;
+  std::vector<DoneStep> DrainDoneSteps();
+  void Undo();
+  bool StepUndone(const Run& child);
+  std::string EndUndoing(const std::string& reason);
+  // run_incidents.cc: incidents, and commands that were stopped
+  bool WaitsForOperator(size_t index) const;
+  void BeginIncident(size_t index, const std::string& reason);
+  void LetRobotsGo(size_t index);
+  void CommandStopped(const CommandOwner& owner, OpenCommand stopped, const std::string& reason);
+  // run_retries.cc: ext:retry-delay and the like
+  void DelayAttempt(const cawl::RetryPolicy& policy, int retries, const InvocationState& before,
+                    InvocationState* next) const;
+  bool IsTooEarly(size_t node, size_t invocation);
+  void LeaveOutFailed(size_t node, size_t invocation, const rsel::Plan& plan, std::vector<RobotId>* robots,
+                      std::string* why_not) const;
 
   // run_guards.cc: guards
   enum class Answer { kYes, kNo, kUnknown };

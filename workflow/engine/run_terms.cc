@@ -50,8 +50,11 @@ constexpr std::array kNames = {
     Name{kDocentNs, "heldFor"},
     Name{kDocentNs, "endingCommand"},
     Name{kDocentNs, "hasResult"},
+    Name{kDocentNs, "pausedAt"},
+    Name{kDocentNs, "pauseReason"},
+    Name{kDocentNs, "notBefore"},
 };
-static_assert(kNames.size() == static_cast<size_t>(RunTerm::kHasResult) + 1);
+static_assert(kNames.size() == static_cast<size_t>(RunTerm::kNotBefore) + 1);
 
 }  // namespace
 

@@ -50,6 +50,9 @@ enum class RunTerm : uint8_t {
   kHeldFor,
   kEndingCommand,
   kHasResult,
+  kPausedAt,
+  kPauseReason,
+  kNotBefore,
 };
 
 // Writer thread only.
@@ -64,8 +67,8 @@ class RunTerms {
 
  private:
   Dictionary& dictionary_;
-  std::array<TermId, static_cast<size_t>(RunTerm::kHasResult) + 1> terms_;
-  std::array<TermId, static_cast<size_t>(WorkState::kCancelled) + 1> states_;
+  std::array<TermId, static_cast<size_t>(RunTerm::kNotBefore) + 1> terms_;
+  std::array<TermId, static_cast<size_t>(WorkState::kIncident) + 1> states_;
 };
 
 }  // namespace docent::engine

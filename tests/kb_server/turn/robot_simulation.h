@@ -1,6 +1,6 @@
 // Seeded simulation of a fleet under random workflows: adapters that are slow, deaf, die and come back; reports that are
-// late, repeated and out of order; statuses, conditions, cancel calls and restarts at any time. Each seed makes the same
-// world, the same documents and the same course.
+// late, repeated and out of order; statuses, conditions and restarts at any time; and an operator who pauses, resumes, cancels,
+// settles incidents, sets variables and takes robots out of service. Each seed makes the same world, the same documents and the same course.
 //
 // Fleet is what the robots really do; Documents what they are asked to; robot_simulation_test.cc plays turns and checks them.
 #ifndef DOCENT_TESTS_KB_SERVER_TURN_ROBOT_SIMULATION_H_
@@ -80,7 +80,8 @@ class RandomDocuments {
     nodes_ = 1 + dice_.Below(4);
     std::string text = absl::StrCat("<CAWL name=\"W", number,
                                     "\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F",
-                                    number, "\"><source name=\"s\"/>");
+                                    number, "\"", dice_.OneIn(4) ? " ext:onFailure=\"incident\"" : "",
+                                    "><variable name=\"target\"/><source name=\"s\"/>");
     std::string links;
     for (int n = 0; n < nodes_; ++n) {
       absl::StrAppend(&text, Node(number, n));
@@ -108,6 +109,13 @@ class RandomDocuments {
   std::map<std::string, int> words, holds;
 
  private:
+  std::string RetryPolicy() {
+    std::string text;
+    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry-delay=\"", 1 + dice_.Below(4), "s\"");
+    if (!text.empty() && dice_.OneIn(2)) text += " ext:retry-backoff=\"2\"";
+    if (dice_.OneIn(3)) text += " ext:retry-other-robot=\"true\"";
+    return text;
+  }
   std::string Operation() { return SimulatedOperations()[static_cast<size_t>(dice_.Below(5))].name; }
   std::string Node(int number, int n) {
     const std::string place = absl::StrCat("F", number, "/N", n);
@@ -117,7 +125,9 @@ class RandomDocuments {
     const bool each = condition && dice_.OneIn(4);
     std::string text = absl::StrCat("<node name=\"N", n, "\"");
     if (dice_.OneIn(4)) absl::StrAppend(&text, " ext:timeout=\"", 5 + dice_.Below(20), "s\"");
-    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"1\"");
+    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"1\"", RetryPolicy());
+    if (dice_.OneIn(5)) absl::StrAppend(&text, " ext:onFailure=\"incident\"");
+    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:compensate=\"", Operation(), "\"");
     if (each)
       absl::StrAppend(&text, " ext:forEach=\"?who\"", dice_.OneIn(2) ? " ext:sequential=\"true\"" : "");
     if (dice_.OneIn(4)) {
@@ -134,9 +144,8 @@ class RandomDocuments {
       absl::StrAppend(&text,
                       "<condition><context name=\"c\"><rule><constraint><subject>?who</subject><verb>"
                       "&lt;urn:w:wants",
-                      word,
-                      "&gt;</verb><object>?what</object></constraint></rule></context>"
-                      "</condition>");
+                      word, "&gt;</verb><object>", dice_.OneIn(3) ? "$target" : "?what",
+                      "</object></constraint></rule></context></condition>");
     }
     const int invokes = 1 + dice_.Below(2);
     for (int i = 0; i < invokes; ++i) {
@@ -148,7 +157,7 @@ class RandomDocuments {
         absl::StrAppend(&text, "operation=\"",
                         kind == 1 ? absl::StrCat("service", dice_.Below(2)) : Operation(), "\"");
       if (dice_.OneIn(2)) absl::StrAppend(&text, " ext:timeout=\"", 1 + dice_.Below(10), "s\"");
-      if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"", 1 + dice_.Below(2), "\"");
+      if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"", 1 + dice_.Below(2), "\"", RetryPolicy());
       text += "/>";
     }
     return text + "</node>";

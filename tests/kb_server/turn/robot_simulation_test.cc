@@ -2,14 +2,18 @@
 //   - no two commands under way occupy the same part of a robot, and all of a robot are of the run that holds it;
 //   - no attempt begins before the end of the one before it is known;
 //   - a robot is free exactly when its last holder and all of its commands have ended;
-//   - no command goes to a robot that takes none, or whose node's condition did not hold at its guard_revision;
+//   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
+//     guard_revision, or of a run that is paused;
+//   - every live run waits for a thing that Workflows.Explain names;
 //   - the log, replayed, comes to the same decisions and the same graph, whatever restarts there were.
 // DOCENT_SIMULATION_SEEDS=10000 plays more seeds; DOCENT_SIMULATION_SEED=17 plays one, and tells its course.
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -17,6 +21,8 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
+#include "kb_server/grpc/run_reader.h"
+#include "kb_server/grpc/run_waits.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/random_world.h"
@@ -121,6 +127,7 @@ class Simulation {
 
   WriteBatch Anything() {
     const int robot = dice_.Below(test::kSimulatedRobots);
+    if (dice_.OneIn(4)) return Steering();
     switch (dice_.Below(14)) {
       case 0:
       case 1:
@@ -138,10 +145,12 @@ class Simulation {
       case 5: {
         WriteBatch batch;
         const std::vector<std::string> live = LiveRuns();
-        if (!live.empty())
-          batch.run_requests.push_back({RunRequest::Kind::kCancel,
-                                        live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))],
-                                        {}});
+        if (live.empty()) return batch;
+        RunRequest cancel;
+        cancel.kind = RunRequest::Kind::kCancel;
+        cancel.target = live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))];
+        cancel.compensates = dice_.OneIn(2);
+        batch.run_requests.push_back(std::move(cancel));
         return batch;
       }
       case 6:
@@ -167,6 +176,66 @@ class Simulation {
         return dice_.OneIn(2) ? Tell({}, {fact}) : Tell({fact});
       }
     }
+  }
+
+  // What an operator asks for: some of it twice, or of what is not in the state for it.
+  WriteBatch Steering() {
+    using Kind = RunRequest::Kind;
+    WriteBatch batch;
+    const std::vector<std::string> live = LiveRuns();
+    RunRequest request;
+    request.cancels_commands = dice_.OneIn(2);
+    if (!live.empty()) request.target = live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))];
+    const auto workflow = [&] { request.target = absl::StrCat("W", dice_.Below(3)); };
+    switch (dice_.Below(10)) {
+      case 0:
+        return OutOfService(dice_.Below(test::kSimulatedRobots), true);
+      case 1:
+      case 2:
+        return OutOfService(dice_.Below(test::kSimulatedRobots), false);
+      case 3:
+        request.kind = Kind::kPause;
+        break;
+      case 4:
+      case 5:
+        request.kind = Kind::kResume;
+        break;
+      case 6:
+        request.kind = dice_.OneIn(3) ? Kind::kPauseWorkflow : Kind::kResumeWorkflow;
+        workflow();
+        break;
+      case 7:
+        request.kind = Kind::kSetVariable;
+        request.arguments = {{"target", Iri(dice_.OneIn(2) ? "Thing" : "Nothing")}};
+        break;
+      default: {
+        const std::vector<std::string> incidents =
+            Graph()->Subjects(DocentIri("nodeState"), Term::Literal("incident"));
+        if (incidents.empty()) return batch;
+        const std::string& node =
+            incidents[static_cast<size_t>(dice_.Below(static_cast<int>(incidents.size())))];
+        request.target = RunOfIri(Graph()->Object(node, DocentIri("ofRun")))->value();
+        request.node = Graph()->Object(node, DocentIri("nodeName"));
+        static constexpr Kind kHow[] = {Kind::kRetryNode, Kind::kRetryNode, Kind::kSkipNode, Kind::kFailNode};
+        request.kind = kHow[dice_.Below(4)];
+        if (request.kind == Kind::kRetryNode && dice_.OneIn(2))
+          request.robot = test::Name(Fleet::Robot(dice_.Below(test::kSimulatedRobots)));
+      }
+    }
+    if (!request.target.empty()) batch.run_requests.push_back(std::move(request));
+    return batch;
+  }
+
+  WriteBatch OutOfService(int robot, bool out) {
+    const TermQuad fact = Fact(Fleet::Robot(robot), "docent:outOfService", Term::Literal("a wheel"));
+    WriteBatch batch = out ? Tell({fact}) : Tell({}, {fact});
+    if (out && dice_.OneIn(2)) {
+      RunRequest cancel;
+      cancel.kind = RunRequest::Kind::kCancelCommands;
+      cancel.target = test::Name(Fleet::Robot(robot));
+      batch.run_requests.push_back(std::move(cancel));
+    }
+    return batch;
   }
 
   std::vector<std::string> LiveRuns() {
@@ -199,6 +268,7 @@ class Simulation {
       under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run)};
     }
     CheckHolds(*graph);
+    if (log_.size() % 4 == 0) CheckWaits();
     for (const RobotCommand& command : result->record.commands) fleet_.Send(command, now_us_);
     for (const CommandId& id : result->cancels) fleet_.Cancel(id, now_us_);
     commands_ += result->record.commands.size();
@@ -240,6 +310,10 @@ class Simulation {
       EXPECT_FALSE(a.empty() || b.empty() || share)
           << command.id.value() << " beside " << other_id.value() << " on " << command.robot.value();
     }
+    EXPECT_EQ(graph.Object(RunIri(RunId(id.run)), DocentIri("pausedAt")), "")
+        << command.id.value() << " of a run that is paused";
+    EXPECT_EQ(graph.Object(command.robot.value(), DocentIri("outOfService")), "")
+        << command.id.value() << " to a robot that is out of service";
     const std::string status = graph.Object(command.robot.value(), DocentIri("status"));
     EXPECT_TRUE(status == DocentIri("Standby") || (status == DocentIri("Busy") && robot_has_command))
         << command.id.value() << " to a robot that is " << status;
@@ -280,6 +354,28 @@ class Simulation {
     EXPECT_EQ(stages_->engine.OpenCommands().size(), under_way_.size());
   }
 
+  // Each live run waits for a thing that can be named; a command that it is said to wait for is under way.
+  void CheckWaits() {
+    const std::vector<std::string> live = LiveRuns();
+    const GraphReader& graph = *reader_;
+    for (const std::string& id : live) {
+      v1::Run run;
+      ASSERT_TRUE(ReadRun(graph, id, &run));
+      v1::ExplainRunReply reply;
+      AddWaits({&graph, nullptr, nullptr}, run, "", &reply);
+      EXPECT_FALSE(reply.waits().empty()) << "nothing is told of what " << id << " waits for\n"
+                                          << run.DebugString();
+      for (const v1::Wait& wait : reply.waits()) {
+        EXPECT_FALSE(wait.detail().empty());
+        if (wait.kind() != "command") continue;
+        const bool under_way = std::any_of(
+            under_way_.begin(), under_way_.end(),
+            [&wait](const auto& command) { return absl::StrContains(wait.detail(), command.first.value()); });
+        EXPECT_TRUE(under_way) << wait.detail();
+      }
+    }
+  }
+
   // The process ends, and begins from a snapshot.
   void Restart() {
     Note("restart");
@@ -296,8 +392,15 @@ class Simulation {
 
   // All that is under way ends; then every robot has to be free.
   void Drain() {
-    for (int r = 0; r < test::kSimulatedRobots; ++r)
+    for (int r = 0; r < test::kSimulatedRobots; ++r) {
       Turn(Tell({Fact(Fleet::Robot(r), "docent:status", "docent:Standby")}));
+      Turn(OutOfService(r, false));
+    }
+    for (int w = 0; w < 3; ++w) {
+      WriteBatch batch;
+      batch.run_requests.push_back({RunRequest::Kind::kResumeWorkflow, absl::StrCat("W", w), {}});
+      Turn(std::move(batch));
+    }
     for (int i = 0; i < 40 && !Failed(); ++i) {
       now_us_ += 1'000'000;
       fleet_.EndAll(now_us_);

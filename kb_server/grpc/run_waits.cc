@@ -1,0 +1,276 @@
+#include "kb_server/grpc/run_waits.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "graph/base/text.h"
+#include "graph/rdf/date_time.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/run_reader.h"
+#include "kb_server/robots/robot_records.h"
+#include "kb_server/robots/service_state.h"
+
+namespace docent::server {
+namespace {
+
+// Of runs nested in runs, as many as the engine nests.
+constexpr int kDeepest = 64;
+
+std::string Angled(const std::string& iri) {
+  return Concat("<", iri, ">");
+}
+
+bool IsFinal(const std::string& state) {
+  return state == "done" || state == "failed" || state == "cancelled" || state == "skipped";
+}
+
+class WaitCollector {
+ public:
+  WaitCollector(const WaitSources& sources, v1::ExplainRunReply* reply)
+      : sources_(sources), graph_(*sources.graph), reply_(*reply) {}
+
+  // `place`: before the names of its nodes; empty for the run that is asked about.
+  void Add(const v1::Run& run, const std::string& only, const std::string& place, int depth) {
+    if (run.paused() && only.empty()) AddPause(run, place);
+    for (const v1::Node& node : run.nodes()) {
+      if (!only.empty() && node.name() != only) continue;
+      if (node.state() == "waiting") {
+        AddWaiting(run, node, place);
+      } else if (node.state() == "incident") {
+        v1::Wait* wait = New(place, node, "operator");
+        wait->set_detail(absl::StrCat("it failed: ", node.reason(),
+                                      "; settle it: docent runs retry, skip or fail ", run.id(), " ",
+                                      node.name()));
+      } else if (node.state() == "running") {
+        for (int i = 0; i < node.invocations_size(); ++i) AddInvocation(run, node, i, place, depth);
+      } else if (node.state() == "inactive" && !only.empty()) {
+        AddJoin(run, node, place);
+      }
+    }
+  }
+
+ private:
+  v1::Wait* New(const std::string& place, const v1::Node& node, const char* kind) {
+    v1::Wait* wait = reply_.add_waits();
+    wait->set_node(Concat(place, node.name()));
+    wait->set_kind(kind);
+    return wait;
+  }
+
+  void AddPause(const v1::Run& run, const std::string& place) {
+    const std::string iri = RunIri(RunId(run.id()));
+    const std::string reason = graph_.Object(iri, DocentIri("pauseReason"));
+    v1::Wait* wait = reply_.add_waits();
+    wait->set_node(place);
+    wait->set_kind("resume");
+    std::string paused = run.id();
+    v1::Run outer = run;
+    while (!outer.parent().empty()) {  // the outermost that is paused
+      v1::Run next;
+      if (!ReadRun(graph_, outer.parent(), &next) || !next.paused()) break;
+      outer = std::move(next);
+      paused = outer.id();
+    }
+    wait->set_detail(absl::StrCat("run ", paused, " is paused",
+                                  reason.empty() ? "" : absl::StrCat(" (", reason, ")"),
+                                  "; docent runs resume ", paused));
+  }
+
+  void AddWaiting(const v1::Run& run, const v1::Node& node, const std::string& place) {
+    if (node.waits_for().empty()) {
+      New(place, node, "resume")->set_detail("it opens when its run is resumed");
+      return;
+    }
+    const std::vector<std::string> asks = absl::StrSplit(node.waits_for(), "\n# or\n");
+    for (const std::string& ask : asks) {
+      const ConditionAnswer answer = sources_.ask ? sources_.ask(ask) : ConditionAnswer();
+      if (answer.holds && !answer.robot.empty()) {
+        AddRobot(place, node, answer.robot, "its condition holds with this robot");
+      } else if (answer.holds && absl::StrContains(ask, DocentIri("Event"))) {
+        New(place, node, "fact")->set_detail("an event that is told from now on");
+      } else if (answer.holds) {
+        New(place, node, "time")
+            ->set_detail(run.paused() ? "its condition holds, and opens it when its run is resumed"
+                                      : "its condition holds, but not yet for as long as it has to");
+      } else {
+        v1::Wait* wait = New(place, node, "fact");
+        wait->set_missing(answer.missing);
+        wait->set_detail(answer.missing.empty() ? Concat("its condition holds: ", OneLine(ask))
+                                                : Concat("a fact: ", answer.missing));
+      }
+    }
+  }
+
+  // Without the prologue.
+  static std::string OneLine(const std::string& ask) {
+    std::vector<std::string> lines;
+    for (absl::string_view line : absl::StrSplit(ask, '\n')) {
+      if (!absl::StartsWith(line, "PREFIX") && !absl::StartsWith(line, "#"))
+        lines.emplace_back(absl::StripAsciiWhitespace(line));
+    }
+    return absl::StrJoin(lines, " ");
+  }
+
+  void AddRobot(const std::string& place, const v1::Node& node, const std::string& robot,
+                const std::string& why) {
+    v1::Wait* wait = New(place, node, "robot");
+    wait->set_robot(robot);
+    const std::string held_by = RunOfIri(graph_.Object(robot, DocentIri("heldBy"))).value_or(RunId()).value();
+    wait->set_held_by(held_by);
+    const std::optional<std::string> out = OutOfServiceReason(graph_, robot);
+    wait->set_detail(absl::StrCat(
+        "robot ", Angled(robot), ", which is ", ToAbsl(ToString(RobotStateOf(graph_, robot))),
+        out ? absl::StrCat(", out of service (", *out, ")") : "", held_by.empty() ? "" : ", held by run ",
+        held_by, why.empty() ? "" : absl::StrCat(": ", why)));
+  }
+
+  void AddInvocation(const v1::Run& run, const v1::Node& node, int number, const std::string& place,
+                     int depth) {
+    const v1::Invocation& invocation = node.invocations(number);
+    if (IsFinal(invocation.state())) return;
+    const std::string iri = absl::StrCat(RunIri(RunId(run.id())), "/", IriSegment(node.name()), "/", number);
+    const std::string child = graph_.Object(iri, DocentIri("childRun"));
+    if (const auto nested = RunOfIri(child); nested && invocation.state() == "running") {
+      v1::Wait* wait = New(place, node, "subflow");
+      wait->set_detail(absl::StrCat("sub-flow ", nested->value()));
+      v1::Run inner;
+      if (depth < kDeepest && ReadRun(graph_, nested->value(), &inner))
+        Add(inner, "", absl::StrCat(inner.id(), "/"), depth + 1);
+    } else if (!invocation.command().empty()) {
+      v1::Wait* wait = New(place, node, "command");
+      wait->set_robot(invocation.robot());
+      wait->set_detail(
+          absl::StrCat("command ", invocation.command(), " (", invocation.step(), ") of robot ",
+                       Angled(invocation.robot()),
+                       invocation.reason().empty() ? "" : absl::StrCat(": ", invocation.reason())));
+    } else if (const std::string from = graph_.Object(iri, DocentIri("notBefore")); !from.empty()) {
+      v1::Wait* wait = New(place, node, "time");
+      wait->set_until_us(MicrosOfDateTime(from));
+      wait->set_detail(absl::StrCat("its next attempt begins at ", from));
+    } else if (absl::StrContains(invocation.reason(), "the end of the attempt before it") &&
+               AddEnding(run, node, place)) {
+      return;
+    } else if (run.paused()) {
+      New(place, node, "resume")
+          ->set_detail(absl::StrCat(invocation.operation(), " goes on when its run is resumed"));
+    } else {
+      AddPending(node, invocation, place);
+    }
+  }
+
+  // Commands of attempts before, whose end is not known: of the node, or of runs that were nested in it.
+  bool AddEnding(const v1::Run& run, const v1::Node& node, const std::string& place) {
+    bool any = false;
+    for (const std::string& robot : graph_.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+      for (const Term& command : graph_.Objects(robot, DocentIri("endingCommand"))) {
+        if (!IsOf(command.lexical, run, node)) continue;
+        v1::Wait* wait = New(place, node, "command");
+        wait->set_robot(robot);
+        wait->set_detail(absl::StrCat("the end of command ", command.lexical, " of robot ", Angled(robot)));
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  bool IsOf(const std::string& command, const v1::Run& run, const v1::Node& node) const {
+    if (absl::StartsWith(command, absl::StrCat(run.id(), "/", IriSegment(node.name()), "/"))) return true;
+    const std::string asked = RunIri(RunId(run.id()));
+    std::string iri = RunIri(RunId(command.substr(0, command.find('/'))));
+    for (int depth = 0; depth < kDeepest && !iri.empty(); ++depth) {
+      iri = graph_.Object(iri, DocentIri("parentRun"));
+      if (iri == asked) return true;
+    }
+    return false;
+  }
+
+  void AddPending(const v1::Node& node, const v1::Invocation& invocation, const std::string& place) {
+    const std::string& reason = invocation.reason();
+    const auto says = [&reason](std::string_view text) { return absl::StrContains(reason, ToAbsl(text)); };
+    if (says("has to hold") || says("ceased to hold")) {
+      New(place, node, "fact")->set_detail(reason);
+    } else if (says("is paused")) {
+      New(place, node, "resume")->set_detail(reason);
+    } else if (says("comes after the one before it")) {
+      New(place, node, "join")->set_detail(absl::StrCat(invocation.operation(), ": ", reason));
+    } else if (says("the end of the attempt before it")) {
+      New(place, node, "command")->set_detail(reason);
+    } else if (!invocation.robot().empty()) {
+      AddRobot(place, node, invocation.robot(), reason);
+    } else if (invocation.awaits().empty()) {
+      New(place, node, "robot")
+          ->set_detail(absl::StrCat("a robot that offers ", invocation.operation(),
+                                    reason.empty() ? "" : absl::StrCat(": ", reason)));
+    } else {
+      for (const v1::AwaitedRobot& robot : invocation.awaits()) AddRobot(place, node, robot.robot(), reason);
+    }
+  }
+
+  void AddJoin(const v1::Run& run, const v1::Node& node, const std::string& place) {
+    std::vector<std::string> before;
+    const cawl::DocumentPtr document =
+        sources_.catalog == nullptr ? nullptr : sources_.catalog->FindWorkflow(run.workflow());
+    const cawl::Flow* flow = document == nullptr ? nullptr : document->FindFlow(run.flow());
+    for (const v1::Node& other : run.nodes()) {
+      const bool leads =
+          flow != nullptr && std::any_of(flow->links.begin(), flow->links.end(), [&](const auto& link) {
+            return link.from.value == other.name() && link.to.value == node.name();
+          });
+      if (leads && !IsFinal(other.state())) before.push_back(other.name());
+    }
+    New(place, node, "join")
+        ->set_detail(before.empty() ? "the nodes that lead to it"
+                                    : absl::StrCat("the end of ", absl::StrJoin(before, ", ")));
+  }
+
+  const WaitSources& sources_;
+  const GraphReader& graph_;
+  v1::ExplainRunReply& reply_;
+};
+
+}  // namespace
+
+void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
+              v1::ExplainRunReply* reply) {
+  WaitCollector(sources, reply).Add(run, node, "", 0);
+  if (!node.empty() || reply->waits_size() > 0 || run.state() != "running") return;
+  // A run that undoes what it did has no node under way, but a run for each step.
+  for (const std::string& nested :
+       sources.graph->Subjects(DocentIri("parentRun"), Term::Iri(RunIri(RunId(run.id()))))) {
+    v1::Run inner;
+    const auto id = RunOfIri(nested);
+    if (!id || !ReadRun(*sources.graph, id->value(), &inner) || inner.state() != "running") continue;
+    v1::Wait* wait = reply->add_waits();
+    wait->set_kind("subflow");
+    wait->set_detail(absl::StrCat("it undoes what it did: run ", id->value()));
+    WaitCollector(sources, reply).Add(inner, "", absl::StrCat(id->value(), "/"), 1);
+  }
+}
+
+std::string TextOf(const v1::Run& run, const v1::ExplainRunReply& reply) {
+  if (run.state() != "running") {
+    std::string text = absl::StrCat("Run ", run.id(), " is ", run.state(),
+                                    run.reason().empty() ? "" : absl::StrCat(": ", run.reason()), ".\n");
+    if (run.state() == "done")
+      absl::StrAppend(&text, "Its sink was reached, and no node was waiting or running.\n");
+    for (const v1::Node& node : run.nodes()) {
+      if (node.state() == "failed" || node.state() == "cancelled")
+        absl::StrAppend(&text, "  ", node.name(), " ", node.state(), ": ", node.reason(), "\n");
+    }
+    return text;
+  }
+  std::string text = absl::StrCat("Run ", run.id(), reply.waits().empty() ? " goes on.\n" : " waits for:\n");
+  for (const v1::Wait& wait : reply.waits()) {
+    absl::StrAppend(&text, "  ", wait.node().empty() ? run.id() : wait.node(), ": ", wait.detail(), "\n");
+  }
+  return text;
+}
+
+}  // namespace docent::server

@@ -1,0 +1,38 @@
+// What a live run waits for, as the graph docent:runs has it: one entry for each thing, runs that are nested in it included.
+// Pure; any thread.
+#ifndef DOCENT_KB_SERVER_GRPC_RUN_WAITS_H_
+#define DOCENT_KB_SERVER_GRPC_RUN_WAITS_H_
+
+#include <functional>
+#include <string>
+
+#include "docent/v1/workflows.pb.h"
+#include "graph/store/graph_reader.h"
+#include "kb_server/door/catalog.h"
+
+namespace docent::server {
+
+// Why a condition has not opened its node.
+struct ConditionAnswer {
+  bool holds = false;
+  std::string missing;  // a pattern without a match, in N-Triples with ?variables; empty: not known
+  std::string robot;    // it holds: IRI of ?robot in the first match; empty: it has none
+};
+using AskCondition = std::function<ConditionAnswer(const std::string& ask)>;
+
+struct WaitSources {
+  const GraphReader* graph = nullptr;
+  const Catalog* catalog = nullptr;  // null: joins are told without names
+  AskCondition ask;                  // null: conditions are told without what is missing
+};
+
+// Adds to `reply` what the run waits for, or only what its node does (`node` not empty). `run`: a live one.
+void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
+              v1::ExplainRunReply* reply);
+
+// For people: the run's state, then a line for each wait; of a run that ended, why it did.
+std::string TextOf(const v1::Run& run, const v1::ExplainRunReply& reply);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_GRPC_RUN_WAITS_H_

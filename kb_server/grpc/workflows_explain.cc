@@ -1,0 +1,121 @@
+// Workflows.Explain: what a run waits for, or why it ended, on the newest version, beside the writer.
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "graph/sparql/syntax/parser.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/run_reader.h"
+#include "kb_server/grpc/run_waits.h"
+#include "kb_server/grpc/unary_reactors.h"
+#include "reasoner/explain/display.h"
+#include "reasoner/explain/explainer.h"
+
+namespace docent::server {
+namespace {
+
+// What is missing is looked for in so many conditions of one run; of others it is told that they do not hold.
+constexpr int kMostConditions = 20;
+
+class ConditionAsker {
+ public:
+  ConditionAsker(const RunPorts& ports, GraphVersionPtr version, Cancellation* cancellation)
+      : limits_(ports.limits), functions_(ports.functions) {
+    settings_.version = std::move(version);
+    settings_.dictionary = ports.dictionary;
+    settings_.rules = ports.catalog->Get()->rules;
+    settings_.functions = ports.functions;
+    settings_.cancellation = cancellation;
+    settings_.now_us = ports.clock->Now();
+    settings_.default_graph = ports.default_graph;
+    settings_.limits = ports.limits;
+  }
+
+  ConditionAnswer Ask(const std::string& text) {
+    ConditionAnswer answer;
+    if (++asked_ > kMostConditions) return answer;
+    sparql::ParsedQuery parsed = sparql::ParseQuery(text, sparql::ParseOptionsWith(limits_, functions_));
+    auto explainer = explain::Explainer::Make(settings_);
+    if (!parsed.ok() || !explainer.ok()) return answer;
+    auto why_not = (*explainer)->WhyNot(parsed.query, 1);
+    if (!why_not.ok()) return answer;
+    answer.holds = why_not->holds;
+    if (!answer.holds) {
+      if (!why_not->repairs.empty()) answer.missing = Missing(why_not->repairs.front());
+      return answer;
+    }
+    auto proof = (*explainer)->WhyAsk(parsed.query);
+    if (!proof.ok() || !*proof) return answer;
+    for (const auto& [name, value] : (*proof)->bindings) {
+      if (name == "robot" && value.IsIri()) answer.robot = value.lexical;
+    }
+    return answer;
+  }
+
+ private:
+  static std::string Missing(const explain::Repair& repair) {
+    const explain::Display display({});
+    std::vector<std::string> facts;
+    for (const explain::ToTell& tell : repair.tell)
+      facts.push_back(absl::StrCat(display.Fact(tell.fact), " ."));
+    for (const explain::InTheWay& way : repair.in_the_way)
+      facts.push_back(absl::StrCat("not ", display.Fact(way.fact), " ."));
+    return absl::StrJoin(facts, " ");
+  }
+
+  const Limits limits_;
+  const sparql::FunctionRegistry* const functions_;
+  explain::Explainer::Settings settings_;
+  int asked_ = 0;
+};
+
+absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request, Cancellation* cancellation,
+                    v1::ExplainRunReply* reply) {
+  const GraphVersionPtr version = ports.queries->Newest();
+  const GraphReader graph(*ports.dictionary, *version);
+  v1::Run run;
+  if (!ReadRun(graph, request.run(), &run))
+    return absl::NotFoundError(absl::StrCat("there is no run \"", request.run(), "\""));
+  if (!request.node().empty()) {
+    std::vector<std::string> names;
+    for (const v1::Node& node : run.nodes()) names.push_back(node.name());
+    if (std::find(names.begin(), names.end(), request.node()) == names.end()) {
+      const std::string near = Nearest(request.node(), names);
+      return absl::NotFoundError(absl::StrCat("run ", request.run(), " has no node \"", request.node(), "\"",
+                                              near.empty()
+                                                  ? absl::StrCat("; it has ", absl::StrJoin(names, ", "))
+                                                  : absl::StrCat("; did you mean ", near, "?")));
+    }
+  }
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
+  const auto catalog = ports.catalog->Get();
+  ConditionAsker asker(ports, version, cancellation);
+  WaitSources sources{&graph, catalog.get(), [&asker](const std::string& ask) { return asker.Ask(ask); }};
+  if (run.state() == "running") AddWaits(sources, run, request.node(), reply);
+  reply->set_text(TextOf(run, *reply));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* WorkflowsService::Explain(grpc::CallbackServerContext*,
+                                                    const v1::ExplainRunRequest* request,
+                                                    v1::ExplainRunReply* reply) {
+  const int timeout_ms = ports_.limits.query_timeout_ms;
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+  auto* reactor = new CancellableReactor(cancellation);
+  const absl::Status accepted = ports_.workers->Submit(
+      [this, reactor, cancellation, request, reply] {
+        reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+      },
+      {absl::Now() + absl::Milliseconds(timeout_ms),
+       [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
+  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
+  return reactor;
+}
+
+}  // namespace docent::server

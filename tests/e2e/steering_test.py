@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""What an operator does at night: pause and resume over a kill of the server, an incident settled on another robot, a robot
+taken out of service, a run cancelled that undoes what it did; each from the command line, and each explained there."""
+import unittest
+
+from docent_e2e import PATIENCE_S, StageTest, nodes, stage
+
+EXPO = "https://w3id.org/docent/expo#"
+WORKFLOW = """<CAWL name="Night" version="1.0" xmlns:ext="https://w3id.org/docent/cawl-ext#">
+  <flow name="Night">
+    <source name="begin"/>
+    <node name="Fetch" ext:onFailure="incident" ext:compensate="bringBack"><invoke operation="fetch"/></node>
+    <node name="Show"><invoke operation="show"/></node>
+    <sink name="end"/>
+    <link from="begin" to="Fetch"/>
+    <link from="Fetch" to="Show"/>
+    <link from="Show" to="end"/>
+  </flow>
+</CAWL>
+"""
+
+
+class Steering(StageTest):
+    def night(self):
+        server = self.stage.server()
+        stage.load_ontology(server)
+        server.load(self.file("night.cawl.xml", WORKFLOW))
+        return server
+
+    def adapter(self, server, name, *arguments, operations=("fetch", "show", "bringBack")):
+        given = [word for operation in operations for word in ("--operation", operation)]
+        process = self.stage.start(name, [self.stage.bin / "docent-scripted-adapter", "--server", server.grpc, "--robot", EXPO + name,
+                                          "--journal", self.stage.folder / f"{name}.journal", *given, *arguments])
+        server.wait_for(f"<{EXPO}{name}> docent:offers ?o", PATIENCE_S)
+        return process
+
+    def begin(self, server):
+        return server.command("run", "Night", "--detach").strip()
+
+    def wait_for_node(self, server, node, state):
+        stage.wait_until(lambda: nodes(server).get(node, {}).get("state") == state, PATIENCE_S, f"{node} {state}")
+
+    def test_a_pause_outlives_a_kill(self):
+        server = self.night()
+        self.adapter(server, "R07", "--take-ms", "1500")
+        run = self.begin(server)
+        self.wait_for_node(server, "Fetch", "running")
+        self.assertIn(f"paused {run}", server.command("runs", "pause", run, "--reason", "the floor is wet"))
+        self.assertIn("paused already", server.run("runs", "pause", run).stderr)
+        server.kill()
+        server.start()
+        self.wait_for_node(server, "Fetch", "done")
+        self.assertEqual(nodes(server)["Show"]["state"], "waiting")
+        self.assertIn("paused", server.command("runs", "--state", "paused"))
+        self.assertIn("the floor is wet", server.command("whynot", "--run", run))
+        self.assertIn(f"resumed {run}", server.command("runs", "resume", run))
+        self.assertIn("is not paused", server.run("runs", "resume", run).stderr)
+        self.wait_for_run(server)
+        self.assertIn("done", server.command("whynot", "--run", run))
+        self.assert_refused(server.run("runs", "pause", run), 2, run)
+
+    def test_an_incident_is_settled_on_another_robot(self):
+        server = self.night()
+        self.adapter(server, "R07", "--fail")
+        run = self.begin(server)
+        self.wait_for_node(server, "Fetch", "incident")
+        self.assertIn("incident", server.command("runs", "--state", "incident"))
+        self.assertIn("docent runs retry", server.command("whynot", "--run", run))
+        self.adapter(server, "R08")
+        server.command("runs", "retry", run, "--robot", EXPO + "R08", "--reason", "R07 is stuck")
+        self.wait_for_node(server, "Fetch", "done")
+        self.assert_refused(server.run("runs", "retry", run, "Fetch"), 2, "no incident")
+
+    def test_a_robot_out_of_service_gets_no_command(self):
+        server = self.night()
+        self.adapter(server, "R07", "--idempotent")
+        server.command("robots", "out", EXPO + "R07", "--reason", "a wheel squeaks")
+        self.assertIn("a wheel squeaks", server.command("robots"))
+        run = self.begin(server)
+        server.kill()
+        server.start()
+        said = server.command("whynot", "--run", run, "--node", "Fetch")
+        self.assertIn("a wheel squeaks", said)
+        self.assertEqual(nodes(server)["Fetch"]["state"], "running")
+        self.assert_refused(server.run("robots", "out", EXPO + "R99"), 2, "R99")
+        server.command("robots", "in", EXPO + "R07")
+        self.wait_for_run(server)
+
+    def test_a_cancelled_run_undoes_what_it_did(self):
+        server = self.night()
+        self.adapter(server, "R07", "--take-ms", "300")
+        run = self.begin(server)
+        self.wait_for_node(server, "Show", "running")
+        server.command("runs", "cancel", run, "--compensate", "--reason", "fire drill")
+        server.wait_for(f"<urn:docent:run:{run}> docent:runState 'cancelled'", PATIENCE_S)
+        said = server.run("runs", run).stdout
+        self.assertIn("fire drill; what it did was undone", said)
+        self.assertIn("bringBack", (self.stage.folder / "R07.journal").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()
