@@ -130,6 +130,11 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports.dictionary = &dictionary_;
   ports.functions = &functions_;
   ports.limits = settings_.limits;
+  const Clock* wall = settings_.wall_clock != nullptr ? settings_.wall_clock
+                      : settings_.clock != nullptr    ? settings_.clock
+                                                      : &system_clock_;
+  clock_source_ = std::make_unique<ClockSource>(wall, &clock_, &inbox_, &dictionary_);
+  ports.saw = [this](const Delta& delta) { clock_source_->Saw(delta); };
   writer_ = std::make_unique<Writer>(ports);
   const absl::Status recovered = writer_->Recover(progress);
   if (recovered.ok()) clock_.NotBefore(writer_->newest_time_us());
@@ -176,6 +181,7 @@ void Server::StartWriter() {
     writer_status_ = status;
     writer_ended_ = true;
   });
+  clock_source_->Start();
 }
 
 Server::~Server() {
@@ -185,6 +191,7 @@ Server::~Server() {
   std::thread patience([this, &writer_done] {
     if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(2)) && writer_) writer_->EndTurns();
   });
+  if (clock_source_) clock_source_->Stop();
   http_server_.reset();
   if (live_) live_->Stop();
   if (grpc_server_) grpc_server_->Stop(deadline);

@@ -13,6 +13,7 @@
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
 #include "graph/base/memory_budget.h"
+#include "kb_server/clock/clock_source.h"
 #include "kb_server/connect/connect_routes.h"
 #include "kb_server/door/door_clock.h"
 #include "kb_server/door/metrics.h"
@@ -55,6 +56,8 @@ struct ServerSettings {
   ExplainLimits explain_limits;
   SubscriptionLimits subscription_limits;
   const Clock* clock = nullptr;  // null: steady time since the start; must outlive the server
+  // Tells times of day; null: `clock`, or where that is null the system's. It must outlive the server.
+  const Clock* wall_clock = nullptr;
 };
 
 class Server {
@@ -93,6 +96,7 @@ class Server {
 
   const ServerSettings settings_;
   DoorClock clock_;
+  const SystemClock system_clock_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   std::unique_ptr<log::ContextLog> log_;
@@ -104,6 +108,7 @@ class Server {
   FleetLeases leases_;
   LeaseWatch lease_watch_{&leases_, &inbox_, &queries_, &dictionary_};
   Metrics metrics_;
+  std::unique_ptr<ClockSource> clock_source_;
   std::unique_ptr<proxy::RobotProxies> proxies_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
   std::unique_ptr<History> history_;

@@ -57,6 +57,7 @@ docent_package(docent-doc doc "documentation of Docent"
 
 set(CPACK_DEBIAN_DOCENT_PACKAGE_CONTROL_EXTRA
   ${CMAKE_CURRENT_SOURCE_DIR}/debian/conffiles;${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm;${CMAKE_CURRENT_SOURCE_DIR}/debian/postrm)
+set(CPACK_DEBIAN_DOCENT_PACKAGE_DEPENDS "tzdata")  # time zones; libraries are found by their names
 set(CPACK_DEBIAN_DOCENT_PACKAGE_SUGGESTS "docent-robot, docent-doc, redland-utils")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_DEPENDS "docent (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_RECOMMENDS "espeak-ng")

@@ -18,6 +18,7 @@
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check.h"
+#include "workflow/cawl/robot_choice.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
 
@@ -176,15 +177,40 @@ class Checker {
     const bool check_words = has_environment_ || has_operations_ || environment_.HasWords();
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
     if (!arguments_.ask || arguments_.fix) return report.diagnostics;
-    for (const cawl::ConditionText& condition : report.conditions) {
-      if (arguments_.json) {
-        nlohmann::json object = {{"file", file}, {"place", condition.place}, {"ask", condition.ask}};
-        std::cout << object.dump() << "\n";
-      } else {
-        std::cout << "# " << condition.place << "\n" << condition.ask << "\n\n";
+    for (const cawl::ConditionText& condition : report.conditions)
+      PrintQuery(file, condition.place, "ask", condition.ask);
+    if (report.ok()) PrintChoices(file, *report.document);
+    return report.diagnostics;
+  }
+
+  void PrintQuery(const std::string& file, const std::string& place, const char* kind,
+                  const std::string& text) {
+    if (arguments_.json) {
+      nlohmann::json object = {{"file", file}, {"place", place}, {kind, text}};
+      std::cout << object.dump() << "\n";
+    } else {
+      std::cout << "# " << place << "\n" << text << "\n\n";
+    }
+  }
+
+  // By which query a robot is chosen, where several are free.
+  void PrintChoices(const std::string& file, const cawl::Document& document) {
+    bool by_default = false;
+    for (const cawl::Flow& flow : document.flows) {
+      for (const cawl::Node& node : flow.nodes) {
+        for (const cawl::Invoke& invoke : node.invokes) {
+          by_default = by_default || (!invoke.operation.empty() && invoke.choose.empty());
+          if (invoke.choose.empty()) continue;
+          PrintQuery(file,
+                     absl::StrCat("flow ", flow.name.value, " / node ", node.name.value,
+                                  " / choice of a robot for ", invoke.operation.value),
+                     "choose", invoke.choose);
+        }
       }
     }
-    return report.diagnostics;
+    if (!by_default) return;
+    PrintQuery(file, "choice of a robot, where an invoke has no ext:choose and several are free", "choose",
+               std::string(cawl::DefaultRobotChoice()));
   }
 
   // A text for people, by the prefixes of the files.
@@ -289,7 +315,9 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   AddBaseOption(command, &arguments->base);
-  command->add_flag("--ask", arguments->ask, "Print the SPARQL ASK that each CAWL condition is compiled to");
+  command->add_flag(
+      "--ask", arguments->ask,
+      "Print the SPARQL ASK that each CAWL condition is compiled to, and the query that chooses a robot");
   command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
   command->add_flag(
       "--json", arguments->json,

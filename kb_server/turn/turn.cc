@@ -111,6 +111,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
       stages->robots.Refresh(graph, Both(*withdrawn, *delta));
     else
       stages->robots.Refresh(graph, *delta);
+    stages->ranking.BeginRound(graph, batch.time_us, stages->cancellation);
     engine::EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);
@@ -120,6 +121,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
     view.facts = &facts;
+    view.ranking = &stages->ranking;
     engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
     if (stages->cancellation != nullptr) {                    // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;

@@ -23,6 +23,7 @@
 #include "kb_server/turn/condition_port.h"
 #include "kb_server/turn/documents.h"
 #include "kb_server/turn/event_shelf.h"
+#include "kb_server/turn/robot_ranking.h"
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
@@ -30,7 +31,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "12";
+inline constexpr char kEngineVersion[] = "13";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
@@ -47,6 +48,7 @@ struct Stages {
         standing_conditions(*dictionary_in, functions_in),
         conditions(dictionary_in, &standing_conditions),
         robots(dictionary_in),
+        ranking(*dictionary_in, functions, limits_in),
         engine(dictionary_in, limits_in) {}
 
   const Limits limits;
@@ -59,6 +61,7 @@ struct Stages {
   conditions::StandingConditions standing_conditions;
   ConditionPort conditions;
   GraphRobotDirectory robots;
+  GraphRobotRanking ranking;
   engine::Engine engine;
   Documents documents;
   // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.

@@ -254,6 +254,7 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
   ++newest_;
   newest_time_us_ = time_us;
   changes_.Add(Revision(newest_), result->delta);
+  if (ports_.saw) ports_.saw(result->delta);
   turn.result = *std::move(result);
   turn.outcome = OutcomeOf(turn.result);
   turn.done = std::move(pending.done);

@@ -40,6 +40,8 @@ class Writer {
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
+    std::function<void(const Delta&)>
+        saw;  // what each turn changes, durable or not yet; null: nobody wants it
   };
   explicit Writer(const Ports& ports);
 

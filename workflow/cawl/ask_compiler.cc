@@ -35,7 +35,12 @@ absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& for
   absl::StatusOr<std::vector<Conjunction>> alternatives = ToAlternatives(formula);
   if (!alternatives.ok()) return alternatives.status();
   if (events == Events::kHappened) {
-    for (Conjunction& alternative : *alternatives) alternative.events.clear();
+    for (Conjunction& alternative : *alternatives) {
+      alternative.events.clear();
+      std::erase_if(alternative.constraints, [](const Constraint* constraint) {
+        return constraint->time == Constraint::Time::kOccurs;
+      });
+    }
   }
   AskWriter writer(document, values, limits);
   absl::Status status = writer.Write(*alternatives);
@@ -53,6 +58,7 @@ absl::Status AddLasting(const Document& document, const Context& context, const 
   std::string notes;
   for (size_t i = 0; i < context.rules.size(); ++i) {
     const Rule& rule = context.rules[i];
+    if (rule.after_ms) absl::StrAppend(&notes, "# after ", rule.after_text.value, " in the node\n");
     if (!rule.at_least_ms) continue;
     absl::StatusOr<CompiledAsk> part = Compile(document, FormulaOf(rule), values, limits, "", 0);
     if (!part.ok()) return part.status();

@@ -111,6 +111,9 @@ absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int ind
     if (status.ok()) status = CheckLength(out->size() + group.bytes);
     if (!status.ok()) return status;
   }
+  if (!negated) {
+    for (const Formula& absent : conjunction.absent) AddKnownTimes(absent, &group);
+  }
   for (const std::string& line : group.triples) AppendLine(indent, line, out);
   for (const std::string& line : group.filters) AppendLine(indent, line, out);
   if (absl::Status status = CheckLength(out->size()); !status.ok()) return status;
@@ -143,6 +146,11 @@ void AskWriter::Group::Add(std::string line, std::vector<std::string>* lines) {
 absl::Status AskWriter::AddConstraint(const Constraint& constraint, bool negated, Group* group) {
   absl::StatusOr<std::string> subject = Value(constraint.subject, negated);
   if (!subject.ok()) return subject.status();
+  if (constraint.time == Constraint::Time::kOccurs) {
+    group->AddTriple(Concat(*subject, " ", Short(constraint.verb.term.lexical), " ?",
+                            EventVariable(&constraint, negated), " ."));
+    return absl::OkStatus();
+  }
   absl::StatusOr<std::string> verb = Value(constraint.verb, negated);
   if (!verb.ok()) return verb.status();
   if (std::optional<Term> known = ValueOf(constraint.verb); known && !known->IsIri()) {
@@ -177,13 +185,30 @@ absl::Status AskWriter::AddType(const Word& word, const std::string& value, Grou
 }
 
 void AskWriter::AddEvent(const Event& event, bool negated, Group* group) {
-  int number = events_.emplace(&event, static_cast<int>(events_.size()) + 1).first->second;
-  std::string name = absl::StrCat("_event_", number);
-  if (!negated) Note(name, &event_variables_);
+  const std::string name = EventVariable(&event, negated);
   group->AddTriple(
       Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."));
   group->AddTriple(Concat("?", name, " ", Short(DocentIri("operation")), " ",
                           ToNTriples(Term::Literal(event.operation.value)), " ."));
+}
+
+std::string AskWriter::EventVariable(const void* event, bool negated) {
+  const int number = events_.emplace(event, static_cast<int>(events_.size()) + 1).first->second;
+  std::string name = absl::StrCat("_event_", number);
+  if (!negated) Note(name, &event_variables_);
+  return name;
+}
+
+void AskWriter::AddKnownTimes(const Formula& formula, Group* group) {
+  for (const Formula& child : formula.children) AddKnownTimes(child, group);
+  if (formula.kind != Formula::Kind::kConstraint) return;
+  const Constraint& constraint = *formula.constraint;
+  // whether a place is open is always told
+  if (constraint.time != Constraint::Time::kLasts || constraint.verb.term.lexical != DocentIri("timeHolds"))
+    return;
+  const int number = compared_.emplace(&constraint, static_cast<int>(compared_.size()) + 1).first->second;
+  group->AddTriple(Concat(Short(constraint.subject.term.lexical), " ", Short(constraint.verb.term.lexical),
+                          absl::StrCat(" ?_", number), " ."));
 }
 
 std::optional<Term> AskWriter::ValueOf(const Word& word) const {

@@ -54,6 +54,10 @@ class AskWriter {
   absl::Status AddConstraint(const Constraint& constraint, bool negated, Group* group);
   absl::Status AddType(const Word& word, const std::string& value, Group* group);
   void AddEvent(const Event& event, bool negated, Group* group);
+  // The ?_event_N of an event, or of a time that occurs.
+  std::string EventVariable(const void* event, bool negated);
+  // A time under `not` is asked for only once the clock has told of it: it is not absent before.
+  void AddKnownTimes(const Formula& formula, Group* group);
   // The term that the word stands for now; nullopt: a free variable.
   std::optional<Term> ValueOf(const Word& word) const;
   // The word as SPARQL: the value, the variable, or the term.
@@ -67,7 +71,7 @@ class AskWriter {
   std::vector<std::pair<std::string, std::string>> prefixes_;  // namespace → prefix, longest namespace first
   std::set<std::pair<std::string, std::string>> used_prefixes_;  // prefix, namespace
   std::map<const Constraint*, int> compared_;  // number of the ?_N that stands for a compared object
-  std::map<const Event*, int> events_;
+  std::map<const void*, int> events_;          // by Event, or Constraint of a time that occurs
   std::string body_;
   std::vector<std::string> free_variables_, unset_, event_variables_, joint_events_;
 };

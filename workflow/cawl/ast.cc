@@ -15,6 +15,13 @@ const Flow* Document::FlowToStart(std::string_view flow_name) const {
   return flows.empty() ? nullptr : &flows.front();
 }
 
+Urgency UrgencyOf(const Document& document, const Flow& flow) {
+  if (flow.urgency) return *flow.urgency;
+  const std::optional<Activator>& activator = document.activator;
+  return activator && activator->flow.value == flow.name.value ? activator->urgency.value_or(Urgency())
+                                                               : Urgency();
+}
+
 std::vector<std::pair<std::string, std::string>> StartTargets(std::string_view text) {
   std::vector<std::pair<std::string, std::string>> targets = {{std::string(text), ""}};
   for (size_t slash = text.find('/'); slash != std::string_view::npos; slash = text.find('/', slash + 1)) {

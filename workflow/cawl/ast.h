@@ -129,6 +129,9 @@ struct Constraint {
   Word verb;
   Word object;
   SourceSpan span;
+  // Of an <ext:time>, as the facts of the clock have it (time_reader.h): it holds for a while, or occurs and is an event.
+  enum class Time { kNone, kLasts, kOccurs };
+  Time time = Time::kNone;
 };
 
 // <rule name="standby" expression="near and not busy"> constraint* </rule>
@@ -141,7 +144,10 @@ struct Rule {
   std::optional<int64_t> at_least_ms;
   Text expression_text;
   std::optional<Expression> expression;
-  std::vector<Constraint> constraints;
+  std::vector<Constraint> constraints;  // and what its <ext:time> children say
+  // <ext:time after="30s"/>: the context opens no earlier, counted from when the node is entered.
+  Text after_text;
+  std::optional<int64_t> after_ms;
   SourceSpan span;
 };
 
@@ -217,6 +223,9 @@ struct Invoke {
   int retry = 0;                      // ext:retry: further attempts after a failure
   std::vector<Output> outputs;        // ext:output: none: each result becomes the variable of its name
   RetryPolicy retry_policy;
+  Text choose_text;
+  std::string
+      choose;  // ext:choose: a SELECT of ?robot (robot_choice.h), with its prefixes; empty: the default
   SourceSpan span;
 };
 
@@ -315,6 +324,13 @@ struct Link {
   SourceSpan span;
 };
 
+// ext:priority="10" ext:preempt="true" of a flow or an activator: how urgent its runs are (UrgencyOf).
+inline constexpr int kMaxPriority = 1000;  // and at least -kMaxPriority
+struct Urgency {
+  int priority = 0;       // the higher, the sooner a run gets a robot
+  bool preempts = false;  // it may take a robot from runs of lower priority, between two of their steps
+};
+
 // <flow name="BoothGuide"> message* variable* <source name="s"/> node* <sink name="t"/> link* output* </flow>
 struct Flow {
   Text name;
@@ -326,6 +342,7 @@ struct Flow {
   std::vector<Node> nodes;
   std::vector<Link> links;
   std::vector<Output> outputs;  // ext:output: the results of the flow; none: it does not say
+  std::optional<Urgency> urgency;
   SourceSpan span;
 };
 
@@ -350,6 +367,7 @@ struct Activator {
   Text max_text;
   std::optional<int> max;  // ext:max; from 1
   Condition condition;
+  std::optional<Urgency> urgency;
   SourceSpan span;
 };
 
@@ -378,6 +396,9 @@ struct Document {
 };
 
 using DocumentPtr = std::shared_ptr<const Document>;
+
+// Of runs of the flow: its own, or where it has none, that of the activator that starts it.
+Urgency UrgencyOf(const Document& document, const Flow& flow);
 
 // What a text that asks for a start may mean, in the order in which it is tried: (workflow, flow), flow empty for the one of
 // FlowToStart. "A/B" is the workflow A/B, or flow B of the workflow A: names may have slashes.

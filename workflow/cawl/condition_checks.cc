@@ -168,6 +168,7 @@ class ConditionChecker {
     if (schema_ == nullptr) return can;
     ClassNeeds needs(*schema_, scope, names_);
     for (const Constraint* constraint : conjunction.constraints) {
+      if (constraint->time != Constraint::Time::kNone) continue;
       can = ObjectCanHold(*constraint) && can;
       needs.Add(*constraint);
     }
@@ -314,6 +315,8 @@ class ConditionChecker {
   }
 
   void CheckAlwaysTrue(const Context& context, const Condition& condition, std::string_view effect) {
+    const auto waits = [](const Rule& rule) { return rule.after_ms.has_value(); };
+    if (std::any_of(context.rules.begin(), context.rules.end(), waits)) return;
     const absl::StatusOr<Alternatives> alternatives = ToAlternatives(FormulaOf(context));
     if (!alternatives.ok()) return;
     const std::string others =

@@ -4,6 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "graph/base/text.h"
+#include "workflow/cawl/time_reader.h"
 #include "workflow/cawl/word_reader.h"
 
 namespace docent::cawl {
@@ -23,9 +24,11 @@ Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementRea
   out.at_least_ms = reader->Duration(element, "for");
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
-  reader->ReadChildren(element, {{"constraint", [&](const xml::Element& child) {
-                                    out.constraints.push_back(ReadConstraint(child, reader));
-                                  }}});
+  reader->ReadChildren(
+      element,
+      {{"constraint",
+        [&](const xml::Element& child) { out.constraints.push_back(ReadConstraint(child, reader)); }},
+       {"time", [&](const xml::Element& child) { ReadTime(child, reader, &out); }}});
   return out;
 }
 
@@ -42,7 +45,13 @@ Context ReadContext(const xml::Element& element, const Limits& limits, xml::Elem
   }
   reader->ReadChildren(
       element,
-      {{"rule", [&](const xml::Element& child) { out.rules.push_back(ReadRule(child, limits, reader)); }}});
+      {{"rule", [&](const xml::Element& child) { out.rules.push_back(ReadRule(child, limits, reader)); }},
+       {"time", [&](const xml::Element& child) {
+          // a rule of its own
+          Rule& rule = out.rules.emplace_back();
+          rule.span = child.span;
+          ReadTime(child, reader, &rule);
+        }}});
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "workflow/cawl/document_reader.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -11,6 +12,8 @@
 #include "workflow/cawl/condition_reader.h"
 #include "workflow/cawl/flow_order.h"
 #include "workflow/cawl/mode_reader.h"
+#include "workflow/cawl/robot_choice.h"
+#include "workflow/cawl/time_reader.h"
 #include "workflow/cawl/word_reader.h"
 
 namespace docent::cawl {
@@ -26,7 +29,8 @@ class DocumentReader {
     out->span = root.span;
     if (root.namespaces != nullptr) out->prefixes = *root.namespaces;
     out->prefixes.erase("");
-    reader_.CheckAttributes(root, {"name", "namespace", "version"});
+    reader_.CheckAttributes(root, {"name", "namespace", "version"}, {"zone"});
+    CheckZone(reader_.Extension(root, "zone"), &reader_);
     out->name = reader_.Name(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
@@ -155,9 +159,10 @@ class DocumentReader {
   Activator ReadActivator(const xml::Element& element) {
     Activator out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name"}, {"mode", "max"});
+    reader_.CheckAttributes(element, {"name"}, {"mode", "max", "priority", "preempt"});
     out.name = reader_.OptionalName(element, "name");
     ReadMode(element, &reader_, &out);
+    out.urgency = ReadUrgency(element);
     bool has_condition = false;
     int activates = 0;
     reader_.ReadChildren(
@@ -187,9 +192,10 @@ class DocumentReader {
   Flow ReadFlow(const xml::Element& element) {
     Flow out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name"}, {"onFailure"});
+    reader_.CheckAttributes(element, {"name"}, {"onFailure", "priority", "preempt"});
     out.name = reader_.Name(element, "name");
     out.on_failure = ReadOnFailure(reader_.Extension(element, "onFailure"));
+    out.urgency = ReadUrgency(element);
     auto end = [&](Text* name) {
       return [this, name, &element](const xml::Element& e) {
         if (name->given()) return Second(e, element);
@@ -211,6 +217,22 @@ class DocumentReader {
     if (!out.source.given()) reader_.Error(element.name_span, "<flow> has no <source name=\"…\"/>");
     if (!out.sink.given()) reader_.Error(element.name_span, "<flow> has no <sink name=\"…\"/>");
     return out;
+  }
+
+  std::optional<Urgency> ReadUrgency(const xml::Element& element) {
+    const Text priority = reader_.Extension(element, "priority"),
+               preempt = reader_.Extension(element, "preempt");
+    if (!priority.given() && !preempt.given()) return std::nullopt;
+    Urgency urgency;
+    urgency.preempts = reader_.Flag(element, "preempt");
+    const bool number =
+        absl::SimpleAtoi(priority.value, &urgency.priority) && std::abs(urgency.priority) <= kMaxPriority;
+    if (priority.given() && !number) {
+      reader_.Error(priority.span, Concat("priority \"", priority.value, "\" is not a priority"),
+                    absl::StrCat("write a whole number from -", kMaxPriority, " to ", kMaxPriority,
+                                 "; the higher, the more urgent"));
+    }
+    return urgency;
   }
 
   Node ReadNode(const xml::Element& element) {
@@ -347,16 +369,37 @@ class DocumentReader {
     node->join = std::move(both);
   }
 
+  void ReadChoose(const xml::Element& element, Invoke* out) {
+    out->choose_text = reader_.Extension(element, "choose");
+    if (!out->choose_text.given()) return;
+    if (!out->subflow.empty()) {
+      reader_.Error(out->choose_text.span, "ext:choose stands at the invoke of a sub-flow",
+                    "write it at the invokes of the sub-flow that take a robot");
+      return;
+    }
+    std::string prefixes;
+    for (const auto& [prefix, iri] : *element.namespaces) {
+      if (!prefix.empty() && prefix != "xml") prefixes += Concat("PREFIX ", prefix, ": <", iri, "> ");
+    }
+    out->choose = Concat(prefixes, out->choose_text.value);
+    for (const Diagnostic& fault : ParseRobotChoice(out->choose, limits_).diagnostics) {
+      if (fault.severity != Diagnostic::Severity::kError) continue;
+      reader_.Error(out->choose_text.span, Concat("ext:choose: ", fault.message), fault.hint);
+      break;
+    }
+  }
+
   Invoke ReadInvoke(const xml::Element& element) {
     Invoke out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"operation", "subflow"},
-                            {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot"});
+                            {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot", "choose"});
     out.operation = reader_.OptionalName(element, "operation");
     out.subflow = reader_.OptionalName(element, "subflow");
     out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
+    ReadChoose(element, &out);
     out.retry_policy = ReadRetryPolicy(element, out.retry);
     reader_.ReadChildren(
         element,

@@ -4,6 +4,7 @@
 
 #include "workflow/cawl/document_reader.h"
 #include "workflow/cawl/structure_checks.h"
+#include "workflow/cawl/time_reader.h"
 
 namespace docent::cawl {
 
@@ -22,6 +23,7 @@ ParsedCawl ParseCawl(std::string_view text, const std::string& file, const Limit
     CheckNames(*document, &reader);
     CheckFlows(*document, &reader);
     CheckLastingRules(*document, &reader);
+    CheckTimes(*document, &reader);
     out.document = std::move(document);
   }
   out.diagnostics = reader.TakeDiagnostics();

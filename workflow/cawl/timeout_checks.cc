@@ -73,15 +73,24 @@ class TimeoutChecker {
            "take it away, or say what must hold");
       return;
     }
-    // A rule that must have held for longer than the wait lasts.
+    // A rule that must have held for longer than the wait lasts, or a time after its end.
     if (!condition.cases.empty() || condition.expression) return;
     const Rule* longest = nullptr;
     for (const Context& context : condition.contexts) {
       const auto too_long = std::find_if(context.rules.begin(), context.rules.end(), [&](const Rule& rule) {
-        return rule.at_least_ms && *rule.at_least_ms >= *condition.timeout_ms;
+        return std::max(rule.at_least_ms.value_or(0), rule.after_ms.value_or(0)) >= *condition.timeout_ms;
       });
       if (too_long == context.rules.end()) return;
       longest = &*too_long;
+    }
+    if (longest->after_ms.value_or(0) >= *condition.timeout_ms) {
+      reader_
+          .Warning(longest->after_text.span,
+                   Concat("the condition can never hold: the wait ends after ", Shown(*condition.timeout_ms),
+                          ", before this time"),
+                   "make the timeout longer")
+          .rule = kUnsatisfiable;
+      return;
     }
     reader_
         .Warning(longest->for_text.span,

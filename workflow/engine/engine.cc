@@ -148,6 +148,7 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   }
   RunId id = run.id;
   run.root = RootOf(run);
+  InheritPriority(&run);
   trees[run.root].insert(id);
   undo_runs.try_emplace(id, std::nullopt);
   changed.insert(id);
@@ -181,6 +182,7 @@ void Engine::Core::RebuildDerived() {
   }
   for (auto& [id, run] : runs) {
     run.root = RootOf(run);
+    InheritPriority(&run);
     trees[run.root].insert(id);
     Reblock(run);
     if (run.timer_us) timers.insert({*run.timer_us, id});
@@ -198,9 +200,8 @@ void Engine::Core::RebuildDerived() {
       for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
         const InvocationState& invocation = run.nodes[n].invocations[i];
         if (invocation.state == WorkState::kPending && invocation.queued)
-          waiting.Wait(run.number, {id, n, i}, WishOf(run, {id, n, i}));
-        if (invocation.state == WorkState::kRunning && invocation.handler)
-          ledger.Begin(invocation.robot, {id, n, i}, invocation.occupies);
+          waiting.Wait(RankOf(run), {id, n, i}, WishOf(run, {id, n, i}));
+        if (invocation.state == WorkState::kRunning && invocation.handler) RebuildTask(run, {id, n, i});
         for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
       }
     }
@@ -344,6 +345,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->changed.clear();
   core_->advanced.clear();
   core_->released.clear();
+  core_->coveted.clear();
+  core_->preempted.clear();
   core_->changed_robots.clear();
   const bool first_round = input.requests != nullptr || input.reports != nullptr;
   core_->turn_round = first_round ? 0 : core_->turn_round + 1;
@@ -372,6 +375,9 @@ EngineOutput Engine::Step(const EngineInput& input) {
   AdvanceAll(core_.get());
   TellChanges(core_.get());
   core_->activations.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
+  for (const ConditionRequest& armed : output.arm) core_->times.Arm(armed);
+  for (const ConditionHandle handle : output.disarm) core_->times.Disarm(handle);
+  core_->times.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
   core_->edges.clear();
   core_->input = nullptr;
   core_->output = nullptr;
@@ -400,9 +406,11 @@ void Engine::Commit() {
   core_->undo_paused_workflows.reset();
   core_->undo_robot_facts.clear();
   core_->undo_outbox.clear();
+  core_->undo_last_used.clear();
   core_->ledger.Commit();
   core_->event_waits.Commit();
   core_->activations.Commit();
+  core_->times.Commit();
   core_->undo_kept.clear();
   core_->kept_new = 0;
   core_->rounds.clear();
@@ -415,7 +423,7 @@ void Engine::Rollback() {
                    core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
                    core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&
                    !core_->activations.changed() && core_->undo_outbox.empty() &&
-                   !core_->undo_paused_workflows;
+                   !core_->undo_paused_workflows && !core_->times.changed();
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -461,9 +469,16 @@ void Engine::Rollback() {
     else
       core_->outbox.erase(id);
   }
+  for (const auto& [robot, before] : core_->undo_last_used) {
+    if (before)
+      core_->last_used[robot] = *before;
+    else
+      core_->last_used.erase(robot);
+  }
   core_->ledger.Rollback();
   core_->event_waits.Rollback();
   core_->activations.Rollback();
+  core_->times.Rollback();
   core_->RebuildDerived();
   Commit();
 }

@@ -39,6 +39,7 @@ struct EngineInput {
   const ConditionView* conditions = nullptr;
   const RobotDirectory* robots = nullptr;
   const FactView* facts = nullptr;
+  const RobotRanking* ranking = nullptr;  // null: robots are taken in the order of their IRIs
 };
 
 // A command without a final report.

@@ -13,6 +13,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "workflow/engine/activations.h"
+#include "workflow/engine/asked_times.h"
 #include "workflow/engine/engine.h"
 #include "workflow/engine/event_waits.h"
 #include "workflow/engine/robot_ledger.h"
@@ -92,10 +93,12 @@ struct Engine::Core {
   absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
   std::set<std::pair<TimeMicros, RunId>> timers;
   RobotLedger ledger;  // its ending commands are state
+  AskedTimes times;
   WaitingRoom waiting;
   Activations activations;
   EventWaits event_waits;  // the events that conditions have of those that they need are state
   std::map<RunId, std::set<RunId>> trees;   // live runs, by root
+  std::map<RobotId, TimeMicros> last_used;  // when a run took the robot last
   std::map<RobotId, FactsPtr> robot_facts;  // as last told to the graph
   std::map<CommandId, OpenNotification> outbox;
 
@@ -111,6 +114,7 @@ struct Engine::Core {
   std::optional<std::map<std::string, PausedWorkflow>> undo_paused_workflows;
   std::map<RobotId, FactsPtr> undo_robot_facts;
   std::map<CommandId, std::optional<OpenNotification>> undo_outbox;
+  std::map<RobotId, std::optional<TimeMicros>> undo_last_used;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
   size_t kept_new = 0;             // at the end of `kept`
   ConditionHandle committed_handle = 1;
@@ -125,6 +129,8 @@ struct Engine::Core {
   std::set<RunId> changed;           // runs whose facts and timers are to be told at the end of the Step
   std::set<RobotId> released;        // robots of which something became free, or may take commands again
   std::set<RobotId> changed_robots;  // robots whose facts are to be told at the end of the Step
+  std::set<RobotId> coveted;         // that more urgent runs wait for: looked at for pre-emption
+  std::set<RobotId> preempted;       // in this Step: at most once each
   std::set<RunId> awaiting;          // runs that armed a `while` condition in the round before
   std::map<RunId, int> rounds;       // of this turn in which a run changed
   bool services_changed = false;     // since the last Step
@@ -191,12 +197,24 @@ struct Engine::Core {
   std::vector<CommandOwner> OwnersOf(const CommandOwner& owner) const;
   // The robot is held by the run's root from now on.
   void Hold(const RobotId& robot, const Run& run);
+  void Used(const RobotId& robot);
   // The command is cancelled, and its run no longer waits for its end: the robot does.
   void LetEnd(const OpenCommand& open, const CommandOwner& owner);
   // True if the robot's last holder has ended with all its commands; it is free from now on.
   bool FreeIfOver(const RobotId& robot);
   // What a pending invocation waits for.
   RobotWish WishOf(const Run& run, const CommandOwner& owner) const;
+  // run_preemption.cc
+  void InheritPriority(Run* run) const;
+  uint64_t RankOf(const Run& run) const;
+  bool CouldServe(const rsel::Plan& plan, const RobotId& robot) const;
+  // The run waits for the operation, and may take a robot of less urgent ones. `wanted`: only this robot.
+  void Covet(const Run& run, const std::string& operation, const std::optional<Term>& wanted);
+  // The robot goes from its holder to the most urgent run that waits for it, if it may.
+  void Preempt(const RobotId& robot);
+  void TakeFrom(const RunId& root, const RobotId& robot, const Run& by);
+  void RebuildTask(const Run& run, const CommandOwner& owner);
+
   // Tells the waiting room of the run's busy robots.
   void Reblock(const Run& run);
 

@@ -139,6 +139,7 @@ struct Packed {
   Activations::State activations;
   std::vector<OpenNotification> outbox;
   std::map<std::string, PausedWorkflow> paused_workflows;
+  std::map<RobotId, TimeMicros> last_used;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };
@@ -471,6 +472,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   packed.activations = state.activations;
   for (const auto& [id, open] : state.outbox) packed.outbox.push_back(open);
   packed.paused_workflows = state.paused_workflows;
+  packed.last_used = state.last_used;
   packed.next_handle = state.next_handle;
   packed.next_run = state.next_run;
   ByteWriter writer;
@@ -480,6 +482,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedIn7(writer, packed);
   AddedIn8(writer, packed);
   AddedIn9(writer, packed);
+  writer(packed.last_used);  // since format 6
   return writer.Take();
 }
 
@@ -496,6 +499,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) AddedIn7(reader, packed);
   if (!reader.AtEnd()) AddedIn8(reader, packed);
   if (!reader.AtEnd()) AddedIn9(reader, packed);
+  if (!reader.AtEnd()) reader(packed.last_used);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -543,6 +547,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     state.outbox.emplace(id, std::move(open));
   }
   state.paused_workflows = std::move(packed.paused_workflows);
+  state.last_used = std::move(packed.last_used);
   state.next_handle = packed.next_handle;
   state.next_run = packed.next_run;
   return state;
@@ -587,11 +592,13 @@ EngineState Engine::Save() const {
           core_->activations.state(),
           core_->outbox,
           core_->paused_workflows,
+          core_->last_used,
           core_->next_handle,
           core_->next_run};
 }
 
 void Engine::Restore(EngineState state) {
+  core_->times.Restore(ArmedConditions(state));
   core_->runs = std::move(state.runs);
   core_->kept.assign(state.kept.begin(), state.kept.end());
   core_->deployments = std::move(state.deployments);
@@ -603,8 +610,12 @@ void Engine::Restore(EngineState state) {
   core_->ledger.Restore(std::move(state.ending));
   core_->event_waits.Restore(std::move(state.joint_events));
   core_->activations.Restore(std::move(state.activations), &core_->run_terms.dictionary());
+  core_->last_used = std::move(state.last_used);
   core_->RebuildDerived();
-  for (const auto& [robot, run] : core_->ledger.holders())
+  std::set<RobotId> told;
+  for (const auto& [robot, run] : core_->ledger.holders()) told.insert(robot);
+  for (const auto& [robot, time] : core_->last_used) told.insert(robot);
+  for (const RobotId& robot : told)
     core_->robot_facts[robot] = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core_.get()));
   Commit();
 }

@@ -28,6 +28,7 @@ struct EngineState {
   Activations::State activations;
   std::map<CommandId, OpenNotification> outbox;
   std::map<std::string, PausedWorkflow> paused_workflows;
+  std::map<RobotId, TimeMicros> last_used;
   ConditionHandle next_handle = 1;
   uint64_t next_run = 1;
 };

@@ -155,6 +155,14 @@ struct FactWrite {
   uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
 };
 
+class RobotRanking {
+ public:
+  virtual ~RobotRanking() = default;
+  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h. `values`: of the query's variables.
+  virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
+                                     const TermBinding& values) const = 0;
+};
+
 struct EngineOutput {
   std::vector<Notification> notifications;
   std::vector<Quad> add;  // run facts, in graph docent:runs

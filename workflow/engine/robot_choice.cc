@@ -49,6 +49,13 @@ void Engine::Core::Hold(const RobotId& robot, const Run& run) {
   }
 }
 
+void Engine::Core::Used(const RobotId& robot) {
+  const auto [last, is_new] = last_used.try_emplace(robot, input->now_us);
+  undo_last_used.try_emplace(robot, is_new ? std::nullopt : std::make_optional(last->second));
+  last->second = input->now_us;
+  changed_robots.insert(robot);
+}
+
 void Engine::Core::LetEnd(const OpenCommand& open, const CommandOwner& owner) {
   if (!open.overdue_until_us) output->cancels.push_back(open.command.id);
   commands.erase(open.command.id.value());
@@ -76,6 +83,10 @@ RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const 
   const InvocationState& invocation = run.nodes[owner.node].invocations[owner.invocation];
   RobotWish wish;
   wish.operation = run.Flow().nodes[owner.node].invokes[invocation.invoke].operation.value;
+  if (invocation.state == WorkState::kRunning) {
+    wish.robot = invocation.robot;  // it is pre-empted, and goes on with its own
+    return wish;
+  }
   for (const TermBinding* binding : {&invocation.binding, &run.variables}) {
     auto robot = binding->find("robot");
     if (robot == binding->end()) continue;
@@ -88,7 +99,7 @@ RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const 
 void Engine::Core::Reblock(const Run& run) {
   std::set<RobotId> robots;
   for (const NodeState& node : run.nodes) robots.insert(node.busy_robots.begin(), node.busy_robots.end());
-  waiting.Block(run.number, run.id, robots);
+  waiting.Block(RankOf(run), run.id, robots);
 }
 
 const RobotOffer* Engine::Core::OfferOf(const std::string& operation, const RobotId& robot) const {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "workflow/engine/run_facts.h"
 
@@ -22,13 +23,16 @@ std::string InvocationIri(const CommandOwner& owner, const Run& run) {
 std::vector<Quad> RobotFacts(const RobotId& robot, Engine::Core* core) {
   std::vector<Quad> facts;
   const RunId* holder = core->ledger.Holder(robot);
-  if (holder == nullptr) return facts;
+  const auto used = core->last_used.find(robot);
+  if (holder == nullptr && used == core->last_used.end()) return facts;
   Dictionary& dictionary = core->run_terms.dictionary();
   const TermId subject = dictionary.InternIri(robot.value());
   const auto say = [&](RunTerm predicate, TermId object) {
     facts.push_back(
         {subject, core->run_terms.Of(predicate), object, core->run_terms.Of(RunTerm::kRunsGraph)});
   };
+  if (used != core->last_used.end()) say(RunTerm::kLastUsed, dictionary.Intern(DateTimeTerm(used->second)));
+  if (holder == nullptr) return facts;
   say(RunTerm::kHeldBy, dictionary.InternIri(RunIri(*holder)));
   for (const auto& [owner, occupies] : core->ledger.Tasks(robot)) {
     if (const auto run = core->runs.find(owner.run); run != core->runs.end())

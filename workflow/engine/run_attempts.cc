@@ -109,6 +109,10 @@ std::optional<TimeMicros> RunStepper::NextDeadline() const {
   for (const NodeState& node : run_.nodes) {
     if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) continue;
     if (!run_.paused()) consider(node.deadline_us);
+    for (size_t i = 0; i < node.armed.size() && node.state == WorkState::kWaiting && !run_.paused(); ++i) {
+      const size_t index = static_cast<size_t>(&node - run_.nodes.data());
+      if (const auto opens = OpensAt(index, i); opens && *opens > core_.input->now_us) consider(opens);
+    }
     for (const InvocationState& invocation : node.invocations) {
       if (IsFinal(invocation.state)) continue;
       if (!run_.paused()) consider(invocation.deadline_us);

@@ -6,6 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
 #include "workflow/engine/run_results.h"
+#include "workflow/cawl/robot_choice.h"
 #include "workflow/engine/run_stepper.h"
 
 namespace docent::engine {
@@ -76,7 +77,10 @@ void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
   WaitForOwnRobot(node, index, why);
   run_.nodes[node].invocations[index].queued = true;
   const CommandOwner owner{run_.id, node, index};
-  core_.waiting.Wait(run_.number, owner, core_.WishOf(run_, owner));
+  core_.waiting.Wait(core_.RankOf(run_), owner, core_.WishOf(run_, owner));
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
+  core_.Covet(run_, flow_.nodes[node].invokes[invocation.invoke].operation.value,
+              Value(std::string(kRobotVariable), &invocation.binding));
 }
 
 // ext:sequential: whether an invocation for a binding before its own has not been done.
@@ -149,7 +153,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
     WaitForRobot(node, index, std::move(why_not));
     return false;
   }
-  invocation.robot = robots.front();
+  invocation.robot = Preferred(node, index, plan->inputs, std::move(robots));
   invocation.occupies = core_.OccupationOf(*plan, invocation.robot);
   if (core_.services.Find(invoke.operation.value) == nullptr)
     plan = rsel::OperationPlan(invoke.operation.value, InputsOf(node, index));
@@ -167,6 +171,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   invocation.guard_revision = core_.input->revision;
   invocation.sent = true;
   core_.Hold(invocation.robot, run_);
+  core_.Used(invocation.robot);
   core_.ledger.Begin(invocation.robot, self, invocation.occupies);
   if (!invoke.timeout_ms) invocation.deadline_us.reset();  // its steps have deadlines of their own
   SetInvocation(node, index, WorkState::kRunning,
@@ -174,6 +179,27 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   SendReady(node, index);
   SettleHandler(node, index);
   return true;
+}
+
+// Of robots that are free, the one that the document or the default query prefers.
+RobotId RunStepper::Preferred(size_t node, size_t index, const std::vector<std::string>& inputs,
+                              std::vector<RobotId> able) const {
+  if (able.size() < 2 || core_.input->ranking == nullptr) return able.front();
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
+  const std::string& own = flow_.nodes[node].invokes[invocation.invoke].choose;
+  TermBinding values = run_.variables;
+  for (const auto& [name, value] : invocation.binding) values.insert_or_assign(name, value);
+  // The goal is the first input that is a resource; a robot's own operation says itself what it takes.
+  std::vector<std::string> names = inputs;
+  const RobotOffer* offer =
+      core_.OfferOf(flow_.nodes[node].invokes[invocation.invoke].operation.value, able.front());
+  if (names.empty()) names = offer != nullptr && offer->inputs ? *offer->inputs : InputsOf(node, index);
+  for (const std::string& name : names) {
+    const std::optional<Term> value = Value(name, &invocation.binding);
+    if (value && value->IsIri() && values.emplace("goal", *value).second) break;
+  }
+  const std::string query = own.empty() ? std::string(cawl::DefaultRobotChoice()) : own;
+  return core_.input->ranking->Order(query, std::move(able), values).front();
 }
 
 bool RunStepper::StartSubflow(size_t node, size_t index) {
@@ -232,7 +258,7 @@ bool RunStepper::MaySend(size_t node, size_t index, const std::string& operation
 // True if a command was sent, or the handler ended.
 bool RunStepper::SendReady(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
-  if (!invocation.overdue.empty() || run_.paused()) return false;
+  if (!invocation.overdue.empty() || run_.paused() || !HasItsRobot(node, index)) return false;
   std::string why_not;
   std::vector<Occupation> taken;
   bool sent = false;

@@ -16,7 +16,7 @@ namespace {
 // A run ended: its robots may be free, and its parent goes on.
 void Settle(Engine::Core* core, const Run& ended) {
   core->released.insert(ended.robots.begin(), ended.robots.end());
-  core->waiting.Block(ended.number, ended.id, {});
+  core->waiting.Block(core->RankOf(ended), ended.id, {});
   ActivatedRunEnded(core, ended.id);
   if (ended.parent.empty()) return;
   if (Run* parent = core->Mutable(ended.parent)) {
@@ -93,10 +93,17 @@ void AdvanceAll(Engine::Core* core) {
   std::set<RunId> settled;
   std::map<RobotId, uint64_t> freed;
   while (true) {
+    // before runs go on: a robot between two steps goes to a more urgent run
+    for (const RobotId& robot : std::set<RobotId>(core->released)) core->Preempt(robot);
+    for (const RobotId& robot : std::exchange(core->coveted, {})) core->Preempt(robot);
+    if (!core->released.empty() && !core->preempted.empty()) {
+      Release(core, &freed);
+      Offer(core, &freed);  // now, so that the more urgent run is advanced first
+    }
     std::map<uint64_t, RunId>
-        work;  // the oldest run first: nobody waits for a robot behind those that came later
+        work;  // the most urgent and oldest run first: no run waits for a robot behind those that came later
     for (const RunId& id : core->touched) {
-      if (auto it = core->runs.find(id); it != core->runs.end()) work.emplace(it->second.number, id);
+      if (auto it = core->runs.find(id); it != core->runs.end()) work.emplace(core->RankOf(it->second), id);
     }
     core->touched.clear();
     for (const auto& [number, id] : work) {
@@ -110,7 +117,7 @@ void AdvanceAll(Engine::Core* core) {
     }
     Release(core, &freed);
     if (core->touched.empty()) Offer(core, &freed);
-    if (core->touched.empty()) return;
+    if (core->touched.empty() && core->coveted.empty()) return;
   }
 }
 

@@ -198,6 +198,9 @@ struct Run {
   std::optional<Undoing> undoing;    // no node of its flow goes on any more
 
   RunId root;  // the outermost run that it is nested in, or itself
+  // Of the outermost run; they follow from its document.
+  int priority = 0;
+  bool preempts = false;
 
   // The invocation that this run is the subflow of.
   RunId parent;

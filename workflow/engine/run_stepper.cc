@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "workflow/cawl/time_reader.h"
 #include "workflow/engine/flow_graph.h"
 
 namespace docent::engine {
@@ -217,15 +218,26 @@ bool RunStepper::TryOpen(size_t index) {
     return true;
   }
   std::set<RobotId> busy;
-  for (ArmedCondition& armed : run_.nodes[index].armed) {
+  for (size_t i = 0; i < run_.nodes[index].armed.size(); ++i) {
+    ArmedCondition& armed = run_.nodes[index].armed[i];
     TakeEvents(&armed);
+    if (const auto opens = OpensAt(index, i); opens && *opens > core_.input->now_us) continue;
     if (TryOpenWith(index, armed, &busy)) return true;
   }
   if (busy != run_.nodes[index].busy_robots) {
     run_.nodes[index].busy_robots = std::move(busy);
     core_.Reblock(run_);
+    if (run_.preempts)
+      core_.coveted.insert(run_.nodes[index].busy_robots.begin(), run_.nodes[index].busy_robots.end());
   }
   return false;
+}
+
+// When an alternative may open the node at the earliest: <ext:time after="30s"/>.
+std::optional<TimeMicros> RunStepper::OpensAt(size_t index, size_t alternative) const {
+  const std::vector<int64_t> delays = cawl::DelaysOf(*flow_.nodes[index].condition);
+  if (alternative >= delays.size() || delays[alternative] == 0) return std::nullopt;
+  return run_.nodes[index].since_us + delays[alternative] * 1000;
 }
 
 // Those that do not open the node now wait: for a robot that can take them, or until they are gone.

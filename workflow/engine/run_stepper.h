@@ -65,6 +65,7 @@ class RunStepper {
   void ArmNode(size_t index);
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
+  std::optional<TimeMicros> OpensAt(size_t index, size_t alternative) const;
   void TakeEvents(ArmedCondition* armed);
   std::vector<TermBinding> Solutions(const ArmedCondition& armed) const;
   bool CanServe(size_t index, const RobotId& robot, const RunId& root) const;
@@ -170,8 +171,11 @@ class RunStepper {
   std::optional<TimeMicros> StepDeadline(size_t node, size_t invocation,
                                          std::optional<int64_t> timeout_ms) const;
   std::vector<std::string> InputsOf(size_t node, size_t invocation) const;
+  RobotId Preferred(size_t node, size_t invocation, const std::vector<std::string>& inputs,
+                    std::vector<RobotId> able) const;
   bool StartSubflow(size_t node, size_t invocation);
   bool SendReady(size_t node, size_t invocation);
+  bool HasItsRobot(size_t node, size_t invocation);
   bool MaySend(size_t node, size_t invocation, const std::string& operation, std::vector<Occupation>* taken,
                std::string* why_not) const;
   void SendInstruction(size_t node, size_t invocation, const rsel::Instruction& instruction);

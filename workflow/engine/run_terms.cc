@@ -53,8 +53,9 @@ constexpr std::array kNames = {
     Name{kDocentNs, "pausedAt"},
     Name{kDocentNs, "pauseReason"},
     Name{kDocentNs, "notBefore"},
+    Name{kDocentNs, "lastUsed"},
 };
-static_assert(kNames.size() == static_cast<size_t>(RunTerm::kNotBefore) + 1);
+static_assert(kNames.size() == static_cast<size_t>(RunTerm::kLastUsed) + 1);
 
 }  // namespace
 

@@ -53,6 +53,7 @@ enum class RunTerm : uint8_t {
   kPausedAt,
   kPauseReason,
   kNotBefore,
+  kLastUsed,
 };
 
 // Writer thread only.
@@ -67,7 +68,7 @@ class RunTerms {
 
  private:
   Dictionary& dictionary_;
-  std::array<TermId, static_cast<size_t>(RunTerm::kNotBefore) + 1> terms_;
+  std::array<TermId, static_cast<size_t>(RunTerm::kLastUsed) + 1> terms_;
   std::array<TermId, static_cast<size_t>(WorkState::kIncident) + 1> states_;
 };
 

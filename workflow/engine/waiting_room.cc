@@ -60,8 +60,8 @@ std::vector<CommandOwner> WaitingRoom::Oldest(const RobotWish& wish, size_t coun
 }
 
 std::optional<std::pair<uint64_t, RunId>> WaitingRoom::Next(
-    const RobotId& robot, uint64_t after,
-    const std::function<bool(const std::string& operation)>& offers) const {
+    const RobotId& robot, uint64_t after, const std::function<bool(const std::string& operation)>& offers,
+    uint64_t before) const {
   std::optional<std::pair<uint64_t, RunId>> next;
   auto consider = [&next](uint64_t number, const RunId& run) {
     if (!next || number < next->first) next = {number, run};
@@ -70,14 +70,15 @@ std::optional<std::pair<uint64_t, RunId>> WaitingRoom::Next(
     for (auto it = wishes_.lower_bound({wanted, ""}); it != wishes_.end() && it->first.robot == wanted;
          ++it) {
       auto first = it->second.lower_bound({after + 1, CommandOwner()});
-      if (first != it->second.end() && (!next || first->first < next->first) && offers(it->first.operation)) {
+      if (first != it->second.end() && first->first < before && (!next || first->first < next->first) &&
+          offers(it->first.operation)) {
         consider(first->first, first->second.run);
       }
     }
   }
   if (auto it = blocked_.find(robot); it != blocked_.end()) {
     auto first = it->second.lower_bound({after + 1, RunId()});
-    if (first != it->second.end()) consider(first->first, first->second);
+    if (first != it->second.end() && first->first < before) consider(first->first, first->second);
   }
   return next;
 }

@@ -36,7 +36,7 @@ struct RobotWish {
 
 class WaitingRoom {
  public:
-  // `number`: the run's, smaller is older. Replaces what `owner` waited for before.
+  // `number`: the run's place among all (Engine::Core::RankOf), the smaller, the sooner. Replaces what `owner` waited for before.
   void Wait(uint64_t number, const CommandOwner& owner, RobotWish wish);
   void Leave(const CommandOwner& owner);
 
@@ -51,11 +51,11 @@ class WaitingRoom {
   void ForEachWish(const std::function<void(const RobotWish&)>& visit) const;
   // The oldest `count` invocations with this wish.
   std::vector<CommandOwner> Oldest(const RobotWish& wish, size_t count) const;
-  // The oldest run younger than `after` that could use `robot`; `offers` says whether the robot does an
+  // The first run behind `after` and before `before` that could use `robot`; `offers` says whether the robot does an
   // operation.
   std::optional<std::pair<uint64_t, RunId>> Next(
-      const RobotId& robot, uint64_t after,
-      const std::function<bool(const std::string& operation)>& offers) const;
+      const RobotId& robot, uint64_t after, const std::function<bool(const std::string& operation)>& offers,
+      uint64_t before = UINT64_MAX) const;
   void Clear();
 
  private:

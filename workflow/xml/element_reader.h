@@ -96,6 +96,7 @@ class ElementReader {
   // The span of bytes [offset, offset+length) of an attribute's value; all of it where it holds references.
   SourceSpan Within(const Text& text, size_t offset, size_t length) const;
 
+  const Element* root() const { return root_; }
   std::string_view source() const { return source_; }
   const std::string& file() const { return file_; }
 

@@ -80,7 +80,7 @@ class RandomDocuments {
     nodes_ = 1 + dice_.Below(4);
     std::string text = absl::StrCat("<CAWL name=\"W", number,
                                     "\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F",
-                                    number, "\"", dice_.OneIn(4) ? " ext:onFailure=\"incident\"" : "",
+                                    number, "\"", Urgency(), dice_.OneIn(4) ? " ext:onFailure=\"incident\"" : "",
                                     "><variable name=\"target\"/><source name=\"s\"/>");
     std::string links;
     for (int n = 0; n < nodes_; ++n) {
@@ -115,6 +115,11 @@ class RandomDocuments {
     if (!text.empty() && dice_.OneIn(2)) text += " ext:retry-backoff=\"2\"";
     if (dice_.OneIn(3)) text += " ext:retry-other-robot=\"true\"";
     return text;
+  // Some runs are more urgent than others, and some of these take robots from them.
+  std::string Urgency() {
+    if (dice_.OneIn(2)) return "";
+    return absl::StrCat(" ext:priority=\"", dice_.Below(4) - 1, "\"",
+                        dice_.OneIn(2) ? " ext:preempt=\"true\"" : "");
   }
   std::string Operation() { return SimulatedOperations()[static_cast<size_t>(dice_.Below(5))].name; }
   std::string Node(int number, int n) {

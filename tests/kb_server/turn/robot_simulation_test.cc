@@ -85,6 +85,7 @@ class Simulation {
 
   static bool Failed() { return ::testing::Test::HasFailure(); }
   size_t commands() const { return commands_; }
+  size_t preempted() const { return preempted_; }
 
  private:
   struct UnderWay {
@@ -272,6 +273,8 @@ class Simulation {
     for (const RobotCommand& command : result->record.commands) fleet_.Send(command, now_us_);
     for (const CommandId& id : result->cancels) fleet_.Cancel(id, now_us_);
     commands_ += result->record.commands.size();
+    for (const Transition& transition : result->record.transitions)
+      preempted_ += transition.cause.starts_with("pre-empted") ? 1 : 0;
   }
 
   void Remember(const GraphReader& graph) {
@@ -446,21 +449,24 @@ class Simulation {
   std::vector<std::array<bool, test::kSimulatedWords>> wanted_;  // by revision
   std::map<CommandId, UnderWay> under_way_;
   size_t commands_ = 0;
+  size_t preempted_ = 0;
 };
 
 TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = FromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = FromEnvironment("DOCENT_SIMULATION_SEEDS", 300);
-  size_t commands = 0;
+  size_t commands = 0, preempted = 0;
   for (int seed = only < 0 ? 0 : only; seed < (only < 0 ? seeds : only + 1); ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
     simulation.Play();
     commands += simulation.commands();
+    preempted += simulation.preempted();
     if (HasFailure()) break;
   }
   if (only < 0) {
     EXPECT_GT(commands, 5u * static_cast<size_t>(seeds)) << "it has to try something";
+    EXPECT_GT(preempted, static_cast<size_t>(seeds) / 30) << "of pre-emption, too";
   }
 }
 

@@ -1,0 +1,108 @@
+// Which of several free robots gets a command.
+#include "kb_server/turn/robot_ranking.h"
+
+#include "absl/strings/str_cat.h"
+#include "gtest/gtest.h"
+#include "kb_server/turn/spatial_functions.h"
+#include "kb_server/turn/turn.h"
+#include "tests/kb_server/test_world.h"
+
+namespace docent::server {
+namespace {
+
+using test::Fact;
+using test::Put;
+using test::Tell;
+
+class RobotRankingTest : public testing::Test {
+ protected:
+  RobotRankingTest() {
+    RegisterSpatialFunctions(&functions_);
+    stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
+    std::vector<TermQuad> facts = {Fact("docent:status", "a", "docent:StateProperty"),
+                                   Fact("docent:battery", "a", "docent:StateProperty")};
+    for (const char* robot : {"R1", "R2", "R3"}) {
+      facts.push_back(Fact(robot, "a", "docent:Robot"));
+      facts.push_back(Fact(robot, "docent:incarnation", Term::Literal("i1")));
+      facts.push_back(Fact(robot, "docent:status", "docent:Standby"));
+      facts.push_back(Fact(robot, "docent:offers", "urn:docent:operation:drive"));
+    }
+    Turn(Tell(facts));
+  }
+
+  TurnResult Turn(WriteBatch batch) {
+    batch.time_us = ++head_ * 1'000'000;
+    auto result = RunTurn(stages_.get(), std::move(batch), head_);
+    EXPECT_TRUE(result.ok()) << result.status();
+    return result.ok() ? *std::move(result) : TurnResult();
+  }
+  static Term Number(const char* text) { return Term::Literal(text, std::string(kXsdDecimal)); }
+  void Deploy(const std::string& invoke) {
+    Turn(Put(Document::Kind::kCawl, "t.xml",
+             "<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\" xmlns:w=\"urn:w:\"><message "
+             "name=\"M\">"
+             "<part name=\"place\"/></message><flow name=\"F\"><variable name=\"place\"/><source name=\"s\"/>"
+             "<node name=\"N\"><invoke operation=\"drive\" " +
+                 invoke +
+                 "/></node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" "
+                 "to=\"e\"/></flow></CAWL>"));
+  }
+  // The robot of a new run that goes to `place`; its command ends at once.
+  std::string Chosen(const std::string& place = "Nowhere") {
+    const TurnResult turn = Turn(test::Start("T/F", {{"place", test::Iri(place)}}));
+    if (turn.record.commands.size() != 1) return absl::StrCat(turn.record.commands.size(), " commands");
+    Turn(test::Report(turn.record.commands[0].id, CommandReport::Outcome::kSucceeded));
+    return turn.record.commands[0].robot.value();
+  }
+
+  Dictionary dictionary_;
+  sparql::FunctionRegistry functions_;
+  std::unique_ptr<Stages> stages_;
+  uint64_t head_ = 0;
+};
+
+TEST_F(RobotRankingTest, RobotsThatAreEqualTakeTurns) {
+  Deploy("");
+  EXPECT_EQ(Chosen(), "urn:w:R1");
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+  EXPECT_EQ(Chosen(), "urn:w:R3");
+  EXPECT_EQ(Chosen(), "urn:w:R1");
+}
+
+TEST_F(RobotRankingTest, TheOneWithTheMostChargeIsPreferred) {
+  Deploy("");
+  Turn(Tell({Fact("R1", "docent:battery", Number("20")), Fact("R2", "docent:battery", Number("90")),
+             Fact("R3", "docent:battery", Number("50"))}));
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+}
+
+TEST_F(RobotRankingTest, TheNearestToTheGoalIsPreferredToTheOneWithTheMostCharge) {
+  Deploy("");
+  Turn(Tell({Fact("R1", "docent:x", Number("0")), Fact("R1", "docent:y", Number("0")),
+             Fact("R2", "docent:x", Number("10")), Fact("R2", "docent:y", Number("0")),
+             Fact("R1", "docent:battery", Number("90")), Fact("B01", "docent:servicePoint", "P"),
+             Fact("P", "docent:x", Number("9")), Fact("P", "docent:y", Number("1"))}));
+  EXPECT_EQ(Chosen("B01"), "urn:w:R2");
+  EXPECT_EQ(Chosen("B02"), "urn:w:R1") << "where that is, nobody knows";
+}
+
+TEST_F(RobotRankingTest, ADocumentHasAnOrderOfItsOwn) {
+  Deploy("ext:choose=\"SELECT ?robot { ?robot w:noise ?n } ORDER BY ?n\"");
+  Turn(Tell({Fact("R3", "noise", Number("1")), Fact("R2", "noise", Number("5"))}));
+  EXPECT_EQ(Chosen(), "urn:w:R3");
+  Turn(Tell({Fact("R3", "docent:status", "docent:Charging")}));
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+  Turn(Tell({Fact("R2", "docent:status", "docent:Charging")}));
+  EXPECT_EQ(Chosen(), "urn:w:R1") << "it is not in the answer, and free";
+}
+
+TEST_F(RobotRankingTest, TheRunsValuesAreThoseOfTheQuery) {
+  Deploy("ext:choose=\"SELECT ?robot { ?robot w:knows ?place } ORDER BY DESC(?robot)\"");
+  Turn(Tell({Fact("R2", "knows", "Hall"), Fact("R3", "knows", "Cellar")}));
+  EXPECT_EQ(Chosen("Hall"), "urn:w:R2");
+  EXPECT_EQ(Chosen("Cellar"), "urn:w:R3");
+}
+
+}  // namespace
+}  // namespace docent::server

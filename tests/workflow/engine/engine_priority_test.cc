@@ -1,0 +1,185 @@
+// Priorities of runs, and pre-emption at step borders.
+#include "tests/workflow/engine/engine_fixture.h"
+#include "workflow/engine/engine_state.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent::engine {
+namespace {
+
+class EnginePriorityTest : public EngineTest {
+ protected:
+  // Flows Low, Mid and High, each with the node A, after which Low has B.
+  void DeployFlows(const std::string& high, const std::string& low_operation = "drive") {
+    const auto flow = [](const std::string& name, const std::string& attributes, const std::string& nodes,
+                         const std::string& links) {
+      return "<flow name=\"" + name + "\" " + attributes + "><source name=\"s\"/>" + nodes +
+             "<sink name=\"t\"/>" + links + "</flow>";
+    };
+    const std::string a = Node("A", "", "<invoke operation=\"drive\"/>");
+    const std::string one = Link("s", "A") + Link("A", "t");
+    Deploy(flow("Low", "",
+                Node("A", "", "<invoke operation=\"" + low_operation + "\"/>") +
+                    Node("B", "", "<invoke operation=\"drive\"/>"),
+                Link("s", "A") + Link("A", "B") + Link("B", "t")) +
+           flow("Mid", "", a, one) + flow("High", high, a, one));
+  }
+  void PutTrip() {
+    rsel::ParsedRsel parsed = rsel::ParseRsel(
+        "<rsel name=\"S\"><process name=\"trip\"><invoke operation=\"go\"/><invoke "
+        "operation=\"back\"/></process></rsel>",
+        "s.xml");
+    ASSERT_TRUE(parsed.ok());
+    ASSERT_FALSE(HasErrors(engine_.PutServices(parsed.document)));
+  }
+  void StartFlow(const std::string& flow) { Turn({}, {{RunRequest::Kind::kStart, "W/" + flow, {}}}); }
+  // The commands of the turn, as "RUN/NODE operation".
+  std::vector<std::string> Sent() const {
+    std::vector<std::string> sent;
+    for (const RobotCommand& command : commands_) {
+      const std::string& id = command.id.value();
+      sent.push_back(id.substr(0, id.find('/', id.find('/') + 1)) + " " + command.operation);
+    }
+    return sent;
+  }
+  CommandId Only() const {
+    EXPECT_EQ(commands_.size(), 1u);
+    return commands_.empty() ? CommandId() : commands_[0].id;
+  }
+  std::string Holder(Engine* engine) const {
+    const RunId* holder = engine->HolderOf(RobotId("urn:r1"));
+    return holder == nullptr ? "" : holder->value();
+  }
+  using Commands = std::vector<std::string>;
+};
+
+TEST_F(EnginePriorityTest, AFreedRobotGoesToTheMostUrgentRunAndThenToTheOldest) {
+  DeployFlows("ext:priority=\"10\"");
+  StartFlow("Mid");
+  const CommandId first = Only();
+  StartFlow("Mid");
+  StartFlow("High");
+  Turn({Done(first)});
+  EXPECT_EQ(Sent(), Commands{"High-3/A drive"});
+  Turn({Done(Only())});
+  EXPECT_EQ(Sent(), Commands{"Mid-2/A drive"});
+}
+
+TEST_F(EnginePriorityTest, AMoreUrgentRunTakesTheRobotBetweenTwoStepsOfAService) {
+  PutTrip();
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"", "trip");
+  StartFlow("Low");
+  const CommandId go = Only();
+  EXPECT_EQ(Sent(), Commands{"Low-1/A go"});
+  StartFlow("High");
+  EXPECT_EQ(Sent(), Commands{}) << "not in the middle of a step";
+  Turn({Done(go)});
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+  EXPECT_EQ(Holder(&engine_), "High-2");
+  EXPECT_TRUE(Fact("urn:docent:run:Low-1/A/0", "reason").starts_with("pre-empted")) << "and says so";
+  Turn({Done(Only())});
+  EXPECT_EQ(Sent(), Commands{"Low-1/A back"}) << "the step that is done is not done again";
+  EXPECT_EQ(Holder(&engine_), "Low-1");
+  EXPECT_EQ(Fact("urn:docent:run:Low-1/A/0", "reason"), "");
+  Turn({Done(Only())});
+  EXPECT_EQ(Sent(), Commands{"Low-1/B drive"});
+}
+
+TEST_F(EnginePriorityTest, AMoreUrgentRunTakesTheRobotBetweenTwoNodes) {
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"");
+  StartFlow("Low");
+  const CommandId a = Only();
+  StartFlow("High");
+  Turn({Done(a)});
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+  Turn({Done(Only())});
+  EXPECT_EQ(Sent(), Commands{"Low-1/B drive"});
+  Turn({Done(Only())});
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_EQ(Holder(&engine_), "");
+}
+
+TEST_F(EnginePriorityTest, WithoutPreemptOrPriorityNothingIsTaken) {
+  for (const char* high :
+       {"ext:priority=\"10\"", "ext:preempt=\"true\"", "ext:priority=\"-1\" ext:preempt=\"true\""}) {
+    DeployFlows(high);
+    StartFlow("Low");
+    const CommandId a = Only();
+    StartFlow("High");
+    Turn({Done(a)});
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_TRUE(Sent()[0].starts_with("Low")) << high;
+    Turn({Done(Only())});
+    Turn({Done(Only())});
+    EXPECT_EQ(engine_.live_runs(), 0u);
+  }
+}
+
+TEST_F(EnginePriorityTest, ARobotThatStillEndsACommandIsNotTaken) {
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"");
+  StartFlow("Low");
+  const CommandId a = Only();
+  StartFlow("High");
+  Turn({}, {{RunRequest::Kind::kCancel, "Low-1", {}}});
+  EXPECT_EQ(Sent(), Commands{}) << "it brakes";
+  Turn({{a, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+}
+
+TEST_F(EnginePriorityTest, ARunThatIsPreemptedMayBeCancelled) {
+  PutTrip();
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"", "trip");
+  StartFlow("Low");
+  const CommandId go = Only();
+  StartFlow("High");
+  Turn({Done(go)});
+  const CommandId high = Only();
+  Turn({}, {{RunRequest::Kind::kCancel, "Low-1", {}}});
+  EXPECT_EQ(Holder(&engine_), "High-2");
+  Turn({Done(high)});
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_EQ(Holder(&engine_), "");
+}
+
+TEST_F(EnginePriorityTest, ASnapshotKeepsWhoIsPreempted) {
+  PutTrip();
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"", "trip");
+  StartFlow("Low");
+  const CommandId go = Only();
+  StartFlow("High");
+  Turn({Done(go)});
+  const CommandId high = Only();
+  const auto bytes = EncodeEngineState(engine_.Save());
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  auto state =
+      DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
+  ASSERT_TRUE(state.ok()) << state.status();
+  engine_.Restore(*std::move(state));
+  EXPECT_EQ(Holder(&engine_), "High-2");
+  Turn({Done(high)});
+  EXPECT_EQ(Sent(), Commands{"Low-1/A back"});
+}
+
+TEST_F(EnginePriorityTest, ARunThatWaitsForItsConditionTakesTheRobotThatItNames) {
+  const std::string low = "<flow name=\"Low\"><source name=\"s\"/>" +
+                          Node("A", "", "<invoke operation=\"drive\"/>") +
+                          Node("B", "", "<invoke operation=\"drive\"/>") + "<sink name=\"t\"/>" +
+                          Link("s", "A") + Link("A", "B") + Link("B", "t") + "</flow>";
+  const std::string high =
+      "<flow name=\"High\" ext:priority=\"1\" ext:preempt=\"true\"><source name=\"s\"/><node "
+      "name=\"A\"><condition>"
+      "<context "
+      "name=\"c\"><rule><constraint><subject>?robot</subject><verb>&lt;urn:near&gt;</verb><object>?o</object>"
+      "</constraint></rule></context></condition><invoke operation=\"drive\"/></node><sink name=\"t\"/>" +
+      Link("s", "A") + Link("A", "t") + "</flow>";
+  Deploy(low + high);
+  conditions_.Set("urn:near", {{{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:x")}}});
+  StartFlow("Low");
+  const CommandId a = Only();
+  StartFlow("High");
+  EXPECT_EQ(Sent(), Commands{});
+  Turn({Done(a)});
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+}
+
+}  // namespace
+}  // namespace docent::engine
