@@ -131,7 +131,8 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
   command
       ->add_option(
           "--allow", settings->allow,
-          "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, file:///…")
+          "Addresses that SERVICE, LOAD and imports of services may reach, with all below them: http://…, https://…, "
+          "file:///…")
       ->type_name("URL");
   command
       ->add_option(

@@ -10,6 +10,7 @@
 #include "graph/base/version.h"
 #include "graph/command_line/program.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/services/service_commands.h"
 
 int main(int argc, char** argv) {
   docent::PrepareStandardStreams();

@@ -28,6 +28,19 @@ struct WorkflowLimits {
   int notify_timeout_ms = 10000;               // time of one attempt
   int notify_first_pause_ms = 1000;            // pause after the first attempt; it doubles with each
   int notify_longest_pause_ms = 300000;        // the longest of these pauses
+
+  // robot services
+  size_t plan_steps = 1000;        // steps of one process, with those that it contains
+  size_t all_plan_steps = 200000;  // of all registered processes together
+  int process_nesting = 32;        // processes inside each other
+
+  // imports of services
+  size_t import_templates = 1000;   // operations that one import gives
+  size_t import_parts = 256;        // parts of one message
+  size_t import_steps = 1000000;    // elements of schemas that are looked at for them
+  size_t import_files = 1000;       // descriptions (.proto) of one gRPC server
+  size_t import_bytes = 16u << 20;  // of these descriptions
+  int import_timeout_ms = 10000;    // time of a gRPC server or adapter to describe itself
 };
 
 inline constexpr WorkflowLimits kWorkflowLimits;

@@ -80,6 +80,10 @@ std::string ServiceIri(std::string_view name) {
   return Concat(kService, IriSegment(name));
 }
 
+std::string ServiceDocumentIri(std::string_view name) {
+  return Concat("urn:docent:service-document:", IriSegment(name));
+}
+
 std::string WorkflowIri(std::string_view name) {
   return Concat(kWorkflow, IriSegment(name));
 }

@@ -21,9 +21,10 @@ std::string NameOfSegment(std::string_view segment);
 // U+000A", "is not UTF-8". nullopt: it is valid. The caller checks for the empty text.
 std::optional<std::string> NameFault(std::string_view name);
 
-// urn:docent:operation:NAME, urn:docent:service:NAME, urn:docent:workflow:NAME.
+// urn:docent:operation:NAME, urn:docent:service:NAME, urn:docent:service-document:NAME, urn:docent:workflow:NAME.
 std::string OperationIri(std::string_view name);
 std::string ServiceIri(std::string_view name);
+std::string ServiceDocumentIri(std::string_view name);
 std::string WorkflowIri(std::string_view name);
 // nullopt: not the IRI of an operation.
 std::optional<std::string> OperationOfIri(std::string_view iri);

@@ -21,6 +21,7 @@
 #include "workflow/cawl/robot_choice.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
+#include "workflow/rsel/type_checks.h"
 
 namespace docent::server {
 namespace {
@@ -89,6 +90,7 @@ class Checker {
       files_.AddRules(file, *text);
     }
     rsel::ServiceRegistry registry;
+    std::vector<std::pair<std::string, rsel::DocumentPtr>> registered;
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRsel) continue;
       auto text = ReadBytes(file);
@@ -96,9 +98,14 @@ class Checker {
       rsel::ParsedRsel parsed = rsel::ParseRsel(*text, file);
       if (!parsed.ok()) continue;
       services_[file] = registry.Put(parsed.document);
+      registered.emplace_back(file, parsed.document);
+    }
+    for (const auto& [file, document] : registered) {
+      for (Diagnostic& clash : rsel::CheckTypes(*document, registry, {}))
+        services_[file].push_back(std::move(clash));
     }
     for (const rsel::PlanPtr& plan : registry.Plans()) {
-      environment_.AddOperation(SignatureOf(*plan, registry));
+      environment_.AddOperation(SignatureOf(*plan));
       has_operations_ = true;
     }
     return absl::OkStatus();
@@ -126,7 +133,10 @@ class Checker {
         break;
       case Kind::kRsel: {
         Diagnostics diagnostics = rsel::ParseRsel(*text, file).diagnostics;
-        if (!HasErrors(diagnostics)) diagnostics = services_[file];
+        if (!HasErrors(diagnostics)) {
+          const Diagnostics& of_registry = services_[file];
+          diagnostics.insert(diagnostics.end(), of_registry.begin(), of_registry.end());
+        }
         findings = AsFindings("service", diagnostics);
         break;
       }

@@ -34,7 +34,6 @@ void AddRunCommand(CLI::App* app, int* exit_code);
 void AddWorkflowsCommand(CLI::App* app, int* exit_code);
 void AddRunsCommand(CLI::App* app, int* exit_code);
 void AddRobotsCommand(CLI::App* app, int* exit_code);
-void AddServicesCommand(CLI::App* app, int* exit_code);
 void AddVerifyCommand(CLI::App* app, int* exit_code);
 void AddBackupCommand(CLI::App* app, int* exit_code);
 void AddRestoreCommand(CLI::App* app, int* exit_code);

@@ -35,6 +35,8 @@ void PrintNode(const v1::Node& node, const Presenter& presenter) {
       std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
     if (!invocation.reason().empty()) std::cout << "  (" << invocation.reason() << ")";
     std::cout << "\n";
+    for (const v1::InvocationStep& step : invocation.steps())
+      std::cout << "      " << step.step() << "  " << presenter.State(step.state()) << "\n";
     for (const v1::AwaitedRobot& robot : invocation.awaits()) {
       std::cout << "      " << presenter.Iri(robot.robot()) << " is " << presenter.State(robot.state());
       if (!robot.held_by().empty()) std::cout << ", held by " << robot.held_by();

@@ -7,8 +7,8 @@
 
 namespace docent::server {
 
-// Of a plan of `registry`. The types of inputs are those of the parts of the process's input message.
-cawl::OperationSignature SignatureOf(const rsel::Plan& plan, const rsel::ServiceRegistry& registry);
+// Of a plan of a registry. The types of inputs are those of the parts of the process's input message.
+cawl::OperationSignature SignatureOf(const rsel::Plan& plan);
 
 }  // namespace docent::server
 

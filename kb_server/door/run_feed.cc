@@ -21,6 +21,10 @@ void RunFeed::Unsubscribe(uint64_t id) {
 void RunFeed::Publish(const std::vector<RunEvent>& events) {
   if (events.empty()) return;
   Keep(events);
+  TellNews();
+}
+
+void RunFeed::TellNews() {
   absl::MutexLock lock(&subscribers_mutex_);
   for (const auto& [id, news] : subscribers_) news();
 }

@@ -49,6 +49,8 @@ class RunFeed {
 
   // The events of one turn, to be kept and told. Revisions grow.
   void Publish(const std::vector<RunEvent>& events);
+  // Calls `news` although there is no new event: the graph says more of a run that is under way.
+  void TellNews();
   // As Publish, but no news: of a turn that the log had already.
   void Keep(const std::vector<RunEvent>& events);
   // Events of turns up to `revision` are not known here (a start from a snapshot). Before the first event.

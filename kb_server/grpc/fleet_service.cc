@@ -15,6 +15,18 @@
 namespace docent::server {
 namespace {
 
+// Names alone, or where given, with types.
+void TakeParts(const google::protobuf::RepeatedPtrField<std::string>& names,
+               const google::protobuf::RepeatedPtrField<v1::Part>& parts, std::vector<std::string>* out,
+               rsel::PartTypes* types) {
+  out->assign(names.begin(), names.end());
+  if (!parts.empty()) out->clear();
+  for (const v1::Part& part : parts) {
+    out->push_back(part.name());
+    if (!part.type().empty()) types->emplace(part.name(), part.type());
+  }
+}
+
 RobotDescription Describe(const v1::JoinRequest& request) {
   const v1::RobotDescription& description = request.description();
   RobotDescription out;
@@ -24,11 +36,13 @@ RobotDescription Describe(const v1::JoinRequest& request) {
   out.incarnation = description.incarnation();
   out.address = request.address();
   for (const v1::OperationDescription& operation : description.operations()) {
-    out.operations.push_back({operation.name(),
-                              {operation.inputs().begin(), operation.inputs().end()},
-                              {operation.outputs().begin(), operation.outputs().end()},
-                              operation.idempotent(),
-                              {operation.occupies().begin(), operation.occupies().end()}});
+    OperationDescription& to = out.operations.emplace_back();
+    to.name = operation.name();
+    to.idempotent = operation.idempotent();
+    to.occupies = {operation.occupies().begin(), operation.occupies().end()};
+    to.description = operation.description();
+    TakeParts(operation.inputs(), operation.input_parts(), &to.inputs, &to.input_types);
+    TakeParts(operation.outputs(), operation.output_parts(), &to.outputs, &to.output_types);
   }
   return out;
 }

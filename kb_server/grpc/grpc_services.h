@@ -117,6 +117,19 @@ class RobotServicesService final : public v1::RobotServices::CallbackService {
   explicit RobotServicesService(const RunPorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Register(grpc::CallbackServerContext* context, const v1::RegisterRequest* request,
                                      v1::RegisterReply* reply) override;
+  grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context, const v1::RegisterRequest* request,
+                                  v1::RegisterReply* reply) override;
+  grpc::ServerUnaryReactor* Remove(grpc::CallbackServerContext* context,
+                                   const v1::RemoveServicesRequest* request,
+                                   v1::RemoveServicesReply* reply) override;
+  grpc::ServerUnaryReactor* ListVersions(grpc::CallbackServerContext* context,
+                                         const v1::ListServiceVersionsRequest* request,
+                                         v1::ListVersionsReply* reply) override;
+  grpc::ServerUnaryReactor* Generate(grpc::CallbackServerContext* context, const v1::GenerateRequest* request,
+                                     v1::GenerateReply* reply) override;
+  grpc::ServerUnaryReactor* ImportTemplates(grpc::CallbackServerContext* context,
+                                            const v1::ImportTemplatesRequest* request,
+                                            v1::ImportTemplatesReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListServicesRequest* request,
                                  v1::ListServicesReply* reply) override;
   grpc::ServerUnaryReactor* Describe(grpc::CallbackServerContext* context,

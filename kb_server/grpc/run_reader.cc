@@ -32,6 +32,24 @@ void ReadAwaited(const GraphReader& graph, const std::string& wanted, v1::Invoca
   }
 }
 
+// Those that have begun, by their numbers.
+void ReadSteps(const GraphReader& graph, const std::string& iri, v1::Invocation* out) {
+  std::vector<std::pair<int, v1::InvocationStep>> steps;
+  for (const auto& [property, state] : {std::pair("stepDone", "done"), std::pair("stepFailed", "failed"),
+                                        std::pair("stepRunning", "running")}) {
+    for (const Term& label : graph.Objects(iri, DocentIri(property))) {
+      int number = 0;
+      if (!absl::SimpleAtoi(label.lexical.substr(0, label.lexical.find('/')), &number)) continue;
+      steps.emplace_back(number, v1::InvocationStep());
+      steps.back().second.set_step(label.lexical);
+      steps.back().second.set_state(state);
+    }
+  }
+  std::stable_sort(steps.begin(), steps.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [number, step] : steps) *out->add_steps() = std::move(step);
+}
+
 void ReadInvocation(const GraphReader& graph, const std::string& iri, const std::string& wanted,
                     v1::Invocation* out) {
   out->set_operation(graph.Object(iri, DocentIri("operation")));
@@ -42,6 +60,7 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, const std:
   out->set_reason(graph.Object(iri, DocentIri("reason")));
   double progress = 0;
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
+  ReadSteps(graph, iri, out);
   if (out->state() == "pending") ReadAwaited(graph, wanted, out);
 }
 

@@ -112,6 +112,47 @@ void TakeParts(const std::string& operation, std::string_view what, std::vector<
   });
 }
 
+// The types of `parts`, in full.
+void TakeTypes(const std::string& operation, const std::vector<std::string>& parts, rsel::PartTypes* types,
+               std::vector<std::string>* warnings) {
+  rsel::PartTypes taken;
+  for (const auto& [part, given] : *types) {
+    const std::string type = rsel::FullType(given);
+    if (type.empty() || std::find(parts.begin(), parts.end(), part) == parts.end()) continue;
+    if (IsValidTermIri(type)) {
+      taken.emplace(part, type);
+    } else {
+      warnings->push_back(absl::StrCat("the type ", Shown(type), " of part ", part, " of operation ",
+                                       operation, " is not an absolute IRI; the part has no type"));
+    }
+  }
+  *types = std::move(taken);
+}
+
+// Operation and its parts in the robot's own graph.
+void TellParts(const std::string& operation, std::string_view direction,
+               const std::vector<std::string>& parts, const rsel::PartTypes& types, RobotFacts* facts) {
+  std::vector<Term> names, typed;
+  for (const std::string& part : parts) {
+    names.push_back(Term::Literal(part));
+    const auto type = types.find(part);
+    if (type == types.end()) continue;
+    const std::string iri = Concat(operation, "/", direction, "/", IriSegment(part));
+    typed.push_back(Term::Iri(iri));
+    facts->Add(iri, kRdfType, Term::Iri(DocentIri("Part")));
+    facts->Add(iri, DocentIri("partName"), Term::Literal(part));
+    facts->Replace(iri, DocentIri("partType"), Term::Iri(type->second));
+  }
+  const std::string property = Concat(direction, "Part");
+  for (const Term& before : facts->Told(operation, DocentIri(property))) {
+    if (std::find(typed.begin(), typed.end(), before) != typed.end()) continue;
+    for (const std::string& predicate : {std::string(kRdfType), DocentIri("partName"), DocentIri("partType")})
+      facts->Replace(before.lexical, predicate, std::vector<Term>());
+  }
+  facts->Replace(operation, DocentIri(direction), names);
+  facts->Replace(operation, DocentIri(property), typed);
+}
+
 }  // namespace
 
 RobotDescription AcceptedDescription(RobotDescription description, std::vector<std::string>* warnings) {
@@ -126,6 +167,8 @@ RobotDescription AcceptedDescription(RobotDescription description, std::vector<s
     TakeParts(operation.name, "input", &operation.inputs, warnings);
     TakeParts(operation.name, "output", &operation.outputs, warnings);
     TakeParts(operation.name, "resource", &operation.occupies, warnings);
+    TakeTypes(operation.name, operation.inputs, &operation.input_types, warnings);
+    TakeTypes(operation.name, operation.outputs, &operation.output_types, warnings);
     operations.push_back(std::move(operation));
   }
   description.operations = std::move(operations);
@@ -159,9 +202,10 @@ WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& di
     facts.Add(iri, kRdfType, Term::Iri(DocentIri("Operation")));
     facts.Add(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name));
     facts.Replace(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent));
-    std::vector<Term> inputs;
-    for (const std::string& part : operation.inputs) inputs.push_back(Term::Literal(part));
-    facts.Replace(iri, DocentIri("input"), inputs);
+    if (!operation.description.empty())
+      facts.Replace(iri, Concat(kRdfsNs, "comment"), Term::Literal(operation.description));
+    TellParts(iri, "input", operation.inputs, operation.input_types, &facts);
+    TellParts(iri, "output", operation.outputs, operation.output_types, &facts);
     facts.Replace(iri, DocentIri("inputsKnown"), Term::Boolean(true));
     std::vector<Term> occupies;
     for (const std::string& resource : operation.occupies) occupies.push_back(Term::Literal(resource));

@@ -32,6 +32,62 @@ void ReadHold(const GraphReader& graph, const std::string& robot, RobotRecord* o
     out->ending_commands.push_back(command.lexical);
 }
 
+// What a robot says of an operation, in its own graph.
+class OperationReader {
+ public:
+  OperationReader(const Dictionary& dictionary, const GraphVersion& version)
+      : dictionary_(dictionary), version_(version) {}
+
+  // nullopt: not the IRI of an operation.
+  std::optional<rsel::OfferedOperation> Read(TermId robot, TermId operation) const {
+    std::optional<std::string> name = OperationOfIri(dictionary_.Decode(operation).lexical);
+    if (!name) return std::nullopt;
+    rsel::OfferedOperation out;
+    out.robot = RobotId(dictionary_.Decode(robot).lexical);
+    out.name = *std::move(name);
+    out.inputs_known = First(robot, operation, DocentIri("inputsKnown")) == "true";
+    if (!out.inputs_known) return out;
+    out.inputs = All(robot, operation, DocentIri("input"));
+    out.outputs = All(robot, operation, DocentIri("output"));
+    out.input_types = Types(robot, operation, DocentIri("inputPart"));
+    out.output_types = Types(robot, operation, DocentIri("outputPart"));
+    out.idempotent = First(robot, operation, DocentIri("idempotent")) == "true";
+    out.description = First(robot, operation, Concat(kRdfsNs, "comment"));
+    return out;
+  }
+
+ private:
+  template <typename Each>
+  void ForEach(TermId graph, TermId subject, const std::string& property, const Each& each) const {
+    const std::optional<TermId> predicate = dictionary_.FindIri(property);
+    if (!predicate) return;
+    version_.ForEach({subject, *predicate, {}, graph}, [&](const Quad& quad) {
+      each(quad.object);
+      return true;
+    });
+  }
+  std::vector<std::string> All(TermId graph, TermId subject, const std::string& property) const {
+    std::vector<std::string> out;
+    ForEach(graph, subject, property,
+            [&](TermId object) { out.push_back(dictionary_.Decode(object).lexical); });
+    return out;
+  }
+  std::string First(TermId graph, TermId subject, const std::string& property) const {
+    const std::vector<std::string> all = All(graph, subject, property);
+    return all.empty() ? std::string() : all.front();
+  }
+  rsel::PartTypes Types(TermId robot, TermId operation, const std::string& property) const {
+    rsel::PartTypes out;
+    ForEach(robot, operation, property, [&](TermId part) {
+      out[First(robot, part, DocentIri("partName"))] = First(robot, part, DocentIri("partType"));
+    });
+    return out;
+  }
+
+  const Dictionary& dictionary_;
+  const GraphVersion& version_;
+};
+
 RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
   RobotRecord out;
   out.robot = robot;
@@ -106,24 +162,11 @@ std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphV
 std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
                                                       const GraphVersion& version) {
   std::vector<rsel::OfferedOperation> offered;
-  const auto offers = dictionary.FindIri(DocentIri("offers")),
-             known = dictionary.FindIri(DocentIri("inputsKnown")),
-             input = dictionary.FindIri(DocentIri("input")), yes = dictionary.Find(Term::Boolean(true));
+  const OperationReader reader(dictionary, version);
+  const auto offers = dictionary.FindIri(DocentIri("offers"));
   if (!offers) return offered;
   version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
-    std::optional<std::string> name = OperationOfIri(dictionary.Decode(quad.object).lexical);
-    if (!name) return true;
-    rsel::OfferedOperation operation;
-    operation.robot = RobotId(dictionary.Decode(quad.subject).lexical);
-    operation.name = *std::move(name);
-    operation.inputs_known = known && yes && version.ContainsMatch({quad.object, *known, *yes, quad.subject});
-    if (operation.inputs_known && input) {
-      version.ForEach({quad.object, *input, {}, quad.subject}, [&](const Quad& part) {
-        operation.inputs.push_back(dictionary.Decode(part.object).lexical);
-        return true;
-      });
-    }
-    offered.push_back(std::move(operation));
+    if (auto operation = reader.Read(quad.subject, quad.object)) offered.push_back(*std::move(operation));
     return true;
   });
   return offered;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
+#include "absl/strings/str_join.h"
 #include "graph/base/source_texts.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
@@ -33,9 +34,21 @@ std::set<Fact> Facts(const engine::Engine& engine, Document::Kind kind, const st
   const std::string type(kRdfType);
   const std::string label = Concat(kRdfsNs, "label");
   if (kind == Document::Kind::kRsel) {
+    const std::string document = ServiceDocumentIri(name);
+    if (versions != nullptr && versions->live) {
+      const DocumentVersion& newest = versions->newest();
+      facts.insert({document, type, Term::Iri(DocentIri("ServiceDocument"))});
+      facts.insert({document, label, Term::Literal(name)});
+      facts.insert({document, DocentIri("versionNumber"), Term::Integer(newest.number)});
+      facts.insert({document, DocentIri("registeredAtRevision"),
+                    Term::Integer(static_cast<int64_t>(newest.revision.value()))});
+      if (!newest.own_version.empty())
+        facts.insert({document, DocentIri("documentVersion"), Term::Literal(newest.own_version)});
+    }
     for (const rsel::PlanPtr& plan : engine.services().Plans()) {
       if (plan->document != name) continue;
       std::string iri = ServiceIri(plan->process);
+      facts.insert({document, DocentIri("defines"), Term::Iri(iri)});
       facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
       facts.insert({iri, label, Term::Literal(plan->process)});
       for (const rsel::PlanStep& step : plan->steps) {
@@ -94,6 +107,40 @@ absl::StatusOr<rsel::DocumentPtr> RselOf(const Document& document, const Limits&
 bool ChangesStarts(const Document& document) {
   return document.kind == Document::Kind::kCawl && document.action == Document::Action::kRemove &&
          (document.text == kRemovesStarts || document.text == kRemovesDisablement);
+// The nodes of deployed workflows that invoke processes of the document.
+std::vector<std::string> UsersOf(const rsel::Document& document, const engine::Engine& engine) {
+  std::vector<std::string> users;
+  for (const cawl::DocumentPtr& workflow : engine.workflows()) {
+    for (const cawl::Flow& flow : workflow->flows) {
+      for (const cawl::Node& node : flow.nodes) {
+        for (const cawl::Invoke& invoke : node.invokes) {
+          if (document.FindProcess(invoke.operation.value) == nullptr) continue;
+          users.push_back(Concat("node ", node.name.value, " of workflow ", workflow->name.value, " (",
+                                 invoke.operation.value, ")"));
+        }
+      }
+    }
+  }
+  return users;
+}
+
+// FAILED_PRECONDITION, naming the users.
+absl::Status CheckUnused(const std::string& name, const engine::Engine& engine) {
+  constexpr size_t kNamed = 10;
+  for (const rsel::DocumentPtr& document : engine.services().Documents()) {
+    if (document->name.value != name) continue;
+    std::vector<std::string> users = UsersOf(*document, engine);
+    if (users.empty()) break;
+    const size_t more = users.size() > kNamed ? users.size() - kNamed : 0;
+    if (more > 0) {
+      users.resize(kNamed);
+      users.push_back(absl::StrCat(more, " more"));
+    }
+    return absl::FailedPreconditionError(Concat("RSEL document ", name, " is used by ",
+                                                absl::StrJoin(users, ", "),
+                                                "; undeploy what uses it first, or force the removal"));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -172,22 +219,31 @@ absl::Status Documents::ApplyCawl(const Document& document, Revision revision, c
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRsel(const Document& document, const DocumentStages& stages,
+absl::Status Documents::ApplyRsel(const Document& document, Revision revision, const DocumentStages& stages,
                                   Operations* operations, std::string* name) {
   engine::Engine* engine = stages.engine;
+  if (!undo_versions_) undo_versions_ = versions_;
   if (document.action == Document::Action::kRemove) {
-    std::set<Fact> before = Facts(*engine, document.kind, document.name);
-    absl::Status status = engine->RemoveServices(document.name);
-    if (status.ok()) Describe(before, {}, operations);
+    const bool force = document.text == kForcedRemoval;
+    const VersionHistory::Key key{document.kind, document.name};
+    std::set<Fact> before = Facts(*engine, document.kind, document.name, versions_.Find(key).get());
+    absl::Status status = force ? absl::OkStatus() : CheckUnused(document.name, *engine);
+    if (status.ok()) status = engine->RemoveServices(document.name, force);
+    if (!status.ok()) return status;
+    versions_.Remove(key, revision);
+    Describe(before, {}, operations);
     return status;
   }
   const auto parsed = RselOf(document, stages.limits);
   if (!parsed.ok()) return parsed.status();
   *name = (*parsed)->name.value;
-  std::set<Fact> before = Facts(*engine, document.kind, *name);
-  absl::Status status = ToStatus(engine->PutServices(*parsed), document.text);
-  if (status.ok()) Describe(before, Facts(*engine, document.kind, *name), operations);
-  return status;
+  const VersionHistory::Key key{document.kind, *name};
+  std::set<Fact> before = Facts(*engine, document.kind, *name, versions_.Find(key).get());
+  if (absl::Status status = ToStatus(engine->PutServices(*parsed), document.text); !status.ok())
+    return status;
+  versions_.Put(key, (*parsed)->version.value, document.text, revision, stages.now_us);
+  Describe(before, Facts(*engine, document.kind, *name, versions_.Find(key).get()), operations);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& batch, Revision revision,
@@ -212,7 +268,7 @@ absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& ba
         status = ApplyCawl(document, revision, stages, &operations, &name);
         break;
       case Document::Kind::kRsel:
-        status = ApplyRsel(document, stages, &operations, &name);
+        status = ApplyRsel(document, revision, stages, &operations, &name);
         break;
     }
     if (!status.ok()) return status;
@@ -247,6 +303,11 @@ void Documents::RestoreVersions(VersionHistory versions, const engine::Engine& e
     if (versions_.Find(key) != nullptr) continue;
     const auto entry = entries_.find(key);
     versions_.Put(key, workflow->version.value, workflow->source,
+  for (const rsel::DocumentPtr& document : engine.services().Documents()) {
+    const Key key{Document::Kind::kRsel, document->name.value};
+    if (versions_.Find(key) != nullptr) continue;
+    const auto entry = entries_.find(key);
+    versions_.Put(key, document->version.value, document->source,
                   entry == entries_.end() ? Revision() : entry->second.revision, 0);
   }
 }

@@ -35,7 +35,8 @@ class Documents {
  public:
   // Gives each document of `batch` to its stage. What that means for the graph, before the batch's own operations: the
   // quads of an ontology that is replaced go; workflows and services are described in the graph docent:documents. On an
-  // error the caller rolls the stages back.
+  // error the caller rolls the stages back. FAILED_PRECONDITION: what would be removed is used by a workflow or another
+  // document's process; a removal with the text kForcedRemoval is done all the same.
   absl::StatusOr<std::vector<QuadOperation>> Apply(const WriteBatch& batch, Revision revision,
                                                    const DocumentStages& stages);
 
@@ -71,8 +72,8 @@ class Documents {
                          Operations* operations, std::string* name);
   absl::Status ChangeCawl(const Document& document, Revision revision, engine::Engine* engine,
                           Operations* operations);
-  absl::Status ApplyRsel(const Document& document, const DocumentStages& stages, Operations* operations,
-                         std::string* name);
+  absl::Status ApplyRsel(const Document& document, Revision revision, const DocumentStages& stages,
+                         Operations* operations, std::string* name);
 
   std::map<Key, Entry> entries_;
   std::optional<std::map<Key, Entry>> undo_;

@@ -25,7 +25,7 @@ class LiveEnvironment final : public cawl::Environment {
                          Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
 
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
-    if (rsel::PlanPtr plan = catalog_->services.Find(name)) return SignatureOf(*plan, catalog_->services);
+    if (rsel::PlanPtr plan = catalog_->services.Find(name)) return SignatureOf(*plan);
     return Described(name);
   }
   std::vector<std::string> OperationNames() const override {

@@ -196,7 +196,9 @@ void Committer::Tell(DecidedTurn* turn) {
   counters_.commands += turn->result.record.commands.size();
   counters_.firings_ignored += IgnoredFirings(turn->result.record);
   counters_.inferred += turn->result.inferred;
-  ports_.feed->Publish(EventsOf(turn->result.record));
+  const std::vector<RunEvent> events = EventsOf(turn->result.record);
+  ports_.feed->Publish(events);
+  if (events.empty() && TellsProgress(turn->result.record)) ports_.feed->TellNews();
   turn->done(turn->outcome);
 }
 

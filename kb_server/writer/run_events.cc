@@ -66,6 +66,11 @@ uint64_t IgnoredFirings(const log::TurnRecord& record) {
         return transition.subject.starts_with(begin) &&
                (transition.to == "ignored" || transition.to == "failed");
       }));
+bool TellsProgress(const log::TurnRecord& record) {
+  const auto& reports = record.batch.reports;
+  return std::any_of(reports.begin(), reports.end(), [](const CommandReport& report) {
+    return report.outcome == CommandReport::Outcome::kProgress;
+  });
 }
 
 }  // namespace docent::server

@@ -12,6 +12,8 @@ namespace docent::server {
 
 // In the order in which they happened in the turn.
 std::vector<RunEvent> EventsOf(const log::TurnRecord& record);
+// Whether a robot tells how far a command is, which is no event.
+bool TellsProgress(const log::TurnRecord& record);
 
 // How many firings of activators started no run in the turn.
 uint64_t IgnoredFirings(const log::TurnRecord& record);

@@ -203,6 +203,7 @@ bool ReadDocuments(ByteReader* in, std::map<Documents::Key, Documents::Entry>* d
   return in->ok();
 }
 
+// Since format 6.
 void WriteVersions(const VersionHistory& versions, ByteWriter* out) {
   out->Varint(versions.all().size());
   for (const auto& [key, document] : versions.all()) {

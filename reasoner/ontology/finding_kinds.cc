@@ -99,11 +99,11 @@ const std::vector<FindingKind>& FindingKinds() {
        "A timeout ends nothing: it stands where nothing takes time, at an activator, or behind one that ends "
        "first.",
        "Take it away, or put it where something is waited for."},
-      {"type-clash", "warning", "CAWL",
+      {"type-clash", "warning", "CAWL, RSEL",
        "A value does not suit: a literal where the property has resources or the reverse, a literal of "
        "another datatype, a variable whose declared type is disjoint with what a constraint or an operation "
-       "needs.",
-       "Correct the word, or the type of the variable."},
+       "needs, a part that is given to one of another type.",
+       "Correct the word, or the type of the variable or part."},
       {"undefined-term", "error or warning", "CAWL, RDF, SPARQL, rules",
        "A word of a namespace that the files named define is not defined there. Usually it is misspelt; the "
        "hint names the nearest word. In CAWL it is a warning.",

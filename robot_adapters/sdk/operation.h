@@ -49,6 +49,13 @@ class OperationContext {
 // it.
 using OperationFunction = std::function<absl::StatusOr<NamedTerms>(OperationContext&)>;
 
+// A named value that an operation takes or gives.
+struct Part {
+  std::string name;
+  std::string type =
+      {};  // IRI of a class or datatype, or with a well-known prefix: "xsd:integer", "docent:Booth"; empty: anything
+};
+
 struct Operation {
   std::string name;
   std::vector<std::string> inputs;   // part names; each must be given in a command
@@ -59,6 +66,9 @@ struct Operation {
   // What of the robot it occupies: names that its maker chooses, e.g. {"base"} or {"screen", "voice"}. Operations that share
   // none may run beside each other. Empty: the whole robot.
   std::vector<std::string> occupies = {};
+  // As `inputs` and `outputs`, with types; where given, these count, and the names need not be given twice.
+  std::vector<Part> input_parts = {};
+  std::vector<Part> output_parts = {};
 };
 
 }  // namespace docent::robot

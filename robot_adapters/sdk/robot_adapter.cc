@@ -20,6 +20,21 @@ namespace {
 // The server may probe a quiet feedback stream this often (robot_adapters/proxy does every 20 s).
 constexpr int kShortestPingMs = 5000;
 
+void Add(const std::vector<Part>& parts, google::protobuf::RepeatedPtrField<v1::Part>* out) {
+  for (const Part& part : parts) {
+    v1::Part* added = out->Add();
+    added->set_name(part.name);
+    added->set_type(part.type);
+  }
+}
+
+// The names of typed parts count as inputs and outputs.
+void TakeNames(const std::vector<Part>& parts, std::vector<std::string>* names) {
+  if (parts.empty()) return;
+  names->clear();
+  for (const Part& part : parts) names->push_back(part.name);
+}
+
 v1::RobotDescription Describe(const AdapterOptions& options, const std::vector<Operation>& operations,
                               const std::string& incarnation) {
   v1::RobotDescription description;
@@ -35,6 +50,8 @@ v1::RobotDescription Describe(const AdapterOptions& options, const std::vector<O
     out->set_idempotent(operation.idempotent);
     for (const std::string& resource : operation.occupies) out->add_occupies(resource);
     out->set_description(operation.description);
+    Add(operation.input_parts, out->mutable_input_parts());
+    Add(operation.output_parts, out->mutable_output_parts());
   }
   return description;
 }
@@ -100,6 +117,10 @@ absl::Status RobotAdapter::Impl::Start(std::vector<Operation> operations) {
     return link.Assert(request, reply, timeout);
   });
   activity = std::make_unique<Activity>(options.robot, facts.get());
+  for (Operation& operation : operations) {
+    TakeNames(operation.input_parts, &operation.inputs);
+    TakeNames(operation.output_parts, &operation.outputs);
+  }
   auto table = CommandTable::Create(std::move(operations), journal.get(), clock, options.commands_running,
                                     activity.get());
   if (!table.ok()) return table.status();

@@ -11,7 +11,7 @@
 //
 //     docent::robot::Operation blink;
 //     blink.name = "blink";
-//     blink.inputs = {"times"};
+//     blink.input_parts = {{"times", "xsd:integer"}};  // or without types: blink.inputs = {"times"}
 //     blink.description = "Switches the lamp on and off";
 //     blink.run = [](docent::robot::OperationContext& context) -> absl::StatusOr<docent::robot::NamedTerms> {
 //       absl::StatusOr<docent::Term> times = context.Argument("times");

@@ -135,29 +135,43 @@ class GuideRobot::Impl {
         return (this->*method)(context);
       };
     };
+    const Part user{"user", "docent:Person"}, booth{"booth", "docent:Region"};
+    const Part page{"page", "xsd:anyURI"}, file{"file", "xsd:string"};
     return {
-        {"moveToUser", {"user"}, {}, true, "Drives to where the user is", bind(&Impl::MoveToUser), {"base"}},
+        {"moveToUser",
+         {},
+         {},
+         true,
+         "Drives to where the user is",
+         bind(&Impl::MoveToUser),
+         {"base"},
+         {user}},
         {"moveToBooth",
-         {"booth"},
+         {},
          {},
          true,
          "Drives to the place before a booth",
          bind(&Impl::MoveToBooth),
-         {"base"}},
+         {"base"},
+         {booth}},
         {"displayBoothInfo",
-         {"booth"},
-         {"page"},
+         {},
+         {},
          true,
          "Shows a page about the booth",
          bind(&Impl::DisplayBoothInfo),
-         {"screen"}},
+         {"screen"},
+         {booth},
+         {page}},
         {"briefBoothInfo",
-         {"booth"},
-         {"file"},
+         {},
+         {},
          false,
          "Speaks about the booth",
          bind(&Impl::BriefBoothInfo),
-         {"voice"}},
+         {"voice"},
+         {booth},
+         {file}},
     };
   }
 

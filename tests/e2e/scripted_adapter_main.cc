@@ -1,7 +1,7 @@
 // Adapter for tests: every operation takes a given time and does nothing else. Its journal
 // (robot_adapters/sdk/command_journal.h) records the commands. Ends with SIGTERM.
 //
-//   docent-scripted-adapter --server HOST:PORT --robot IRI --operation NAME[:PART,PART…] … --journal FILE
+//   docent-scripted-adapter --server HOST:PORT --robot IRI --operation NAME[:PART[=TYPE],PART[=TYPE]…] … --journal FILE
 //   --take-ms 200
 #include <signal.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -30,7 +30,13 @@ Operation MakeOperation(const std::string& text, const Arguments& arguments) {
   const std::vector<std::string> name_and_parts = absl::StrSplit(text, absl::MaxSplits(':', 1));
   Operation operation;
   operation.name = name_and_parts[0];
-  if (name_and_parts.size() > 1) operation.inputs = absl::StrSplit(name_and_parts[1], ',', absl::SkipEmpty());
+  if (name_and_parts.size() > 1) {
+    const std::vector<std::string> parts = absl::StrSplit(name_and_parts[1], ',', absl::SkipEmpty());
+    for (const std::string& part : parts) {
+      const std::vector<std::string> name_and_type = absl::StrSplit(part, absl::MaxSplits('=', 1));
+      operation.input_parts.push_back({name_and_type[0], name_and_type.size() > 1 ? name_and_type[1] : ""});
+    }
+  }
   operation.idempotent = arguments.idempotent;
   operation.description = "does nothing, slowly";
   operation.run = [take = std::chrono::milliseconds(arguments.take_ms),

@@ -5,6 +5,7 @@
 #include "tests/fuzz/fuzz_check.h"
 #include "workflow/rsel/instruction_handler.h"
 #include "workflow/rsel/parser.h"
+#include "workflow/rsel/type_checks.h"
 
 namespace {
 
@@ -46,6 +47,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::RequireSound(diagnostics, text);
   fuzz::Require(HasErrors(diagnostics) || registry.Plans().size() == parsed.document->processes.size(),
                 "a process without plan");
+  if (HasErrors(diagnostics)) return 0;
+  fuzz::RequireSound(rsel::CheckTypes(*parsed.document, registry, {}), text);
   for (const rsel::PlanPtr& plan : registry.Plans()) RunToTheEnd(plan);
   return 0;
 }

@@ -8,6 +8,7 @@
 #include "workflow/rsel/feasibility.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
+#include "workflow/rsel/type_checks.h"
 
 namespace docent::rsel {
 namespace {
@@ -42,7 +43,14 @@ std::string Describe(const Plan& plan) {
   return out;
 }
 
-// Lines: "ROBOT OPERATION INPUT…".
+// NAME or NAME:TYPE.
+void TakePart(const std::string& word, std::vector<std::string>* names, PartTypes* types) {
+  const size_t colon = word.find(':');
+  names->push_back(word.substr(0, colon));
+  if (colon != std::string::npos) (*types)[names->back()] = FullType(word.substr(colon + 1));
+}
+
+// Lines: "ROBOT OPERATION INPUT…", or "ROBOT OPERATION INPUT… -> OUTPUT…".
 std::vector<OfferedOperation> ReadOperations(const std::string& text) {
   std::vector<OfferedOperation> out;
   std::istringstream lines(text);
@@ -52,7 +60,15 @@ std::vector<OfferedOperation> ReadOperations(const std::string& text) {
     OfferedOperation operation;
     words >> robot >> operation.name;
     operation.robot = RobotId(robot);
-    for (std::string input; words >> input;) operation.inputs.push_back(input);
+    bool outputs = false;
+    for (std::string word; words >> word;) {
+      if (word == "->")
+        outputs = true;
+      else if (outputs)
+        TakePart(word, &operation.outputs, &operation.output_types);
+      else
+        TakePart(word, &operation.inputs, &operation.input_types);
+    }
     out.push_back(operation);
   }
   return out;
@@ -73,6 +89,10 @@ TEST_P(RselGolden, SaysWhatIsExpected) {
           *parsed.document, registry, ReadOperations(golden::ReadFile(folder / "operations.txt")));
       actual += Render(of_robots, source);
       all.insert(all.end(), of_robots.begin(), of_robots.end());
+    } else if (!registry.Plans().empty()) {
+      const Diagnostics clashes = CheckTypes(*parsed.document, registry, {});
+      actual += Render(clashes, source);
+      all.insert(all.end(), clashes.begin(), clashes.end());
     }
   }
   actual += golden::RulesAndFixes(all, source);

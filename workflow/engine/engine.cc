@@ -219,10 +219,10 @@ Diagnostics Engine::PutServices(rsel::DocumentPtr document) {
   return core_->services.Put(std::move(document));
 }
 
-absl::Status Engine::RemoveServices(const std::string& document) {
+absl::Status Engine::RemoveServices(const std::string& document, bool force) {
   if (!core_->undo_services) core_->undo_services = core_->services;
   core_->services_changed = true;
-  return core_->services.Remove(document);
+  return core_->services.Remove(document, force);
 }
 
 namespace {

@@ -74,7 +74,8 @@ class Engine {
   bool IsEnabled(const std::string& workflow) const;
   // Registers robot services; with errors nothing changed.
   Diagnostics PutServices(rsel::DocumentPtr document);
-  absl::Status RemoveServices(const std::string& document);
+  // FAILED_PRECONDITION: another document's process contains one of its processes, unless `force`: ServiceRegistry::Remove.
+  absl::Status RemoveServices(const std::string& document, bool force = false);
 
   // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT,
   // RESOURCE_EXHAUSTED.

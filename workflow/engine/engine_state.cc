@@ -516,6 +516,11 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     auto run = Unpack(std::move(one), shared, &terms);
     if (!run.ok()) return run.status();
     const RunId id = run->id;
+    // As it was told, which an older version may have done otherwise.
+    if (std::vector<Quad> told = facts(id); !told.empty()) {
+      std::sort(told.begin(), told.end());
+      run->facts = std::make_shared<const std::vector<Quad>>(std::move(told));
+    }
     state.runs.emplace(id, *std::move(run));
   }
   for (auto& [name, one] : packed.deployments) {

@@ -60,6 +60,32 @@ class Writer {
   std::vector<Quad> quads_;
 };
 
+// How far an invocation is: the steps of its plan that have ended, and the one under way as far as the robot says.
+double ProgressOf(const InvocationState& invocation) {
+  if (!invocation.handler) return invocation.progress;
+  using StepState = rsel::InstructionHandler::StepState;
+  const int steps = static_cast<int>(invocation.handler->plan().steps.size());
+  double ended = 0;
+  for (int step = 1; step <= steps; ++step) {
+    const StepState state = invocation.handler->step_state(step);
+    if (state == StepState::kDone || state == StepState::kFailed) ++ended;
+  }
+  if (!invocation.commands.empty()) ended += invocation.progress;
+  return std::min(1.0, ended / steps);
+}
+
+// The steps of a service of several steps, as far as they have come.
+void WriteSteps(const InvocationState& invocation, Writer* out) {
+  if (!invocation.handler || invocation.handler->plan().steps.size() < 2) return;
+  using StepState = rsel::InstructionHandler::StepState;
+  for (int step = 1; step <= static_cast<int>(invocation.handler->plan().steps.size()); ++step) {
+    const StepState state = invocation.handler->step_state(step);
+    if (state == StepState::kDone) out->SayText(RunTerm::kStepDone, invocation.handler->Label(step));
+    if (state == StepState::kFailed) out->SayText(RunTerm::kStepFailed, invocation.handler->Label(step));
+    if (state == StepState::kRunning) out->SayText(RunTerm::kStepRunning, invocation.handler->Label(step));
+  }
+}
+
 void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
                      TermId of_node, Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
@@ -75,7 +101,9 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
     out->SayText(RunTerm::kCommand, open.command.id.value());
   out->SayText(RunTerm::kStep, invocation.step);
   if (invocation.not_before_us) out->SayTime(RunTerm::kNotBefore, *invocation.not_before_us);
-  if (invocation.state == WorkState::kRunning) out->SayTerm(RunTerm::kProgress, Decimal(invocation.progress));
+  WriteSteps(invocation, out);
+  if (invocation.state == WorkState::kRunning)
+    out->SayTerm(RunTerm::kProgress, Decimal(ProgressOf(invocation)));
   out->SayText(RunTerm::kReason, invocation.reason);
 }
 

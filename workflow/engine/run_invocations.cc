@@ -8,6 +8,7 @@
 #include "workflow/engine/run_results.h"
 #include "workflow/cawl/robot_choice.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/rsel/type_checks.h"
 
 namespace docent::engine {
 namespace {
@@ -160,6 +161,10 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   rsel::Arguments arguments;
   for (const std::string& input : plan->inputs) {
     if (auto value = Value(input, &invocation.binding)) arguments.emplace(input, *value);
+  }
+  if (absl::Status fit = rsel::CheckArguments(*plan, plan->input_types, arguments); !fit.ok()) {
+    InvocationFailed(node, index, std::string(fit.message()));
+    return true;
   }
   auto handler = rsel::InstructionHandler::Start(plan, arguments);
   if (!handler.ok()) {

@@ -248,8 +248,7 @@ absl::Status Engine::CheckRequest(const RunRequest& request) const {
     }
     case RunRequest::Kind::kInvokeService: {
       rsel::PlanPtr plan = core_->services.Find(request.target);
-      if (plan == nullptr)
-        return absl::NotFoundError(absl::StrCat("no robot service \"", request.target, "\" is registered"));
+      if (plan == nullptr) return core_->services.NotRegistered(request.target);
       return rsel::InstructionHandler::Start(
                  plan, rsel::Arguments(request.arguments.begin(), request.arguments.end()))
           .status();

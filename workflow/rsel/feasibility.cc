@@ -5,6 +5,7 @@
 #include <set>
 
 #include "graph/base/text.h"
+#include "workflow/rsel/type_checks.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {
@@ -48,13 +49,23 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
     if (std::find(wanted.begin(), wanted.end(), part) != wanted.end()) continue;
     warn(invoke.span,
          Concat("operation ", it->first, " of ", it->second->robot.value(), " has no part ", part),
-         wanted.empty() ? "it takes none" : Concat("it takes ", xml::ListOf(wanted)));
+         Concat("it takes ", PartsText(wanted, it->second->input_types)));
   }
   for (const std::string& part : wanted) {
     if (std::find(given.begin(), given.end(), part) != given.end()) continue;
     warn(invoke.span,
          Concat("operation ", it->first, " of ", it->second->robot.value(), " needs part ", part),
          Concat("write <input part=\"", part, "\" from=\"…\"/>"));
+  }
+  const std::vector<std::string>& given_back = it->second->outputs;
+  for (const Output& output : invoke.outputs) {
+    if (given_back.empty() ||
+        std::find(given_back.begin(), given_back.end(), output.part.value) != given_back.end())
+      continue;
+    warn(output.part.span,
+         Concat("operation ", it->first, " of ", it->second->robot.value(), " gives no part ",
+                output.part.value),
+         Concat("it gives ", PartsText(given_back, it->second->output_types)));
   }
 }
 
@@ -95,6 +106,7 @@ Diagnostics CheckFeasibility(const Document& document, const ServiceRegistry& re
                      "one robot serves a process as a whole", Diagnostic::Severity::kWarning});
     }
   }
+  for (Diagnostic& clash : CheckTypes(document, registry, offered)) out.push_back(std::move(clash));
   std::stable_sort(out.begin(), out.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
   return out;

@@ -20,14 +20,16 @@ struct OfferedOperation {
   bool idempotent = false;
   std::string description;
   bool inputs_known = true;  // false: `inputs` says nothing
+  PartTypes input_types = {}, output_types = {};
 };
 
 // The robots that offer every operation of the plan, in order of their IRIs.
 std::vector<RobotId> CapableRobots(const Plan& plan, const std::vector<OfferedOperation>& offered);
 
 // Warnings with places in `document`: an operation that no robot offers (with the nearest that one does), an input
-// part that the operation does not have, one that it has and that is not given, a process that no single robot can
-// do as a whole. `registry` knows the document's processes and those that it reuses.
+// part that the operation does not have, one that it has and that is not given, a result that it does not describe (where it
+// describes any), a clash of types (type_checks.h), a process that no single robot can do as a whole. `registry` knows the
+// document's processes and those that it reuses.
 Diagnostics CheckFeasibility(const Document& document, const ServiceRegistry& registry,
                              const std::vector<OfferedOperation>& offered);
 

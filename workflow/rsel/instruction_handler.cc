@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
+#include "workflow/rsel/type_checks.h"
 
 namespace docent::rsel {
 
@@ -13,19 +13,10 @@ InstructionHandler::InstructionHandler(PlanPtr plan, Arguments values)
 
 absl::StatusOr<InstructionHandler> InstructionHandler::Start(PlanPtr plan, const Arguments& arguments) {
   Arguments values;
-  std::vector<std::string> missing;
   for (const std::string& input : plan->inputs) {
-    auto it = arguments.find(input);
-    if (it == arguments.end()) {
-      missing.push_back(input);
-    } else {
-      values.insert(*it);
-    }
+    if (auto it = arguments.find(input); it != arguments.end()) values.insert(*it);
   }
-  if (!missing.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("service ", plan->process, " needs a value for ", absl::StrJoin(missing, ", ")));
-  }
+  if (absl::Status status = CheckComplete(*plan, plan->input_types, values); !status.ok()) return status;
   return InstructionHandler(std::move(plan), std::move(values));
 }
 

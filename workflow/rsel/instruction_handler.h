@@ -43,7 +43,8 @@ class InstructionHandler {
   enum class State { kRunning, kDone, kFailed, kCancelled };
   enum class StepState { kPending, kReady, kRunning, kDone, kFailed, kCancelled };
 
-  // INVALID_ARGUMENT naming the input parts of the plan that `arguments` lacks; more than the plan needs are ignored.
+  // INVALID_ARGUMENT, naming what the service takes: an input part of the plan that `arguments` lacks; more than the plan needs
+  // are ignored. Whether the values are of the types of the parts is the caller's to ask (type_checks.h).
   // `plan` must not be null.
   static absl::StatusOr<InstructionHandler> Start(PlanPtr plan, const Arguments& arguments);
 

@@ -6,10 +6,21 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "graph/base/workflow_limits.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {
 namespace {
+
+// Of the parts that have one.
+PartTypes TypesOf(const Message* message) {
+  PartTypes out;
+  if (message == nullptr) return out;
+  for (const Part& part : message->parts) {
+    if (part.type_term && part.type_term->IsIri()) out[part.name.value] = part.type_term->lexical;
+  }
+  return out;
+}
 
 std::string Join(const std::string& path, const std::string& name) {
   if (path.empty()) return name;
@@ -23,7 +34,7 @@ std::string Join(const std::string& path, const std::string& name) {
 PlanBuilder::PlanBuilder(const ProcessMap& processes, Report report)
     : processes_(processes), report_(std::move(report)) {
   // A process is sound when all that it contains were found sound in the rounds before.
-  for (int round = 0; round <= kMaxProcessNesting; ++round) {
+  for (int round = 0; round <= kWorkflowLimits.process_nesting; ++round) {
     std::vector<const Process*> found;
     for (const auto& [name, place] : processes_) {
       if (sound_.contains(place.process)) continue;
@@ -49,14 +60,16 @@ PlanPtr PlanBuilder::Build(const std::string& process) {
   plan_.document = place.document->name.value;
   plan_.version = place.document->version.value;
   plan_.inputs = InputsOf(place);
+  plan_.input_types = TypesOf(place.document->FindMessage(place.process->input.value));
   Names names;
   for (const std::string& input : plan_.inputs) names[input] = {std::nullopt, input};
   std::vector<int> after;
   if (!Expand(place, "", &names, &after)) return nullptr;
   all_steps_ += plan_.steps.size();
-  if (all_steps_ > kMaxAllSteps) {
+  if (all_steps_ > kWorkflowLimits.all_plan_steps) {
     Error(place, place.process->name.span,
-          absl::StrCat("all processes together have more than ", kMaxAllSteps, " steps"),
+          absl::StrCat("all processes together have more than ", kWorkflowLimits.all_plan_steps,
+                       " steps, the limit all_plan_steps"),
           "remove documents that are not needed");
     return nullptr;
   }
@@ -64,6 +77,7 @@ PlanPtr PlanBuilder::Build(const std::string& process) {
   std::set<std::string> parts;
   if (output != nullptr) {
     for (const Part& part : output->parts) parts.insert(part.name.value);
+    plan_.output_types = TypesOf(output);
   } else {
     for (const Invoke& invoke : place.process->invokes) {
       for (const Output& o : invoke.outputs) parts.insert(o.to.value);
@@ -114,7 +128,7 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
   open_.push_back(place.process->name.value);
   bool good = true;
   const std::vector<Invoke>& invokes = place.process->invokes;
-  for (size_t i = 0; i < invokes.size() && plan_.steps.size() <= kMaxPlanSteps;) {
+  for (size_t i = 0; i < invokes.size() && plan_.steps.size() <= kWorkflowLimits.plan_steps;) {
     // A group: an invoke and the ones after it that are marked parallel. All see the names from before the group.
     Names results;
     std::vector<int> ends;
@@ -129,9 +143,10 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
         good = AddStep(place, invokes[i], path, *names, *after, &results) && good;
         ends.push_back(static_cast<int>(plan_.steps.size()) - 1);
       }
-      if (plan_.steps.size() > kMaxPlanSteps) {
+      if (plan_.steps.size() > kWorkflowLimits.plan_steps) {
         good = Error(place, invokes[i].span,
-                     absl::StrCat("process ", plan_.process, " has more than ", kMaxPlanSteps, " steps"));
+                     absl::StrCat("process ", plan_.process, " has more than ", kWorkflowLimits.plan_steps,
+                                  " steps, the limit plan_steps"));
         break;
       }
     }
@@ -192,9 +207,10 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
                  "a process may not be part of itself");
   }
   if (broken_.contains(nested.process)) return false;
-  if (static_cast<int>(open_.size()) > kMaxProcessNesting) {
+  if (static_cast<int>(open_.size()) > kWorkflowLimits.process_nesting) {
     return Error(place, invoke.operation.span,
-                 absl::StrCat("processes inside each other deeper than ", kMaxProcessNesting));
+                 absl::StrCat("processes inside each other deeper than ", kWorkflowLimits.process_nesting,
+                              ", the limit process_nesting"));
   }
   if (invoke.retry > 0 || invoke.timeout_ms || invoke.on_failure != Invoke::OnFailure::kFail) {
     return Error(place, invoke.span,

@@ -19,10 +19,6 @@ struct ProcessPlace {
 };
 using ProcessMap = std::map<std::string, ProcessPlace, std::less<>>;
 
-inline constexpr size_t kMaxPlanSteps = 1000;
-inline constexpr size_t kMaxAllSteps = 200000;  // of all plans that one builder makes
-inline constexpr int kMaxProcessNesting = 32;
-
 class PlanBuilder {
  public:
   // Told of each mistake: the document, the place in it, what, hint.

@@ -8,8 +8,22 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "workflow/rsel/plan_builder.h"
+#include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {
+namespace {
+
+constexpr size_t kListedNames = 20;  // in a message
+
+// "; did you mean X?", or what there is.
+std::string HintOf(std::string_view name, const std::vector<std::string>& names) {
+  const std::string near = Nearest(name, names);
+  if (!near.empty()) return Concat("; did you mean ", near, "?");
+  if (names.empty()) return "; there are none, load an RSEL document first";
+  return names.size() <= kListedNames ? Concat("; there are ", xml::ListOf(names)) : "";
+}
+
+}  // namespace
 
 Diagnostics ServiceRegistry::Put(DocumentPtr document) {
   std::map<std::string, DocumentPtr, std::less<>> documents = documents_;
@@ -24,27 +38,31 @@ Diagnostics ServiceRegistry::Put(DocumentPtr document) {
   return diagnostics;
 }
 
-absl::Status ServiceRegistry::Remove(std::string_view document_name) {
+absl::Status ServiceRegistry::Remove(std::string_view document_name, bool force) {
   auto it = documents_.find(document_name);
-  if (it == documents_.end())
-    return absl::NotFoundError(Concat("no RSEL document ", document_name, " is registered"));
+  if (it == documents_.end()) return NoDocument(document_name);
   // A process that others contain would silently become a robot's operation in them.
   for (const auto& [name, document] : documents_) {
-    if (name == document_name) continue;
+    if (name == document_name || force) continue;
     for (const Process& process : document->processes) {
       for (const Invoke& invoke : process.invokes) {
         if (invoke.operation.value == process.name.value ||
             it->second->FindProcess(invoke.operation.value) == nullptr)
           continue;
-        return absl::FailedPreconditionError(Concat("process ", invoke.operation.value, " of RSEL document ",
-                                                    document_name, " is part of process ", process.name.value,
-                                                    " of document ", name, "; remove that document first"));
+        return absl::FailedPreconditionError(Concat(
+            "process ", invoke.operation.value, " of RSEL document ", document_name, " is part of process ",
+            process.name.value, " of document ", name, "; remove that document first, or force the removal"));
       }
     }
   }
-  documents_.erase(it);
+  std::map<std::string, DocumentPtr, std::less<>> documents = documents_;
+  documents.erase(std::string(document_name));
   std::map<std::string, PlanPtr, std::less<>> plans;
-  MakePlans(documents_, nullptr, &plans);
+  if (const Diagnostics diagnostics = MakePlans(documents, nullptr, &plans); HasErrors(diagnostics)) {
+    return absl::FailedPreconditionError(Concat("without RSEL document ", document_name,
+                                                " another one cannot work: ", diagnostics[0].message));
+  }
+  documents_ = std::move(documents);
   plans_ = std::move(plans);
   ++version_;
   return absl::OkStatus();
@@ -53,6 +71,18 @@ absl::Status ServiceRegistry::Remove(std::string_view document_name) {
 PlanPtr ServiceRegistry::Find(std::string_view process) const {
   auto it = plans_.find(process);
   return it == plans_.end() ? nullptr : it->second;
+}
+
+absl::Status ServiceRegistry::NotRegistered(std::string_view process) const {
+  return absl::NotFoundError(
+      Concat("no robot service \"", process, "\" is registered", HintOf(process, ProcessNames())));
+}
+
+absl::Status ServiceRegistry::NoDocument(std::string_view document_name) const {
+  std::vector<std::string> names;
+  for (const auto& [name, document] : documents_) names.push_back(name);
+  return absl::NotFoundError(
+      Concat("no RSEL document \"", document_name, "\" is registered", HintOf(document_name, names)));
 }
 
 std::vector<PlanPtr> ServiceRegistry::Plans() const {

@@ -17,6 +17,7 @@
 #include "absl/status/statusor.h"
 #include "graph/base/diagnostic.h"
 #include "workflow/rsel/ast.h"
+#include "workflow/rsel/part_types.h"
 
 namespace docent::rsel {
 
@@ -46,6 +47,8 @@ struct Plan {
   std::vector<std::string> inputs;                          // part names that arguments must give
   std::vector<std::pair<std::string, PlanSource>> outputs;  // part → where from
   std::vector<PlanStep> steps;
+  // Of the messages' parts; of a registered plan, not of one that a run was begun with before a restart.
+  PartTypes input_types = {}, output_types = {};
 };
 using PlanPtr = std::shared_ptr<const Plan>;
 
@@ -53,14 +56,20 @@ class ServiceRegistry {
  public:
   // Registers a correct document under document->name, in place of the one of that name. Errors, and nothing
   // changed: a process name that another document has, processes that contain each other, a nested process's
-  // input that nothing gives, a plan of more than 1000 steps (all plans: 200000), nesting over 32. They point into `document`'s source, or have no place
+  // input that nothing gives, a plan of more than plan_steps, all plans of more than all_plan_steps, nesting over
+  // process_nesting. They point into `document`'s source, or have no place
   // where another registered document stops working.
   Diagnostics Put(DocumentPtr document);
-  // Errors, and nothing changed: a process of it is part of another document's. NOT_FOUND: no such document.
-  absl::Status Remove(std::string_view document_name);
+  // Errors, and nothing changed: a process of it is part of another document's. NOT_FOUND: no such document. With `force` the
+  // name means the robots' operation there from then on; refused only where that cannot work.
+  absl::Status Remove(std::string_view document_name, bool force = false);
 
   // The plan of a process; null if there is none of this name.
   PlanPtr Find(std::string_view process) const;
+  // NOT_FOUND: no process of this name, with the nearest that there is, or all.
+  absl::Status NotRegistered(std::string_view process) const;
+  // The same of a document.
+  absl::Status NoDocument(std::string_view document_name) const;
   // In order of their names.
   std::vector<PlanPtr> Plans() const;
   std::vector<std::string> ProcessNames() const;

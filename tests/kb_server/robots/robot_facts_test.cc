@@ -107,6 +107,38 @@ TEST_F(RobotFactsTest, WhatCannotBeTakenIsLeftOutWithAWarning) {
                                     HasSubstr("the type \"no IRI\" is not an absolute IRI")));
 }
 
+TEST_F(RobotFactsTest, TypesOfPartsAreReadBackAndReplaced) {
+  RobotDescription guide = Guide();
+  guide.operations[0].input_types = {{"goal", "docent:Region"}, {"nothing", "xsd:string"}};
+  guide.operations[1].outputs = {"file"};
+  guide.operations[1].output_types = {{"file", "not an IRI"}};
+  guide.operations[1].description = "Speaks";
+  std::vector<std::string> warnings;
+  Join(AcceptedDescription(guide, &warnings));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("the type \"not an IRI\" of part file of operation speak")));
+  const auto operation = [this](const std::string& name) {
+    rsel::OfferedOperation found;
+    for (const rsel::OfferedOperation& o : OfferedOperations(dictionary_, writer_.current())) {
+      if (o.name == name) found = o;
+    }
+    return found;
+  };
+  EXPECT_EQ(operation("drive").input_types, (rsel::PartTypes{{"goal", DocentIri("Region")}}));
+  EXPECT_THAT(operation("speak").outputs, ElementsAre("file"));
+  EXPECT_THAT(operation("speak").output_types, IsEmpty());
+  EXPECT_EQ(operation("speak").description, "Speaks");
+  guide.operations[0].input_types = {{"goal", "https://example.org/Goal"}};
+  Join(AcceptedDescription(guide, &warnings));
+  EXPECT_EQ(operation("drive").input_types, (rsel::PartTypes{{"goal", "https://example.org/Goal"}}));
+  Join(Guide());
+  EXPECT_THAT(operation("drive").input_types, IsEmpty());
+  EXPECT_EQ(dictionary_.FindIri(DocentIri("partType"))
+                ? writer_.current().Count({{}, *dictionary_.FindIri(DocentIri("partType")), {}, {}})
+                : 0,
+            0u)
+      << "nothing of a part that has no type any more";
+}
+
 TEST_F(RobotFactsTest, TheDirectorySaysWhichAddressesATurnBrought) {
   GraphRobotDirectory directory(&dictionary_);
   EXPECT_THAT(directory.AddressesIn(Delta()), IsEmpty());

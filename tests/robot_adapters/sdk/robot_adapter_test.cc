@@ -44,7 +44,7 @@ class RobotAdapterTest : public testing::Test {
   std::vector<Operation> Operations() {
     Operation add;
     add.name = "add";
-    add.inputs = {"a", "b"};
+    add.input_parts = {{"a", "xsd:integer"}, {"b", "xsd:integer"}};  // the names count as inputs
     add.outputs = {"sum"};
     add.idempotent = true;
     add.run = [this](OperationContext& context) -> absl::StatusOr<NamedTerms> {
@@ -141,7 +141,13 @@ TEST_F(RobotAdapterTest, DescribesItself) {
   EXPECT_EQ(description.robot(), kRobot);
   EXPECT_EQ(description.incarnation(), adapter_->incarnation());
   ASSERT_EQ(description.operations_size(), 4);
+  ASSERT_EQ(description.operations(0).inputs_size(), 2);
   EXPECT_EQ(description.operations(0).inputs(1), "b");
+  ASSERT_EQ(description.operations(0).input_parts_size(), 2);
+  EXPECT_EQ(description.operations(0).input_parts(1).name(), "b");
+  EXPECT_EQ(description.operations(0).input_parts(1).type(), "xsd:integer");
+  EXPECT_EQ(description.operations(0).output_parts_size(), 0) << "described without types";
+  EXPECT_EQ(description.operations(0).outputs(0), "sum");
   EXPECT_TRUE(description.operations(0).idempotent());
 }
 

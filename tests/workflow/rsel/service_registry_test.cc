@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/rsel/feasibility.h"
 #include "workflow/rsel/generator.h"
 #include "workflow/rsel/parser.h"
+#include "workflow/xml/formatter.h"
 
 namespace docent::rsel {
 namespace {
@@ -189,6 +191,97 @@ TEST(Generator, WhatItWritesParsesAndIsFeasible) {
   EXPECT_THAT(CheckFeasibility(*document, registry, offered), IsEmpty());
   EXPECT_THAT(registry.Find("moveToUser")->inputs, ElementsAre("user"));
   EXPECT_THAT(registry.Find("locate")->outputs, SizeIs(2));
+}
+
+std::vector<OfferedOperation> TypedOperations() {
+  const std::string region = DocentIri("Region"), text = std::string(kXsdString),
+                    number = std::string(kXsdInteger);
+  std::vector<OfferedOperation> offered(4);
+  for (OfferedOperation& o : offered) o.robot = RobotId("urn:r1");
+  offered[0].name = "drive";
+  offered[0].inputs = {"place"};
+  offered[0].outputs = {"picture"};
+  offered[0].input_types = {{"place", region}};
+  offered[0].output_types = {{"picture", text}};
+  offered[1].name = "show";
+  offered[1].inputs = {"picture", "seconds"};
+  offered[1].input_types = {{"picture", text}, {"seconds", number}};
+  offered[2].name = "say";
+  offered[2].inputs = {"seconds", "place"};
+  offered[2].outputs = {"place"};
+  offered[2].input_types = {{"seconds", text}, {"place", region}};
+  offered[2].output_types = {{"place", "https://example.org/things#Spot"}};
+  offered[3].name = "wave";
+  offered[3].robot = RobotId("urn:r2");
+  return offered;
+}
+
+TEST(Generator, StepsAreMappedByNameAndType) {
+  const std::vector<OfferedOperation> offered = TypedOperations();
+  ServiceRegistry registry;
+  const absl::StatusOr<std::string> text =
+      GenerateDocument({"Tour", "tour", {"drive", "show", "say"}, RobotId()}, offered, registry);
+  ASSERT_TRUE(text.ok()) << text.status();
+  DocumentPtr document = Parse(*text);
+  ASSERT_NE(document, nullptr) << *text;
+  EXPECT_THAT(registry.Put(document), IsEmpty());
+  EXPECT_THAT(CheckFeasibility(*document, registry, offered), IsEmpty()) << *text;
+  const PlanPtr plan = registry.Find("tour");
+  EXPECT_THAT(plan->inputs, ElementsAre("place", "seconds", "say_seconds"));
+  EXPECT_EQ(plan->steps[1].inputs[0].second.slot, "1.picture")
+      << "the result of a step goes into the next one";
+  EXPECT_EQ(plan->steps[2].inputs[0].second.slot, "say_seconds") << "another type is another part";
+  EXPECT_EQ(plan->steps[2].inputs[1].second.slot, "place");
+  EXPECT_EQ(plan->input_types.at("say_seconds"), kXsdString);
+  EXPECT_EQ(plan->output_types.at("say_place"), "https://example.org/things#Spot");
+  EXPECT_EQ(xml::FormatXml(*text, "f").text, *text) << "docent fmt changes nothing";
+  EXPECT_EQ(*GenerateDocument({"Tour", "tour", {"drive", "show", "say"}, RobotId()}, offered, registry),
+            *text);
+}
+
+TEST(Generator, AnOperationWithoutInputsIsGivenNone) {
+  const std::vector<OfferedOperation> offered = TypedOperations();
+  ServiceRegistry registry;
+  const absl::StatusOr<std::string> text =
+      GenerateDocument({"T", "", {"drive", "wave"}, RobotId()}, offered, registry);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_THAT(registry.Put(Parse(*text)), IsEmpty());
+  EXPECT_THAT(registry.Find("T")->inputs, ElementsAre("place"));
+  EXPECT_THAT(registry.Find("T")->steps[1].inputs, IsEmpty()) << *text;
+}
+
+TEST(Generator, SaysWhatIsNotDescribed) {
+  const std::vector<OfferedOperation> offered = TypedOperations();
+  ServiceRegistry registry;
+  const auto message = [&](const GeneratorRequest& request) {
+    return std::string(GenerateDocument(request, offered, registry).status().message());
+  };
+  EXPECT_THAT(message({"T", "", {"driev"}, RobotId()}), HasSubstr("did you mean drive?"));
+  EXPECT_THAT(message({"T", "", {"drive"}, RobotId("urn:r2")}),
+              HasSubstr("robot <urn:r2> does not describe operation drive"));
+  EXPECT_THAT(message({"T", "", {}, RobotId("urn:r3")}), HasSubstr("there are <urn:r1> and <urn:r2>"));
+  EXPECT_THAT(message({" ", "", {"drive"}, RobotId()}), HasSubstr("the name of the document is empty"));
+  EXPECT_EQ(GenerateDocument({"T", "", {}, RobotId()}, {}, registry).status().code(),
+            absl::StatusCode::kNotFound);
+  registry.Put(Parse(*GenerateDocument({"Tour", "tour", {"drive"}, RobotId()}, offered, registry)));
+  const absl::StatusOr<std::string> of_service =
+      GenerateDocument({"U", "", {"tour", "show"}, RobotId()}, offered, registry);
+  ASSERT_TRUE(of_service.ok()) << of_service.status();
+  EXPECT_THAT(registry.Put(Parse(*of_service)), IsEmpty());
+  EXPECT_THAT(registry.Find("U")->steps, SizeIs(2));
+  EXPECT_EQ(registry.Find("U")->steps[0].path, "tour/drive");
+}
+
+TEST(ServiceRegistry, AForcedRemovalMakesTheNameAnOperation) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  registry.Put(Parse(kTour));
+  EXPECT_EQ(registry.Remove("lead").code(), absl::StatusCode::kFailedPrecondition);
+  ASSERT_TRUE(registry.Remove("lead", true).ok());
+  EXPECT_EQ(registry.Find("Lead"), nullptr);
+  ASSERT_NE(registry.Find("Tour"), nullptr);
+  EXPECT_THAT(std::string(registry.Remove("leat").message()),
+              HasSubstr("no RSEL document \"leat\" is registered"));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@ import { applyChanges } from "../cawl/layout_of_text";
 import { uniqueName } from "../cawl/names";
 import { freePlace, placed, placeSteps, stepHeight } from "../cawl/placing";
 import { toast } from "../ui/toasts";
-import type { PaletteEntry } from "./palette_data";
+import { type PaletteEntry, withInputs } from "./palette_data";
 import type { Session } from "./session";
 
 export interface AddWhere {
@@ -32,6 +32,10 @@ export class Actions {
 
   // Adds a step, joins it to where it was put, and declares the variables that it takes.
   add(what: NewKind, where: AddWhere = {}) {
+    if (what.kind === "workflow" && what.inputs.length === 0) void withInputs(what).then((whole) => this.addNow(whole, where));
+    else this.addNow(what, where);
+  }
+  private addNow(what: NewKind, where: AddWhere) {
     const name = this.edit((edits, flow) => {
       const link = flow.links.find((l) => l.key === where.link) ?? this.onlyWayOut(flow, where.after);
       const before = flow.steps.find((s) => s.key === where.after);

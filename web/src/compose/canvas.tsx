@@ -30,6 +30,8 @@ export interface CanvasProps {
 
 const nodeTypes = { step: StepCard };
 const edgeTypes = { link: LinkEdge };
+const readable = 0.8; // of a card's full size
+const smallest = 0.5;
 export const dragType = "application/x-docent-step";
 // What is dragged out of the palette now; the browser does not tell during a drag.
 export const dragged: { what: NewKind | null } = { what: null };
@@ -97,7 +99,10 @@ function Flow(props: CanvasProps) {
     const left = Math.min(...fromModel.map((n) => n.position.x));
     const top = Math.min(...fromModel.map((n) => n.position.y));
     const bounds = { x: left, y: top, width: Math.max(...fromModel.map((n) => n.position.x + (n.width ?? 0))) - left, height: Math.max(...fromModel.map((n) => n.position.y + (n.height ?? 0))) - top };
-    void flow.setViewport(getViewportForBounds(bounds, box.width, box.height, 0.15, largest, 0.14), { duration: 190 });
+    const view = getViewportForBounds(bounds, box.width, box.height, 0.15, largest, 0.14);
+    // A long flow begins at its top in a size that can be read.
+    const zoom = Math.min(largest, readable);
+    void flow.setViewport(view.zoom >= smallest ? view : { x: box.width / 2 - (bounds.x + bounds.width / 2) * zoom, y: 28 - bounds.y * zoom, zoom }, { duration: 190 });
   };
   const latestShow = useRef(show);
   latestShow.current = show;

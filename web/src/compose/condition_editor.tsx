@@ -6,7 +6,7 @@ import type { Edits, Words } from "../cawl/edits";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { Combo, type Choice } from "../ui/combo";
 import type { XmlElement } from "../cawl/xml";
-import { constraintAsk, matchesShown, useLive, type Live } from "./live";
+import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
 import type { Vocabulary } from "./vocabulary";
 import "./condition.css";
 
@@ -28,7 +28,8 @@ export function ConditionEditor(props: ConditionProps) {
     ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint), whole: false })),
     ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: props.compiled.find((x) => x.place === `${props.place} / context ${context.name}`)?.ask ?? "", whole: true })),
   ];
-  const live = useLive(props.document, asks);
+  const kinds = new Map(props.variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
+  const live = useLive(props.document, asks.map((a) => ({ ...a, ask: ofKinds(props.document, a.ask, rowsOf(a.id, rows), kinds) })));
   const choices = useChoices(props);
   if (!condition)
     return (
@@ -49,6 +50,11 @@ export function ConditionEditor(props: ConditionProps) {
       <button className="button plain small" onClick={() => props.edit((e) => e.addContext(condition, props.firstWords))}><Plus size={13} />Or another situation</button>
     </div>
   );
+}
+
+// The rows that an ask is made of: one, or all of a situation.
+function rowsOf(id: string, rows: readonly { id: string; constraint: Constraint }[]): Constraint[] {
+  return rows.filter((row) => row.id === id || row.id.startsWith(`${id}.`)).map((row) => row.constraint);
 }
 
 interface Choices {

@@ -17,7 +17,8 @@ import { dropDraft, saveDraft, watchDraft, type Draft } from "./drafts";
 import { saveFile } from "./files";
 import { type Finding, useFindings } from "./findings";
 import { FindingsPanel } from "./findings_panel";
-import { usePalette } from "./palette_data";
+import { ImportDialog } from "./import_dialog";
+import { keepImported, usePalette } from "./palette_data";
 import { PalettePanel } from "./palette_panel";
 import { Properties } from "./properties";
 import { Session } from "./session";
@@ -28,7 +29,7 @@ import { usePanels } from "./panels";
 import { useVocabulary } from "./vocabulary";
 import "./editor.css";
 
-type Open = { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
+type Open = { what: "import" } | { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
 let memory = ""; // what was copied last, where the browser's clipboard is closed
 
 export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string }) {
@@ -156,6 +157,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     { title: "Tidy up", group: "Document", icon: Sparkles, keys: "Shift+T", words: "layout arrange", run: () => actions.tidy() },
     { title: "Deploy", group: "Document", icon: Rocket, keys: "Mod+Enter", words: "publish", run: () => setOpen({ what: "deploy" }) },
     { title: "Start a run", group: "Document", icon: Play, keys: "R", run: () => setOpen({ what: "start" }) },
+    { title: "Import steps", group: "Document", words: "wsdl grpc adapter", run: () => setOpen({ what: "import" }) },
     { title: "Save a copy as a file", group: "Document", icon: Download, keys: "Mod+S", inFields: true, run: () => saveFile(`${document.name || name}.cawl.xml`, session.written) },
     { title: "Show or hide the text", group: "Document", icon: CodeXml, keys: "T", run: () => panels.toggle("text") },
     { title: "Show or hide the palette", group: "Document", icon: PanelLeftOpen, keys: "P", run: () => panels.toggle("palette") },
@@ -195,7 +197,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         {(["canvas", "properties", "text"] as const).map((tab) => <button key={tab} role="tab" aria-selected={panels.tab === tab} onClick={() => panels.setTab(tab)}>{tab[0]?.toUpperCase()}{tab.slice(1)}</button>)}
       </div>
       <div className="editor-body">
-        {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
+        {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onImport={() => setOpen({ what: "import" })} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
         <div className="stage">
           {shown ? (
             <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={(key) => openStep(shown.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target, document.flows.map((f) => f.key), name, rename)}>
@@ -230,6 +232,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
           />
         </Dialog>
       )}
+      {open?.what === "import" && <ImportDialog onImported={(entries) => (keepImported(entries), palette.again(), toast("good", `${entries.length} steps are in the palette`))} onClose={() => setOpen(null)} />}
       {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name))} onClose={() => setOpen(null)} />}
       {open?.what === "start" && <StartDialog workflow={document.name} variables={[...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])].map((v) => ({ name: v.name, type: v.type, initial: v.initial }))} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>

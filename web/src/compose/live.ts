@@ -39,6 +39,17 @@ export function constraintAsk(document: CawlDocument, constraint: Constraint): s
   return pattern ? `${prologue(document, pattern)}ASK { ${pattern} }` : "";
 }
 
+// An ask in which values of the run ("$robot") are of the kinds that their declarations say: here they are free.
+export function ofKinds(document: CawlDocument, ask: string, rows: readonly Constraint[], kinds: ReadonlyMap<string, string>): string {
+  const end = ask.lastIndexOf("}");
+  if (end < 0) return ask;
+  const names = new Set(rows.flatMap((row) => [row.subject.text, row.object.text]).flatMap((text) => /^\$([A-Za-z]\w*)$/.exec(text.trim())?.[1] ?? []));
+  const patterns = [...names].flatMap((name) => (kinds.has(name) ? [`?${name} a ${kinds.get(name)} .`] : []));
+  if (patterns.length === 0) return ask;
+  const missing = prologue(document, patterns.join(" ")).split("\n").filter((line) => line && !ask.includes(line.split(":")[0] + ":"));
+  return `${missing.map((line) => `${line}\n`).join("")}${ask.slice(0, end)} ${patterns.join(" ")} }`;
+}
+
 function asSelect(ask: string): string {
   const whole = ask.replace(/\bASK\s*(WHERE\s*)?\{/, "SELECT * WHERE {").trimEnd();
   return `${whole.slice(0, -1)} BIND(true AS ?value_holds) } LIMIT ${matchesShown}`; // a row has a value, also where nothing is free

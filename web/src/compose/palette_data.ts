@@ -2,7 +2,9 @@
 import { fleet, services, workflows } from "../api/client";
 import type { PlainError } from "../api/errors";
 import { usePoll } from "../api/poll";
+import { prefixesOf, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
+import { loadDraft } from "./drafts";
 
 export interface PaletteEntry {
   kind: "operation" | "service" | "workflow";
@@ -15,6 +17,40 @@ export interface PaletteData {
   entries: PaletteEntry[];
   error: PlainError | undefined;
   loading: boolean;
+  again: () => void;
+}
+
+// What was imported from elsewhere, kept in this browser.
+const importedKey = "docent.imported";
+export function importedEntries(): PaletteEntry[] {
+  try {
+    const stored = JSON.parse(localStorage.getItem(importedKey) ?? "[]") as PaletteEntry[];
+    return Array.isArray(stored) ? stored.filter((e) => typeof e.id === "string" && Array.isArray(e.inputs)) : [];
+  } catch {
+    return [];
+  }
+}
+export function keepImported(entries: readonly PaletteEntry[]) {
+  const known = importedEntries().filter((e) => !entries.some((n) => n.id === e.id));
+  localStorage.setItem(importedKey, JSON.stringify([...known, ...entries].slice(-500)));
+}
+
+// A workflow with the values that it begins with, so that the flow that reuses it has them, too.
+export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
+  if (entry.kind !== "workflow" || entry.inputs.length > 0) return entry;
+  const text = await workflows.listVersions({ workflow: entry.id, withTexts: true }).then((r) => (r.versions.find((v) => v.live) ?? r.versions.at(-1))?.text, () => undefined) ?? loadDraft(entry.id)?.text;
+  if (!text) return entry;
+  const document = readCawl(text);
+  const flow = document.flows.find((f) => f.name === document.activator?.flow) ?? document.flows[0];
+  const prefixes = prefixesOf(document);
+  const bound = new Set(flow?.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject.text, k.object.text]))) ?? []).filter((t) => t.startsWith("?")).map((t) => t.slice(1)));
+  return {
+    ...entry,
+    inputs: (flow?.variables ?? []).filter((v) => v.name && !v.initial && !bound.has(v.name)).map((v) => {
+      const colon = v.type.indexOf(":");
+      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "" };
+    }),
+  };
 }
 
 export function usePalette(): PaletteData {
@@ -31,8 +67,9 @@ export function usePalette(): PaletteData {
       });
     for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b)))
       if (!taken.has(operation)) entries.push({ kind: "operation", id: operation, title: words(operation), detail: by.length > 3 ? `${by.length} robots` : by.join(", "), inputs: [] });
+    for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
     for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [] });
     return entries;
   }, 6000);
-  return { entries: polled.data ?? [], error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error };
+  return { entries: polled.data ?? [], error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error, again: polled.again };
 }

@@ -1,5 +1,5 @@
 // What a step can do, to be dragged onto the canvas, double-clicked, or chosen by Enter.
-import { PanelLeftClose, Search, Unplug } from "lucide-react";
+import { Import, PanelLeftClose, Search, Unplug } from "lucide-react";
 import { useState } from "react";
 import { score } from "../ui/picker";
 import type { NewKind } from "./actions";
@@ -13,7 +13,7 @@ const groups = [
   { kind: "workflow", title: "Workflows", hint: "Deployed ones; each can be a step of another." },
 ] as const;
 
-export function PalettePanel(props: { palette: PaletteData; name: string; onAdd: (what: NewKind) => void; onHide: () => void }) {
+export function PalettePanel(props: { palette: PaletteData; name: string; onAdd: (what: NewKind) => void; onImport: () => void; onHide: () => void }) {
   const [typed, setTyped] = useState("");
   const shown = props.palette.entries.filter((e) => e.id !== props.name && score({ title: e.title, words: e.id }, typed) > 0);
   return (
@@ -44,6 +44,7 @@ export function PalettePanel(props: { palette: PaletteData; name: string; onAdd:
             </section>
           );
         })}
+        {typed === "" && <button className="button plain small palette-import" onClick={props.onImport}><Import size={13} />Import from WSDL or gRPC</button>}
         {typed !== "" && shown.length === 0 && <p className="faint small palette-hint">Nothing is called “{typed}”.</p>}
       </div>
     </aside>

@@ -1,5 +1,5 @@
 // The hall live: booths and regions from the graph, robots with pose, trail and task, people where they are.
-import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, Unplug, User, X } from "lucide-react";
+import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, Route, Unplug, User, X } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
 import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
@@ -15,6 +15,8 @@ import { attempt } from "./run_actions";
 import { HallDrawing, type Camera } from "./hall_drawing";
 import { type Layout, useLayout, usePeople } from "./layout";
 import { clock } from "./states";
+import { TourPanel } from "./tour_panel";
+import type { Stop } from "../cawl/tour";
 import { Fact } from "./why";
 import "./hall.css";
 
@@ -29,6 +31,11 @@ export default function Hall({ picked }: { picked: string }) {
   const names = useNames();
   const [camera, setCamera] = useState<Camera | null>(null);
   const pickedIri = picked ? names.long(picked) : "";
+  const [tour, setTour] = useState<Stop[] | null>(null);
+  const pickTour = (iri: string) => {
+    const shape = layout.data?.shapes.find((s) => s.iri === iri && s.kind === "booth");
+    if (shape && tour) setTour([...tour, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }]);
+  };
   const pick = (iri: string) => navigate(paths.hall(iri === pickedIri ? "" : iri && (names.short(iri) || iri)), true);
   const trails = useTrails(robots.data?.robots);
   useEffect(() => void (document.title = "Hall – Docent"), []);
@@ -38,6 +45,7 @@ export default function Hall({ picked }: { picked: string }) {
     { title: "Nearer", group: "Hall", icon: Plus, keys: "+|=", run: () => setCamera((c) => zoomed(c, layout.data, 0.8)) },
     { title: "Farther", group: "Hall", icon: Minus, keys: "-", run: () => setCamera((c) => zoomed(c, layout.data, 1.25)) },
     { title: "Select nothing", group: "Hall", keys: "Escape", hidden: true, run: () => pick("") },
+    { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => setTour([]) },
     ...list.map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
     ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => pick(s.iri) })),
   ]);
@@ -47,7 +55,8 @@ export default function Hall({ picked }: { picked: string }) {
       <div className="hall-stage">
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
-        {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={pick} />}
+        {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
+        {!tour && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
         <div className="hall-zoom">
           <button className="button icon" aria-label="Nearer" onClick={() => setCamera((c) => zoomed(c, layout.data, 0.8))}><Plus size={15} /></button>
           <button className="button icon" aria-label="Farther" onClick={() => setCamera((c) => zoomed(c, layout.data, 1.25))}><Minus size={15} /></button>
@@ -55,7 +64,7 @@ export default function Hall({ picked }: { picked: string }) {
         </div>
       </div>
       <aside className="dock hall-side" aria-label="Robots and people">
-        {pickedIri ? <Details key={pickedIri} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
+        {tour ? <TourPanel stops={tour} from={list[0]?.hasPose ? { x: list[0].xM, y: list[0].yM } : null} names={names} onStops={setTour} onClose={() => setTour(null)} /> : pickedIri ? <Details key={pickedIri} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
           <>
             <h2 className="hall-title">Robots <span className="faint number">{list.length}</span></h2>
             {list.length === 0 && <p className="faint small hall-hint">{robots.error ? robots.error.title : "None has joined. Start one: docent-robot."}</p>}

@@ -1,5 +1,5 @@
 // The drawing of the hall: metres in, y to the north. The layout is drawn once; what moves is drawn above it.
-import { memo, useRef } from "react";
+import { memo, useCallback, useRef } from "react";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { centre, type Layout, type Person, type Point, type Shape } from "./layout";
 import { taskWords } from "./hall";
@@ -11,9 +11,12 @@ export interface Camera {
 }
 
 export function HallDrawing(props: {
-  layout: Layout; robots: readonly RobotStatus[]; people: readonly Person[]; trails: ReadonlyMap<string, Point[]>; picked: string; camera: Camera | null; onCamera: (camera: Camera | null) => void; onPick: (iri: string) => void;
+  layout: Layout; robots: readonly RobotStatus[]; people: readonly Person[]; trails: ReadonlyMap<string, Point[]>; picked: string; camera: Camera | null; onCamera: (camera: Camera | null) => void; onPick: (iri: string) => void; tour?: readonly { x: number; y: number }[];
 }) {
   const { layout, camera } = props;
+  const latestPick = useRef(props.onPick);
+  latestPick.current = props.onPick;
+  const stablePick = useCallback((iri: string) => latestPick.current(iri), []);
   const svg = useRef<SVGSVGElement>(null);
   const drag = useRef<{ x: number; y: number; camera: Camera; moved: boolean } | null>(null);
   const width = layout.max.x - layout.min.x + 2;
@@ -54,8 +57,10 @@ export function HallDrawing(props: {
         drag.current = null;
       }}
     >
-      <Shapes layout={layout} picked={props.picked} onPick={props.onPick} />
+      <Shapes layout={layout} picked={props.picked} onPick={stablePick} />
       {[...props.trails].map(([iri, trail]) => <polyline key={iri} className="hall-trail" points={trail.map((p) => `${p.x},${-p.y}`).join(" ")} />)}
+      {props.tour && <polyline className="hall-tourline" points={props.tour.map((p) => `${p.x},${-p.y + 1.25}`).join(" ")} />}
+      {props.tour?.map((p, i) => <g key={i} className="hall-tourstop" transform={`translate(${p.x} ${-p.y + 1.25})`}><circle r={0.52} /><text y={0.2} fontSize={0.56}>{i + 1}</text></g>)}
       {placePeople(props.people, layout).map(({ person, at }) => (
         <g key={person.iri} className={`hall-person${props.picked === person.iri ? " picked" : ""}`} data-iri={person.iri} transform={`translate(${at.x} ${-at.y})`}>
           <circle r={size * 0.42} />

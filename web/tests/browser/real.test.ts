@@ -132,6 +132,18 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     await picture(page, "condition");
   }, 90_000);
 
+  it("a tour is made on the map, and the check has nothing against it", async () => {
+    const page = await open("/hall");
+    await page.waitForSelector(".hall-robot");
+    await page.getByRole("button", { name: "New tour" }).click();
+    for (const booth of ["B03", "B05", "B07", "B10", "B09", "B01"]) await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
+    expect(await page.locator(".tour-stops li").count()).toBe(6);
+    await picture(page, "tour");
+    await page.getByRole("button", { name: "Make the workflow" }).click();
+    await page.locator(".findings-bar", { hasText: "Nothing to mend" }).waitFor();
+    expect(await page.locator(".react-flow__node").count()).toBe(14);
+  }, 120_000);
+
   it("the server is killed and comes back: the tab goes on", async () => {
     const page = await open("/hall");
     await page.waitForSelector(".hall-robot");

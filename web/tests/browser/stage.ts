@@ -70,7 +70,7 @@ export class Stage {
     });
     const page = await context.newPage();
     page.on("pageerror", (error) => this.faults.push(error.message));
-    page.on("console", (message) => message.type() === "error" && !/Failed to load resource/.test(message.text()) && this.faults.push(message.text()));
+    page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));
     await page.goto(this.url + path);
     return page;
   }

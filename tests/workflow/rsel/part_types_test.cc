@@ -1,0 +1,80 @@
+#include "workflow/rsel/part_types.h"
+
+#include <gtest/gtest.h>
+
+#include "graph/rdf/vocabulary.h"
+
+namespace docent::rsel {
+namespace {
+
+std::string Xsd(const std::string& local) {
+  return std::string(kXsdNs) + local;
+}
+
+bool Is(const Term& value, const std::string& type) {
+  return TypeFault(value, type).empty();
+}
+
+TEST(PartTypes, ANumberIsOfTheDatatypesThatItCanBe) {
+  const Term three = Term::Integer(3), half = Term::Literal("0.5", Xsd("decimal"));
+  for (const char* type :
+       {"integer", "int", "long", "decimal", "double", "float", "nonNegativeInteger", "unsignedByte"})
+    EXPECT_TRUE(Is(three, Xsd(type))) << type;
+  EXPECT_TRUE(Is(half, Xsd("decimal")));
+  EXPECT_TRUE(Is(half, Xsd("double")));
+  EXPECT_FALSE(Is(half, Xsd("integer")));
+  EXPECT_FALSE(Is(Term::Integer(-3), Xsd("nonNegativeInteger")));
+  EXPECT_FALSE(Is(Term::Integer(300), Xsd("byte")));
+  EXPECT_FALSE(Is(three, Xsd("string")));
+  EXPECT_FALSE(Is(three, Xsd("boolean")));
+  EXPECT_FALSE(Is(Term::Literal("3"), Xsd("integer")));
+}
+
+TEST(PartTypes, ALiteralNeedsTheFormOfItsDatatype) {
+  EXPECT_FALSE(Is(Term::Literal("three", Xsd("integer")), Xsd("integer")));
+  EXPECT_FALSE(Is(Term::Literal("yes", Xsd("boolean")), Xsd("boolean")));
+  EXPECT_TRUE(Is(Term::Literal("NaN", Xsd("double")), Xsd("double")));
+  EXPECT_TRUE(Is(Term::Boolean(true), Xsd("boolean")));
+}
+
+TEST(PartTypes, TextAndResources) {
+  const Term booth = Term::Iri("urn:b3"), text = Term::Literal("hello"),
+             welcome = Term::LangString("hello", "en");
+  EXPECT_TRUE(Is(text, Xsd("string")));
+  EXPECT_TRUE(Is(welcome, Xsd("string")));
+  EXPECT_TRUE(Is(text, std::string(kRdfLangString)));
+  EXPECT_TRUE(Is(booth, DocentIri("Booth")));
+  EXPECT_TRUE(Is(booth, Xsd("anyURI")));
+  EXPECT_FALSE(Is(booth, Xsd("string")));
+  EXPECT_FALSE(Is(text, DocentIri("Booth")));
+  EXPECT_TRUE(Is(text, ""));
+  EXPECT_TRUE(Is(text, std::string(kRdfsNs) + "Resource"));
+  EXPECT_TRUE(Is(text, std::string(kRdfsNs) + "Literal"));
+  EXPECT_EQ(TypeFault(text, DocentIri("Booth")),
+            "is a literal, and docent:Booth is a class; give <iri> or prefix:local");
+}
+
+TEST(PartTypes, WhatATypeMayBe) {
+  EXPECT_TRUE(MayBeOf("", Xsd("integer")));
+  EXPECT_TRUE(MayBeOf(Xsd("int"), Xsd("decimal")));
+  EXPECT_TRUE(MayBeOf(Xsd("decimal"), Xsd("int")));
+  EXPECT_TRUE(MayBeOf(DocentIri("Person"), DocentIri("Visitor")));
+  EXPECT_TRUE(MayBeOf("urn:my#datatype", "urn:other#class"));
+  EXPECT_FALSE(MayBeOf(Xsd("string"), Xsd("integer")));
+  EXPECT_FALSE(MayBeOf(Xsd("dateTime"), Xsd("date")));
+  EXPECT_FALSE(MayBeOf(Xsd("string"), DocentIri("Booth")));
+  EXPECT_FALSE(MayBeOf(DocentIri("Booth"), Xsd("boolean")));
+}
+
+TEST(PartTypes, NamesOfTypes) {
+  EXPECT_EQ(FullType("xsd:integer"), Xsd("integer"));
+  EXPECT_EQ(FullType("docent:Booth"), DocentIri("Booth"));
+  EXPECT_EQ(FullType("https://example.org/Lamp"), "https://example.org/Lamp");
+  EXPECT_EQ(PartsText({}, {}), "nothing");
+  EXPECT_EQ(
+      PartsText({"booth", "times", "where"}, {{"booth", DocentIri("Booth")}, {"times", Xsd("integer")}}),
+      "booth (docent:Booth), times (xsd:integer) and where");
+}
+
+}  // namespace
+}  // namespace docent::rsel

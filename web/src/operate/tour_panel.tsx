@@ -1,0 +1,69 @@
+// A tour from the map: booths clicked in order become a workflow.
+import { ArrowDown, ArrowUp, Route, X } from "lucide-react";
+import { useState } from "react";
+import type { Names } from "../api/prefixes";
+import { navigate, paths } from "../app/router";
+import { uniqueName } from "../cawl/names";
+import { type Stop, tourSeconds, tourText } from "../cawl/tour";
+import { listDrafts, saveDraft } from "../compose/drafts";
+import { usePalette } from "../compose/palette_data";
+
+export function TourPanel(props: { stops: readonly Stop[]; from: { x: number; y: number } | null; names: Names; onStops: (stops: Stop[]) => void; onClose: () => void }) {
+  const { stops } = props;
+  const palette = usePalette();
+  const [name, setName] = useState("Tour");
+  const [wait, setWait] = useState(true);
+  const offers = palette.entries.filter((e) => e.kind !== "workflow");
+  const atBooth = offers.filter((e) => e.inputs.some((i) => i.name === "booth"));
+  const guess = (pattern: RegExp) => (atBooth.find((e) => pattern.test(e.id)) ?? offers.find((e) => pattern.test(e.id)))?.id ?? "";
+  const [travel, setTravel] = useState("");
+  const [present, setPresent] = useState<string[] | null>(null);
+  const travelling = travel || guess(/move.*booth|drive.*booth|goto|drive/i);
+  const presenting = present ?? atBooth.filter((e) => /info|brief|display|present|say/i.test(e.id)).map((e) => e.id);
+  const minutes = tourSeconds(stops, props.from) / 60;
+  const move = (index: number, by: number) => {
+    const next = [...stops];
+    const [one] = next.splice(index, 1);
+    if (one) next.splice(index + by, 0, one);
+    props.onStops(next);
+  };
+  const make = () => {
+    const fresh = uniqueName(new Set([...listDrafts().map((d) => d.name), ...palette.entries.filter((e) => e.kind === "workflow").map((e) => e.id)]), name.trim() || "Tour");
+    saveDraft(fresh, tourText({ name: fresh, stops, travel: travelling, present: presenting, waitForVisitor: wait }, props.names.prefixes), "");
+    navigate(paths.compose(fresh));
+  };
+  return (
+    <>
+      <header className="properties-head">
+        <span className="hall-icon booth"><Route size={15} /></span>
+        <span className="grow" style={{ fontWeight: 600, fontSize: "var(--text-l)" }}>New tour</span>
+        <button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button>
+      </header>
+      <div className="hall-details" tabIndex={0} aria-label="Tour">
+        {stops.length === 0 ? <p className="quiet">Click booths on the map, in the order of the tour.</p> : (
+          <ol className="tour-stops">
+            {stops.map((s, i) => (
+              <li key={`${s.iri} ${i}`}>
+                <span className="tour-number number">{i + 1}</span><span className="grow cut">{s.name}</span>
+                <button className="button plain icon small" aria-label={`${s.name} earlier`} disabled={i === 0} onClick={() => move(i, -1)}><ArrowUp size={13} /></button>
+                <button className="button plain icon small" aria-label={`${s.name} later`} disabled={i === stops.length - 1} onClick={() => move(i, 1)}><ArrowDown size={13} /></button>
+                <button className="button plain icon small" aria-label={`Leave ${s.name} out`} onClick={() => props.onStops(stops.filter((_, k) => k !== i))}><X size={13} /></button>
+              </li>
+            ))}
+          </ol>
+        )}
+        {stops.length > 0 && <p className="quiet">About <b className="number">{Math.max(1, Math.round(minutes))} min</b>, by straight ways and 40 s at each stop.</p>}
+        <label className="property"><span>Name</span><input className="field" value={name} onChange={(e) => setName(e.target.value)} /></label>
+        <label className="property"><span>The robot drives by</span>
+          <select className="field" value={travelling} onChange={(e) => setTravel(e.target.value)}>{[...new Set([travelling, ...offers.map((e) => e.id)])].filter(Boolean).map((id) => <option key={id}>{id}</option>)}</select>
+        </label>
+        <fieldset className="tour-present"><legend className="quiet small">At each booth</legend>
+          {(atBooth.length > 0 ? atBooth : offers).filter((e) => e.id !== travelling).map((e) => <label key={e.id} className="row"><input type="checkbox" checked={presenting.includes(e.id)} onChange={(x) => setPresent(x.target.checked ? [...presenting, e.id] : presenting.filter((p) => p !== e.id))} />{e.title}</label>)}
+        </fieldset>
+        <label className="row"><input type="checkbox" checked={wait} onChange={(e) => setWait(e.target.checked)} />Wait until the visitor is there</label>
+        <button className="button primary" disabled={stops.length === 0 || !travelling} onClick={make}><Route size={14} />Make the workflow</button>
+        {offers.length === 0 && <p className="faint small">{palette.error ? palette.error.title : "No operation is known yet: start a robot, or register services."}</p>}
+      </div>
+    </>
+  );
+}
