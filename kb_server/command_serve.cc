@@ -129,10 +129,10 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
       ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--allow", settings->allow,
-          "Addresses that SERVICE, LOAD and imports of services may reach, with all below them: http://…, https://…, "
-          "file:///…")
+      ->add_option("--allow", settings->allow,
+                   "Addresses that SERVICE, LOAD and imports of services may reach, with all below them: "
+                   "http://…, https://…, "
+                   "file:///…")
       ->type_name("URL");
   command
       ->add_option(

@@ -14,7 +14,8 @@ struct WorkflowLimits {
   size_t condition_parts = 10000;  // constraints and events in these alternatives together
   size_t name_bytes = 256;         // name of a workflow, flow, node, process, operation and the like
   int activator_max = 1000;        // ext:max of an activator
-  size_t firings_waiting = 1000;  // firings of one activator that wait for runs of their keys to end (ext:mode="queued")
+  size_t firings_waiting =
+      1000;  // firings of one activator that wait for runs of their keys to end (ext:mode="queued")
   size_t events_waiting =
       1000;  // events that stay in the graph because a condition waits with them; beyond, the oldest leave
   size_t facts_written_per_turn = 100000;  // facts that the runs of workflows tell and withdraw in one turn

@@ -170,6 +170,7 @@ uint32_t ReaderOf(const WriteBatch& batch) {
   for (const Document& document : batch.documents) {
     // an earlier one would remove all of the workflow
     if (document.action == Document::Action::kRemove && !document.text.empty()) return 2;
+  }
   for (const RunRequest& request : batch.run_requests) {
     if (request.kind > RunRequest::Kind::kInvokeService || request.compensates || !request.reason.empty())
       return 2;

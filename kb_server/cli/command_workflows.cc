@@ -14,6 +14,7 @@
 #include "graph/base/line_diff.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/run_printer.h"
 #include "kb_server/cli/table.h"
 #include "kb_server/cli/terminal.h"
 
@@ -27,11 +28,6 @@ struct WorkflowsArguments {
   uint32_t number = 0;
   bool cancel_runs = false;
 };
-
-std::string LocalTime(int64_t time_us) {
-  if (time_us == 0) return "";
-  return absl::FormatTime("%Y-%m-%d %H:%M:%S", absl::FromUnixMicros(time_us), absl::LocalTimeZone());
-}
 
 std::string StateOf(const v1::Workflow& workflow) {
   return workflow.disabled() ? "disabled" : workflow.paused() ? "paused" : "enabled";
@@ -96,8 +92,9 @@ class WorkflowsClient {
     }
     Table table({"number", "version", "deployed", "revision", ""});
     for (const v1::DeployedVersion& version : versions.versions()) {
-      table.Add({absl::StrCat(version.number()), version.version(), LocalTime(version.time_us()),
-                 absl::StrCat(version.revision()), version.live() ? "live" : ""});
+      table.Add({absl::StrCat(version.number()), version.version(),
+                 LocalTime(version.time_us(), "%Y-%m-%d %H:%M:%S"), absl::StrCat(version.revision()),
+                 version.live() ? "live" : ""});
     }
     std::cout << table.Render(Terminal::OfOutput(arguments_.client.colours));
     return kExitOk;

@@ -28,14 +28,14 @@ namespace docent::server {
 
 // What became of a batch, once it is durable and visible.
 struct BatchOutcome {
-  uint64_t offset = 0;         // of its log record = revision of the version that holds it
-  uint64_t added = 0;          // told quads that were new
-  uint64_t removed = 0;        // told quads that went
-  uint64_t inferred = 0;       // facts that rules added or withdrew because of it
-  bool repeated = false;       // its request id was known: applied before, at `offset`
-  std::vector<RunId> started;  // runs that its requests started
+  uint64_t offset = 0;          // of its log record = revision of the version that holds it
+  uint64_t added = 0;           // told quads that were new
+  uint64_t removed = 0;         // told quads that went
+  uint64_t inferred = 0;        // facts that rules added or withdrew because of it
+  bool repeated = false;        // its request id was known: applied before, at `offset`
+  std::vector<RunId> started;   // runs that its requests started
   uint64_t cancelled_runs = 0;  // with workflows that it undeployed; not kept for a repeated request
-  std::vector<RunId> steered;  // that they paused or resumed; not kept for a repeated request
+  std::vector<RunId> steered;   // that they paused or resumed; not kept for a repeated request
 };
 
 // The graph that a batch is about to be applied to, on the writer's turn.

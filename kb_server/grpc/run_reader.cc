@@ -106,6 +106,8 @@ void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
     named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
     ToProto(values.front(), named->mutable_value());
   }
+}
+
 bool HasIncident(const GraphReader& graph, const std::string& run) {
   const std::vector<std::string> nodes = graph.Subjects(DocentIri("ofRun"), Term::Iri(run));
   return std::any_of(nodes.begin(), nodes.end(), [&graph](const std::string& node) {

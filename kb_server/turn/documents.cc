@@ -5,8 +5,8 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
-#include "graph/base/diagnostic.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/diagnostic.h"
 #include "graph/base/source_texts.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
@@ -107,6 +107,8 @@ absl::StatusOr<rsel::DocumentPtr> RselOf(const Document& document, const Limits&
 bool ChangesStarts(const Document& document) {
   return document.kind == Document::Kind::kCawl && document.action == Document::Action::kRemove &&
          (document.text == kRemovesStarts || document.text == kRemovesDisablement);
+}
+
 // The nodes of deployed workflows that invoke processes of the document.
 std::vector<std::string> UsersOf(const rsel::Document& document, const engine::Engine& engine) {
   std::vector<std::string> users;
@@ -303,6 +305,8 @@ void Documents::RestoreVersions(VersionHistory versions, const engine::Engine& e
     if (versions_.Find(key) != nullptr) continue;
     const auto entry = entries_.find(key);
     versions_.Put(key, workflow->version.value, workflow->source,
+                  entry == entries_.end() ? Revision() : entry->second.revision, 0);
+  }
   for (const rsel::DocumentPtr& document : engine.services().Documents()) {
     const Key key{Document::Kind::kRsel, document->name.value};
     if (versions_.Find(key) != nullptr) continue;

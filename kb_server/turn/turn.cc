@@ -24,6 +24,7 @@ void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->notifications), &result->notifications);
   Append(std::move(output->started), &result->started);
   Append(std::move(output->undeployed), &result->undeployed);
+  Append(std::move(output->steered), &result->steered);
 }
 
 // Takes events out of the graph that are over or told again: conditions see them go before they come back.
@@ -45,7 +46,6 @@ Delta Both(const Delta& withdrawn, Delta delta) {
   delta.added.insert(delta.added.end(), withdrawn.added.begin(), withdrawn.added.end());
   delta.removed.insert(delta.removed.end(), withdrawn.removed.begin(), withdrawn.removed.end());
   return delta;
-  Append(std::move(output->steered), &result->steered);
 }
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
 #include "workflow/engine/ports.h"
 
@@ -60,12 +61,14 @@ std::vector<RunEvent> EventsOf(const log::TurnRecord& record) {
 }
 
 uint64_t IgnoredFirings(const log::TurnRecord& record) {
-  const std::string begin = absl::StrCat(engine::kActivatorSubject, "/");
+  const std::string begin = Concat(engine::kActivatorSubject, "/");
   return static_cast<uint64_t>(
       std::count_if(record.transitions.begin(), record.transitions.end(), [&](const Transition& transition) {
         return transition.subject.starts_with(begin) &&
                (transition.to == "ignored" || transition.to == "failed");
       }));
+}
+
 bool TellsProgress(const log::TurnRecord& record) {
   const auto& reports = record.batch.reports;
   return std::any_of(reports.begin(), reports.end(), [](const CommandReport& report) {

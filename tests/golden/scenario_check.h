@@ -54,8 +54,7 @@ inline Diagnostics CheckScenarioFile(const std::string& path, const std::string&
   }
   if (is_service) return of_services;
   cawl::QuadEnvironment environment = Ontologies(folder);
-  for (const rsel::PlanPtr& plan : registry.Plans())
-    environment.AddOperation(server::SignatureOf(*plan));
+  for (const rsel::PlanPtr& plan : registry.Plans()) environment.AddOperation(server::SignatureOf(*plan));
   return cawl::CheckDocument(text, "f", &environment).diagnostics;
 }
 

@@ -392,8 +392,9 @@ class DocumentReader {
   Invoke ReadInvoke(const xml::Element& element) {
     Invoke out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"operation", "subflow"},
-                            {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot", "choose"});
+    reader_.CheckAttributes(
+        element, {"operation", "subflow"},
+        {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot", "choose"});
     out.operation = reader_.OptionalName(element, "operation");
     out.subflow = reader_.OptionalName(element, "subflow");
     out.timeout_text = reader_.Extension(element, "timeout");

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/text.h"
 #include "graph/base/workflow_limits.h"
 #include "graph/rdf/docent_iris.h"
 
@@ -17,7 +18,7 @@ using Firing = Activations::Firing;
 
 void SayOf(Engine::Core* core, const std::string& workflow, std::string_view to, const Firing& firing,
            const std::string& why) {
-  core->Say(absl::StrCat(kActivatorSubject, "/", IriSegment(workflow)), "", to,
+  core->Say(Concat(kActivatorSubject, "/", IriSegment(workflow)), "", to,
             absl::StrCat(firing.cause, "; ", why));
 }
 

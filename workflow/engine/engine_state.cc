@@ -91,10 +91,6 @@ template <class Archive>
 void Fields(Archive& a, Activations::State& state) {
   a(state.keys, state.ignored);
 }
-template <class Archive>
-void Fields(Archive& a, HeldBackStart& start) {
-  a(start.handle, start.key);
-}
 
 namespace {
 

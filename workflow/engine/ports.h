@@ -173,9 +173,9 @@ struct EngineOutput {
   std::vector<Transition> transitions;
   std::vector<RobotCommand> commands;
   std::vector<CommandId> cancels;
-  std::vector<RunId> started;  // by this turn's RunRequests, in their order
+  std::vector<RunId> started;     // by this turn's RunRequests, in their order
   std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
-  std::vector<RunId> steered;  // that RunRequests paused or resumed, without those that are nested in them
+  std::vector<RunId> steered;     // that RunRequests paused or resumed, without those that are nested in them
 
   bool quiet() const {
     return add.empty() && remove.empty() && writes.empty() && notifications.empty() && arm.empty() &&

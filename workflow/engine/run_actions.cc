@@ -121,8 +121,7 @@ void RunStepper::MakeInvocations(size_t index) {
       InvocationState invocation;
       invocation.invoke = i;
       invocation.binding = binding;
-      if (!node.wanted_robot.empty())
-        invocation.binding["robot"] = Term::Iri(node.wanted_robot.value());
+      if (!node.wanted_robot.empty()) invocation.binding["robot"] = Term::Iri(node.wanted_robot.value());
       invocation.attempt = node.first_attempt;
       if (node.guard && match < node.actions.bindings.size())
         invocation.match = MatchOf(node.guard->armed.ask, node.actions.bindings[match]);

@@ -5,8 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
-#include "workflow/engine/run_results.h"
 #include "workflow/cawl/robot_choice.h"
+#include "workflow/engine/run_results.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/rsel/type_checks.h"
 

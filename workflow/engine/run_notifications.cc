@@ -67,8 +67,7 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
 
 void RunStepper::Delivered(size_t index, const CommandReport& report) {
   NodeState& node = run_.nodes[index];
-  if (!GoesOn() || node.state != WorkState::kRunning ||
-      node.actions.awaited.erase(report.command) == 0)
+  if (!GoesOn() || node.state != WorkState::kRunning || node.actions.awaited.erase(report.command) == 0)
     return;
   if (report.outcome != CommandReport::Outcome::kSucceeded)
     return NodeImpossible(

@@ -190,7 +190,7 @@ struct Run {
   std::set<RobotId> robots;      // that this run or a run nested in it has taken (robot_ledger.h)
   bool unknown_outcome = false;  // of an operation that is not idempotent: nothing of this run is tried again
 
-  RunActions actions;  // what its nodes have done of their own
+  RunActions actions;                // what its nodes have done of their own
   std::optional<std::string> pause;  // that was asked for this run: why
   TimeMicros paused_since_us = 0;    // by that or by a pause of a run that it is nested in; 0: it goes on
 
