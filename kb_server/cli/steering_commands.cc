@@ -239,6 +239,9 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
   command->add_flag("--cancel-commands", pause->cancel_commands,
                     "Cancel what is under way; it begins again with resume, or asks you where it must not");
   AddReason(command, pause);
+  command->footer(
+      "Examples:\n  docent runs pause BoothGuide-1 --reason 'the hall is being cleaned'\n  docent runs pause "
+      "--workflow BoothGuide --cancel-commands");
   command->callback([pause, exit_code] {
     RequireWhat(*pause);
     *exit_code = Pause(*pause);
@@ -247,6 +250,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
   auto resume = std::make_shared<SteeringArguments>();
   command = Add(runs, "resume", "Let paused runs go on", resume);
   AddWhat(command, resume);
+  command->footer("Example:\n  docent runs resume BoothGuide-1");
   command->callback([resume, exit_code] {
     RequireWhat(*resume);
     *exit_code = Resume(*resume);
@@ -258,6 +262,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
   command->add_flag("--compensate", cancel->compensate,
                     "Undo what its done nodes did, by their ext:compensate, last first");
   AddReason(command, cancel);
+  command->footer("Example:\n  docent runs cancel BoothGuide-1 --compensate --reason 'the visitor has left'");
   command->callback([cancel, exit_code] { *exit_code = Cancel(*cancel); });
 
   auto retry = std::make_shared<SteeringArguments>();
@@ -267,6 +272,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
       ->type_name("IRI");
   AddPrefixOption(command, &retry->prefixes);
   AddReason(command, retry);
+  command->footer("Example:\n  docent runs retry BoothGuide-1 Move2User --robot expo:R02");
   command->callback([retry, exit_code] { *exit_code = Settle(*retry, v1::SettleRequest::RETRY); });
 
   auto skip = std::make_shared<SteeringArguments>();
@@ -277,7 +283,8 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
       ->allow_extra_args(false);
   AddPrefixOption(command, &skip->prefixes);
   AddReason(command, skip);
-  command->footer(kVariableValueHelp);
+  command->footer(absl::StrCat(kVariableValueHelp, "\n",
+                               "Example:\n  docent runs skip BoothGuide-1 Move2Booth --var booth=expo:B03"));
   command->callback([skip, exit_code] { *exit_code = Settle(*skip, v1::SettleRequest::SKIP); });
 
   auto fail = std::make_shared<SteeringArguments>();
@@ -285,6 +292,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
                 "Settle an incident: the node fails, and with it the run unless a link handles it", fail);
   AddNode(command, fail);
   AddReason(command, fail);
+  command->footer("Example:\n  docent runs fail BoothGuide-1 Move2User");
   command->callback([fail, exit_code] { *exit_code = Settle(*fail, v1::SettleRequest::FAIL); });
 
   auto set = std::make_shared<SteeringArguments>();
@@ -292,7 +300,8 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
   command->add_option("run", set->run, "Id of the run")->required();
   command->add_option("values", set->values, "NAME=VALUE")->required();
   AddPrefixOption(command, &set->prefixes);
-  command->footer(kVariableValueHelp);
+  command->footer(
+      absl::StrCat(kVariableValueHelp, "\n", "Example:\n  docent runs set BoothGuide-1 booth=expo:B03"));
   command->callback([set, exit_code] { *exit_code = Set(*set); });
 }
 

@@ -179,6 +179,7 @@ std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every) {
 }
 
 void RunStepper::ArmNode(size_t index) {
+  if (!HasCondition(index)) return;  // it waits since its run is, or was, paused
   NodeState& node = run_.nodes[index];
   auto asks = cawl::CompileCondition(
       *run_.document, *flow_.nodes[index].condition,

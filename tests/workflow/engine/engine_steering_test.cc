@@ -279,6 +279,18 @@ TEST_F(EngineSteeringTest, APausedWorkflowPausesItsRunsAndStartsNone) {
   EXPECT_EQ(engine_.live_runs(), 2u) << "it started its run before";
 }
 
+TEST_F(EngineSteeringTest, AVariableIsSetWhileANodeWithoutAConditionWaitsForTheResume) {
+  Deploy("<variable name=\"user\"/>" + TwoNodes());
+  Start();
+  const CommandId first = commands_[0].id;
+  Ask(Kind::kPause, "F-1");
+  Turn({Done(first)});
+  ASSERT_EQ(State("B"), "waiting");
+  ASSERT_TRUE(Set("user", Term::Iri("urn:john")).ok());
+  Ask(Kind::kResume, "F-1");
+  EXPECT_EQ(State("B"), "running");
+}
+
 TEST_F(EngineSteeringTest, RunsOfAPausedWorkflowThatIsUndeployedStayPausedAndCanBeResumed) {
   Deploy(TwoNodes());
   Start();

@@ -19,9 +19,14 @@ export function usePoll<T>(key: string, ask: (signal: AbortSignal) => Promise<T>
     const abort = new AbortController();
     let timer: number | undefined;
     let running = false;
+    let wanted = false; // asked for while an answer was on its way, which may be older
     const turn = async () => {
-      if (running) return;
+      if (running) {
+        wanted = true;
+        return;
+      }
       running = true;
+      wanted = false;
       window.clearTimeout(timer);
       try {
         const data = await latest.current(abort.signal);
@@ -31,7 +36,7 @@ export function usePoll<T>(key: string, ask: (signal: AbortSignal) => Promise<T>
         if (!abort.signal.aborted) setState((before) => ({ ...(before.key === key ? before : { key }), error: words }));
       }
       running = false;
-      if (!abort.signal.aborted) timer = window.setTimeout(turn, document.hidden ? Math.max(everyMs, 5000) : everyMs);
+      if (!abort.signal.aborted) timer = window.setTimeout(turn, wanted ? 0 : document.hidden ? Math.max(everyMs, 5000) : everyMs);
     };
     kick.current = () => void turn();
     const seen = () => !document.hidden && void turn();

@@ -277,13 +277,24 @@ export function prefixesOf(document: CawlDocument): Map<string, string> {
   for (const [prefix, iri] of document.root?.scope ?? []) if (prefix !== "" && prefix !== "xml" && iri !== viewNamespace && iri !== extNamespace) prefixes.set(prefix, iri);
   return prefixes;
 }
+// The part around an offset, of parts in the order of the text.
+function partOf<T extends Part>(parts: readonly T[], offset: number): T | undefined {
+  let low = 0;
+  let high = parts.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((parts[middle]?.element.to ?? 0) < offset) low = middle + 1;
+    else high = middle;
+  }
+  const found = parts[low];
+  return found && found.element.from <= offset ? found : undefined;
+}
 // The smallest step or link at an offset of the text, for findings and the caret.
 export function partAt(document: CawlDocument, offset: number): { flow: Flow; step?: Step; link?: Link } | null {
   for (const flow of document.flows) {
     if (offset < flow.element.from || offset > flow.element.to) continue;
-    const inside = (part: Part) => offset >= part.element.from && offset <= part.element.to;
-    const step = flow.steps.find(inside);
-    const link = step ? undefined : flow.links.find(inside);
+    const step = partOf(flow.steps, offset);
+    const link = step ? undefined : partOf(flow.links, offset);
     return { flow, ...(step && { step }), ...(link && { link }) };
   }
   return null;

@@ -32,7 +32,11 @@ const tidyLimit = 500; // dagre takes longer than a key press beyond it
 // Layers by the distance from the beginning: a layout for flows that are too large for a better one.
 function layers(steps: readonly Step[], links: readonly Link[]): Map<string, Place> {
   const after = new Map<string, string[]>();
-  for (const link of links) after.set(link.from, [...(after.get(link.from) ?? []), link.to]);
+  for (const link of links) {
+    const known = after.get(link.from);
+    if (known) known.push(link.to);
+    else after.set(link.from, [link.to]);
+  }
   const depth = new Map(steps.filter((s) => s.kind === "source").map((s) => [s.name, 0]));
   const queue = [...depth.keys()];
   for (let at = 0; at < queue.length; at++)

@@ -25,16 +25,23 @@ export function shownFlow(document: CawlDocument, good: CawlDocument | null, key
 // Steps in the order of the flow, for keys and readers: those that others lead to come later.
 export function inFlowOrder<T extends Step>(steps: readonly T[], links: readonly Link[]): T[] {
   const byName = new Map(steps.map((step) => [step.name, step]));
+  const after = new Map<string, string[]>();
+  for (const link of links) {
+    const known = after.get(link.from);
+    if (known) known.push(link.to);
+    else after.set(link.from, [link.to]);
+  }
   const done = new Set<T>();
   const order: T[] = [];
   const queue = steps.filter((s) => s.kind === "source");
+  let at = 0;
   const visit = () => {
-    for (let step = queue.shift(); step; step = queue.shift()) {
+    for (let step = queue[at++]; step; step = queue[at++]) {
       if (done.has(step)) continue;
       done.add(step);
       order.push(step);
-      for (const link of links) {
-        const next = link.from === step.name ? byName.get(link.to) : undefined;
+      for (const name of after.get(step.name) ?? []) {
+        const next = byName.get(name);
         if (next && !done.has(next) && next.kind !== "sink") queue.push(next);
       }
     }
@@ -42,6 +49,7 @@ export function inFlowOrder<T extends Step>(steps: readonly T[], links: readonly
   visit();
   for (const step of steps) {
     if (done.has(step) || step.kind === "sink") continue;
+    queue.length = at = 0;
     queue.push(step);
     visit();
   }

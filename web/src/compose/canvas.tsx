@@ -49,15 +49,22 @@ function useNodes(props: CanvasProps): StepNode[] {
   const order = useMemo(() => inFlowOrder(shown.steps, shown.links), [shown]);
   const places = useMemo(() => placeSteps(shown.steps, shown.links), [shown]);
   return useMemo(
-    () =>
-      order.map((step): StepNode => {
-        const mine = findings.filter((f) => f.flow === shown.flow.key && f.step === step.key);
-        const data = { step, serviceNames, errors: mine.filter((f) => f.error).length, warnings: mine.filter((f) => !f.error).length };
+    () => {
+      const counts = new Map<string, { errors: number; warnings: number }>();
+      for (const f of findings) {
+        if (f.flow !== shown.flow.key || !f.step) continue;
+        const count = counts.get(f.step) ?? { errors: 0, warnings: 0 };
+        counts.set(f.step, f.error ? { ...count, errors: count.errors + 1 } : { ...count, warnings: count.warnings + 1 });
+      }
+      return order.map((step): StepNode => {
+        const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
+        const data = { step, serviceNames, errors, warnings };
         return {
           id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
           deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),
         };
-      }),
+      });
+    },
     [order, places, findings, serviceNames, selected, shown],
   );
 }
@@ -162,13 +169,14 @@ function Flow(props: CanvasProps) {
   };
 
   const byName = useMemo(() => new Map(shown.steps.map((s) => [s.name, s.key])), [shown]);
+  const badLinks = useMemo(() => new Set(props.findings.filter((f) => f.flow === shown.flow.key && f.link).map((f) => f.link)), [props.findings, shown]);
   const edges = useMemo(
     () =>
       shown.links.flatMap((link): LinkEdgeType[] => {
         const source = byName.get(link.from);
         const target = byName.get(link.to);
         if (source === undefined || target === undefined) return [];
-        const bad = props.findings.some((f) => f.flow === shown.flow.key && f.link === link.key);
+        const bad = badLinks.has(link.key);
         return [{
           id: link.key, source, target, type: "link", selected: props.selectedLinks.has(link.key), ariaLabel: `Link from ${link.from} to ${link.to}`,
           className: `${link.kind}${link.stale ? " stale" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
@@ -176,7 +184,7 @@ function Flow(props: CanvasProps) {
           markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" },
         }];
       }),
-    [shown, byName, props.findings, props.selectedLinks, props.onQuickAdd, hovered],
+    [shown, byName, badLinks, props.selectedLinks, props.onQuickAdd, hovered],
   );
 
   const linkAt = (x: number, y: number): string | null => {
@@ -227,7 +235,7 @@ function Flow(props: CanvasProps) {
         onConnect={(c) => actions.connect(c.source, c.target)} onConnectEnd={onConnectEnd} onNodeDragStop={dragStop} onSelectionDragStop={commit}
         onNodeDoubleClick={(_, node) => props.onOpen(node.id)} connectionMode={ConnectionMode.Strict} connectionRadius={36}
         deleteKeyCode={null} selectionKeyCode="Shift" multiSelectionKeyCode={["Meta", "Control"]} selectionMode={SelectionMode.Partial} panOnScroll zoomOnDoubleClick={false}
-        minZoom={0.15} maxZoom={2} snapToGrid snapGrid={[4, 4]} fitView fitViewOptions={{ padding: 0.16, maxZoom: 1 }} onlyRenderVisibleElements={nodes.length > 120}
+        minZoom={0.15} maxZoom={2} snapToGrid snapGrid={[4, 4]} fitView={nodes.length <= 120} fitViewOptions={{ padding: 0.16, maxZoom: 1 }} onlyRenderVisibleElements={nodes.length > 120}
         nodesFocusable edgesFocusable disableKeyboardA11y={false} autoPanOnNodeFocus proOptions={{ hideAttribution: false }} attributionPosition="bottom-left"
       >
         <Background variant={BackgroundVariant.Dots} gap={20} size={1.4} color="var(--dots)" />

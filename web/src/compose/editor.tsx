@@ -73,8 +73,8 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const { session, name } = props;
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
   const [deployed, setDeployed] = useState(props.deployed);
-  const { document } = session;
-  const shown = useMemo(() => shownFlow(session.document, session.good, props.flow), [session, version, props.flow]);
+  const document = session.shown;
+  const shown = useMemo(() => shownFlow(session.shown, session.good, props.flow), [session, version, props.flow]);
   const flowKey = shown?.flow.key ?? "";
   const [steps, setSteps] = useState<ReadonlySet<string>>(() => new Set(props.step ? [props.step] : []));
   const [links, setLinks] = useState<ReadonlySet<string>>(() => new Set());
@@ -162,7 +162,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     { title: "Show or hide the text", group: "Document", icon: CodeXml, keys: "T", run: () => panels.toggle("text") },
     { title: "Show or hide the palette", group: "Document", icon: PanelLeftOpen, keys: "P", run: () => panels.toggle("palette") },
     ...(findings.list[0] ? [{ title: "Go to the first finding", group: "Document", icon: Crosshair, keys: "E", run: () => findings.list[0] && onJump(findings.list[0]) } satisfies Command] : []),
-    ...findings.list.filter((f) => f.fix.length > 0).map((f): Command => ({ title: `Mend: ${f.message}`, group: "Findings", icon: WandSparkles, run: () => onFix(f) })),
+    ...findings.list.filter((f) => f.fix.length > 0).slice(0, 100).map((f): Command => ({ title: `Mend: ${f.message}`, group: "Findings", icon: WandSparkles, run: () => onFix(f) })),
     ...(shown?.steps ?? []).map((s): Command => ({ title: `Go to step ${s.name}`, group: "Go to", words: "node", run: () => onSelect([s.key], [], true) })),
   ]);
 
@@ -215,7 +215,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
             {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} />}
           </div>
           <TextPane session={session} findings={findings.list} onFix={onFix} onCaret={(offset) => {
-            const part = partAt(session.document, offset);
+            const part = partAt(session.shown, offset);
             if (part && part.flow.key === flowKey && (part.step || part.link)) {
               setSteps(new Set(part.step ? [part.step.key] : []));
               setLinks(new Set(part.link ? [part.link.key] : []));

@@ -41,15 +41,15 @@ export function indexOfByte(text: string, byte: number): number {
   return index;
 }
 
+export function lineStarts(text: string): number[] {
+  const starts = [0];
+  for (let end = text.indexOf("\n"); end >= 0; end = text.indexOf("\n", end + 1)) starts.push(end + 1);
+  return starts;
+}
+
 // Index of a line (from 1) and a column (from 1, in code points).
-export function indexOfPlace(text: string, line: number, column: number): number {
-  let start = 0;
-  for (let at = 1; at < line; at++) {
-    const end = text.indexOf("\n", start);
-    if (end < 0) break;
-    start = end + 1;
-  }
-  let index = start;
+export function indexOfPlace(text: string, line: number, column: number, starts = lineStarts(text)): number {
+  let index = starts[Math.min(line, starts.length) - 1] ?? 0;
   for (let at = 1; at < column && index < text.length && text[index] !== "\n"; at++) index += (text.codePointAt(index) ?? 0) > 0xffff ? 2 : 1;
   return index;
 }
@@ -62,6 +62,7 @@ function endOfWord(text: string, from: number): number {
 
 export function readFindings(document: CawlDocument, diagnostics: readonly Diagnostic[]): Finding[] {
   const { text } = document;
+  const starts = lineStarts(text);
   const place = (from: number) => {
     const part = partAt(document, from);
     return { flow: part?.flow.key ?? "", step: part?.step?.key ?? "", link: part?.link?.key ?? "" };
@@ -71,7 +72,7 @@ export function readFindings(document: CawlDocument, diagnostics: readonly Diagn
   }));
   if (own.length > 0) return own; // the server says the same, in other words
   return diagnostics.map((d, i): Finding => {
-    const from = d.line > 0 ? indexOfPlace(text, d.line, Math.max(1, d.column)) : 0;
+    const from = d.line > 0 ? indexOfPlace(text, d.line, Math.max(1, d.column), starts) : 0;
     const fix = d.fix.map((edit) => {
       const at = indexOfByte(text, Number(edit.offset));
       return { from: at, to: indexOfByte(text, Number(edit.offset + edit.length)), insert: edit.replacement };
@@ -82,12 +83,12 @@ export function readFindings(document: CawlDocument, diagnostics: readonly Diagn
 
 export function useFindings(session: Session): Findings {
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
-  const [state, setState] = useState<Findings>(() => ({ list: readFindings(session.document, []), conditions: [], of: "", checking: true, error: undefined }));
+  const [state, setState] = useState<Findings>(() => ({ list: readFindings(session.shown, []), conditions: [], of: "", checking: true, error: undefined }));
   const sequence = useRef(0);
   useEffect(() => {
     const abort = new AbortController();
     const mine = ++sequence.current;
-    const { document } = session;
+    const document = session.shown;
     if (document.problems.length > 0) {
       setState((before) => ({ ...before, list: readFindings(document, []), of: document.text, checking: false, error: undefined }));
       return;

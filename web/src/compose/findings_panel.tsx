@@ -20,6 +20,8 @@ export function FindingRow(props: { finding: Finding; onFix: (finding: Finding) 
   );
 }
 
+const shownAtOnce = 200;
+
 export function FindingsPanel(props: { findings: Findings; lineOf: (offset: number) => number; open: boolean; onToggle: () => void; onFix: (finding: Finding) => void; onJump: (finding: Finding) => void }) {
   const { list, checking, error } = props.findings;
   const errors = list.filter((f) => f.error).length;
@@ -39,7 +41,8 @@ export function FindingsPanel(props: { findings: Findings; lineOf: (offset: numb
       </button>
       {props.open && list.length > 0 && (
         <ul className="findings-list">
-          {list.map((f) => <FindingRow key={f.id} finding={f} onFix={props.onFix} onJump={props.onJump} place={`${f.step ? `${f.step}, ` : ""}line ${props.lineOf(f.from)}`} />)}
+          {list.slice(0, shownAtOnce).map((f) => <FindingRow key={f.id} finding={f} onFix={props.onFix} onJump={props.onJump} place={`${f.step ? `${f.step}, ` : ""}line ${props.lineOf(f.from)}`} />)}
+          {list.length > shownAtOnce && <li className="faint finding-words">and {list.length - shownAtOnce} more</li>}
         </ul>
       )}
     </section>

@@ -60,7 +60,7 @@ export function useLive(document: CawlDocument, asks: readonly { id: string; ask
   const polled = usePoll(key === "" ? "" : `live ${key}`, async (signal) => {
     const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask, whole }): Promise<[string, Live]> => [id, await state(document, ask, whole, signal)]));
     return new Map(entries);
-  }, 700);
+  }, live.state === "open" ? 3000 : 700); // where /live tells of each turn, only counts and what lacks are asked for in between
   useTurns(asks.map((a) => a.ask).filter(Boolean), polled.again);
   return polled.data ?? new Map();
 }

@@ -7,9 +7,12 @@ import { type CawlDocument, flowOf, type Flow, readCawl } from "../cawl/document
 import { EditRefused, Edits } from "../cawl/edits";
 import { announce, toast } from "../ui/toasts";
 
+const large = 150_000; // characters
+
 export class Session {
   readonly view: EditorView;
-  document: CawlDocument;
+  private model: CawlDocument;
+  private pending = 0; // timer of a text that is not read yet
   good: CawlDocument | null; // the newest without mistakes of the text
   version = 0; // changes with each text
   refreshed = 0; // changes when the whole text was replaced, and the canvas should show all of it
@@ -28,13 +31,19 @@ export class Session {
             if (!update.docChanged) return;
             const ranges: { fromA: number; toA: number; fromB: number; toB: number }[] = [];
             update.changes.iterChangedRanges((fromA, toA, fromB, toB) => ranges.push({ fromA, toA, fromB, toB }));
-            this.read(update.state.doc.toString(), ranges);
+            // Of a large text that is typed in, the model follows when the keys rest.
+            const typed = update.transactions.every((t) => t.isUserEvent("input") || t.isUserEvent("delete"));
+            if (typed && update.state.doc.length > large) {
+              window.clearTimeout(this.pending);
+              this.pending = window.setTimeout(() => this.read(this.view.state.doc.toString()), 250);
+            } else if (this.pending) this.read(update.state.doc.toString());
+            else this.read(update.state.doc.toString(), ranges);
           }),
         ],
       }),
     });
-    this.document = readCawl(this.view.state.doc.toString());
-    this.good = this.document.problems.length === 0 ? this.document : null;
+    this.model = readCawl(this.view.state.doc.toString());
+    this.good = this.model.problems.length === 0 ? this.model : null;
   }
 
   subscribe = (listener: () => void) => {
@@ -43,6 +52,15 @@ export class Session {
   };
   getVersion = () => this.version;
 
+  // The model of the text as it is now.
+  get document(): CawlDocument {
+    if (this.pending) this.read(this.view.state.doc.toString());
+    return this.model;
+  }
+  // The newest model that was read; while somebody types in a large text, it may be a moment old.
+  get shown(): CawlDocument {
+    return this.model;
+  }
   get text(): string {
     return this.document.text;
   }
@@ -52,8 +70,10 @@ export class Session {
   }
 
   private read(text: string, changed?: { fromA: number; toA: number; fromB: number; toB: number }[]) {
-    this.document = readCawl(text, this.document, changed);
-    if (this.document.problems.length === 0) this.good = this.document;
+    window.clearTimeout(this.pending);
+    this.pending = 0;
+    this.model = readCawl(text, changed ? this.model : undefined, changed);
+    if (this.model.problems.length === 0) this.good = this.model;
     this.version++;
     for (const listener of this.listeners) listener();
   }

@@ -49,7 +49,7 @@ function View({ flow, run, serviceNames, picked, onPick }: { flow: Flow; run: Ru
   return (
     <div className="canvas run-canvas">
       <ReactFlow<StepNode, LinkEdgeType>
-        nodes={nodes} edges={edges} nodeTypes={nodeTypes} edgeTypes={edgeTypes} nodesDraggable={false} nodesConnectable={false} deleteKeyCode={null} panOnScroll fitView fitViewOptions={{ padding: 0.14, maxZoom: 1 }} minZoom={0.15}
+        nodes={nodes} edges={edges} nodeTypes={nodeTypes} edgeTypes={edgeTypes} nodesDraggable={false} nodesConnectable={false} deleteKeyCode={null} panOnScroll fitView={nodes.length <= 120} fitViewOptions={{ padding: 0.14, maxZoom: 1 }} minZoom={0.15} onlyRenderVisibleElements={nodes.length > 120}
         onNodeClick={(_, node) => onPick(node.data.step.kind === "node" ? node.data.step.name : "")} onPaneClick={() => onPick("")}
         onNodesChange={(changes) => { for (const c of changes) if (c.type === "select" && c.selected) onPick(c.id); }}
       >

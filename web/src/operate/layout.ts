@@ -127,7 +127,7 @@ export function usePeople(): Polled<Person[]> {
   return usePoll("people", async (signal) => (await query(peopleQuery, signal)).rows.map((row) => ({
     iri: row["p"]?.text ?? "", name: row["name"]?.text ?? "", at: row["region"]?.text ?? "",
     x: row["x"] ? Number(row["x"].text) : null, y: row["y"] ? Number(row["y"].text) : null,
-  })), 1000);
+  })), 2000);
 }
 
 export function centre(ring: readonly Point[]): Point {

@@ -28,6 +28,8 @@ export function score(item: Pick<PickerItem, "title" | "words" | "detail">, type
   return total;
 }
 
+const shownAtOnce = 250;
+
 export function Picker(props: { label: string; placeholder: string; items: PickerItem[]; empty: string; other?: (typed: string) => PickerItem | null; onDone: () => void }) {
   const [typed, setTyped] = useState("");
   const [active, setActive] = useState(0);
@@ -38,7 +40,7 @@ export function Picker(props: { label: string; placeholder: string; items: Picke
     if (typed.trim() !== "") found.sort((a, b) => b.score - a.score);
     const items = found.map((entry) => entry.item);
     const other = typed.trim() === "" ? null : props.other?.(typed.trim());
-    return other ? [...items, other] : items;
+    return other ? [...items.slice(0, shownAtOnce), other] : items.slice(0, shownAtOnce); // more is found by typing
   }, [props, typed]);
   const index = Math.min(active, shown.length - 1);
   useEffect(() => void list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" }), [index, shown]);
