@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <climits>
@@ -37,6 +38,7 @@ absl::StatusOr<std::string> ToBinary(const pb::Descriptor& type, MessageCodec co
   if (text.empty()) return std::string();
   const std::unique_ptr<pb::Message> message = NewMessage(type);
   if (codec == MessageCodec::kProto) {
+    const pb::LogSilencer quiet;  // the client is told
     if (!message->ParseFromArray(text.data(), static_cast<int>(text.size())))
       return NotOfType(type, "its binary form", "");
     return std::string(text);

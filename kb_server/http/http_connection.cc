@@ -133,6 +133,7 @@ net::awaitable<void> HttpConnection::TurnAway() {
 }
 
 net::awaitable<bool> HttpConnection::ServeOne() {
+  shared_with_.clear();
   HttpHeadReader reader({shared_.options.header_bytes, shared_.options.header_fields});
   if (!co_await ReadHead(reader)) co_return false;
   HttpHead& head = reader.head();

@@ -16,6 +16,11 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
 }
 
+std::string EndJson(const std::string& id, const grpc::Status& status) {
+  return Concat("{\"id\":", id, ",\"end\":{",
+                status.ok() ? "" : Concat("\"error\":", ConnectErrorJson(status)), "}}");
+}
+
 }  // namespace
 
 LiveSession::LiveSession(const LivePorts* ports, const std::shared_ptr<HttpExchange>& exchange)
@@ -36,13 +41,19 @@ void LiveSession::Send(std::string_view json) {
   exchange_->Push(WebSocketFrame(WebSocketOpcode::kText, json));
 }
 
-void LiveSession::SendEnd(const std::string& id, const grpc::Status& status) {
+void LiveSession::StreamEnded(const LiveStream* stream, const std::string& id, const grpc::Status& status) {
   {
     absl::MutexLock lock(&mutex_);
-    streams_.erase(id);
+    const auto found = streams_.find(id);
+    if (found == streams_.end() || found->second.get() != stream) return;
+    streams_.erase(found);
   }
-  Send(Concat("{\"id\":", id, ",\"end\":{", status.ok() ? "" : Concat("\"error\":", ConnectErrorJson(status)),
-              "}}"));
+  Send(EndJson(id, status));
+}
+
+bool LiveSession::HasPatience() {
+  if (!exchange_->full()) unread_ = 0;
+  return ++unread_ <= ports_.limits.live_unread_requests;
 }
 
 void LiveSession::OnBytes(std::string_view bytes) {
@@ -52,6 +63,15 @@ void LiveSession::OnBytes(std::string_view bytes) {
     heard_ = absl::Now();
   }
   for (const WebSocketReader::Event& event : reader_.Read(bytes)) {
+    bool patient = true;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (closed_) return;
+      patient = HasPatience();
+    }
+    if (!patient)
+      return Close(WebSocketClose(kWebSocketPolicy,
+                                  "the tab asks and does not read the answers: live_unread_requests"));
     switch (event.opcode) {
       case WebSocketOpcode::kText:
         Take(event.payload);
@@ -82,10 +102,11 @@ void LiveSession::Take(const std::string& text) {
     absl::MutexLock lock(&mutex_);
     const auto found = streams_.find(request->id);
     if (found == streams_.end()) return;  // it has ended by itself
-    stream = found->second;
+    stream = std::move(found->second);
+    streams_.erase(found);
   }
   stream->End();
-  SendEnd(request->id, grpc::Status::OK);
+  Send(EndJson(request->id, grpc::Status::OK));
 }
 
 void LiveSession::BeginStream(const LiveRequest& request) {
@@ -105,7 +126,7 @@ void LiveSession::BeginStream(const LiveRequest& request) {
   if (!status.ok())
     return Send(Concat("{\"id\":", request.id, ",\"refused\":", ConnectErrorJson(ToGrpcStatus(status)), "}"));
   status = stream->Begin(ports_.queries->Newest()->revision().value());
-  if (!status.ok()) SendEnd(request.id, ToGrpcStatus(status));
+  if (!status.ok()) StreamEnded(stream.get(), request.id, ToGrpcStatus(status));
 }
 
 void LiveSession::Look(absl::Time now, uint64_t newest) {

@@ -43,13 +43,15 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   const LivePorts& ports() const { return ports_; }
   // One message, whole JSON. Its stream asks `exchange` for room before it makes the next one.
   void Send(std::string_view json);
-  // The last message of the stream `id`: {"id":…,"end":…}.
-  void SendEnd(const std::string& id, const grpc::Status& status);
+  // `stream` ends by itself: says so, unless the tab has ended it.
+  void StreamEnded(const LiveStream* stream, const std::string& id, const grpc::Status& status);
   const std::shared_ptr<HttpExchange>& exchange() const { return exchange_; }
 
  private:
   void Take(const std::string& text);
   void BeginStream(const LiveRequest& request);
+  // False: the tab goes on asking and does not read the answers.
+  bool HasPatience() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void EndAll();
   void Close(std::string_view frame);
 
@@ -60,6 +62,7 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
   absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
   absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged
+  size_t unread_ ABSL_GUARDED_BY(mutex_) = 0;  // messages of the tab since it last read
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

@@ -78,7 +78,7 @@ class StreamBase : public LiveStream, public std::enable_shared_from_this<Stream
       absl::MutexLock lock(&mutex_);
       if (std::exchange(ended_, true)) return;
     }
-    session_->SendEnd(request_.id, status);
+    session_->StreamEnded(this, request_.id, status);
   }
   void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink) {
     const std::shared_ptr<RpcCall> call =

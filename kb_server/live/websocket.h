@@ -25,7 +25,8 @@ enum class WebSocketOpcode : uint8_t {
 
 // Status codes of the end of a connection (section 7.4.1).
 constexpr uint16_t kWebSocketNormal = 1000, kWebSocketGoingAway = 1001, kWebSocketProtocolError = 1002,
-                   kWebSocketUnsupported = 1003, kWebSocketInvalidData = 1007, kWebSocketTooLarge = 1009;
+                   kWebSocketUnsupported = 1003, kWebSocketInvalidData = 1007, kWebSocketPolicy = 1008,
+                   kWebSocketTooLarge = 1009;
 
 // Checks the request of a handshake (section 4.2.1). Fills `*headers` of the answer 101; or the refusal: 400, or 426 for a
 // request that asks for no WebSocket, or for another version.

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "tests/graph/base/gzip.h"
+#include "graph/base/gzip.h"
 #include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/server_world.h"
 

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/graph/base/gzip.h"
-
 namespace docent {
 namespace {
 

@@ -209,6 +209,28 @@ TEST_F(LiveTest, SilentConnectionsAreProbedAndThenClosed) {
   EXPECT_TRUE(Soon([this] { return live_->open() == 0; }));
 }
 
+TEST_F(LiveTest, ATabThatAsksAndDoesNotReadIsCutOff) {
+  workflows_.count = UINT64_MAX;
+  workflows_.detail = std::string(10000, 'x');
+  WebSocketClient tab(http_->port());
+  tab.Send(R"({"id":1,"call":"docent.v1.Workflows/Watch"})");
+  uint64_t before = 0;
+  EXPECT_TRUE(Soon([&] {  // nothing more fits
+    before = workflows_.written;
+    absl::SleepFor(absl::Milliseconds(100));
+    return before > 0 && before == workflows_.written;
+  }));
+  for (int i = 0; i < 2000; ++i) tab.SendBytes(ClientFrame(0x89, "p"));
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 0; }));
+  uint8_t first = 1;
+  std::string last, frame;
+  while (first != 0) {
+    last = frame;
+    frame = tab.Receive(&first);
+  }
+  EXPECT_THAT(last, HasSubstr("live_unread_requests"));
+}
+
 TEST_F(LiveTest, ATabThatDoesNotReadHoldsUpItsStreamAndNoMore) {
   workflows_.count = UINT64_MAX;
   workflows_.detail = std::string(10000, 'x');

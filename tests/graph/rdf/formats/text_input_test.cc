@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "graph/base/gzip.h"
-#include "tests/graph/base/gzip.h"
 
 namespace docent {
 namespace {
