@@ -96,7 +96,7 @@ class Writes(StageTest):
       <ext:notify to="{hook.url}" type="org.example.arrived" subject="$user" variables="user n" wait="true"/></node>
     <node name="B"><ext:tell>$user w:is w:notified</ext:tell></node>
 """)
-        server.command("run", "Call", "--var", "user=<urn:w:John>")
+        server.command("run", "Call", "--detach", "--var", "user=<urn:w:John>")
         stage.wait_until(lambda: hook.events, PATIENCE_S, "the first attempt")
         self.assertFalse(server.ask("<urn:w:John> <urn:w:is> <urn:w:notified>"))
         server.kill()
@@ -125,7 +125,7 @@ class Writes(StageTest):
         self.deploy(server, "Call", f"""
     <node name="A"><ext:notify to="{hook.url}" wait="true"/></node><node name="B"/>
 """)
-        server.command("run", "Call")
+        self.assertEqual(server.run("run", "Call").returncode, 1)
         server.wait_for("?run docent:runState 'failed'", PATIENCE_S)
         self.assertIn("--notify", server.run("runs", "Call-1").stdout)
         self.assertEqual(hook.events, [])
@@ -137,7 +137,7 @@ class Writes(StageTest):
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-        config = self.file("mosquitto.conf", f"listener {port} 127.0.0.1\nallow_anonymous true\nlog_dest stdout\nlog_type all\n")
+        config = self.file("mosquitto.conf", f"listener {port} 127.0.0.1\nallow_anonymous true\nlog_dest stderr\nlog_type all\n")
         process = self.stage.start("mosquitto", [broker, "-c", config])
         server = self.stage.server(arguments=["--mqtt", f"127.0.0.1:{port}"])
         self.deploy(server, "Call", """
