@@ -189,12 +189,12 @@ class TextWriter {
     absl::StatusOr<std::vector<CompiledAsk>> asks =
         CompileCondition(document_, condition, NoValues, limits_, &refused);
     if (!asks.ok()) return Refuse(refused, asks.status(), kSplit);
-    for (CompiledAsk& ask : *asks) {
+    for (size_t i = 0; i < asks->size(); ++i) {  // contexts come before the case
       Add(place,
-          condition.expression ? "condition"
-          : ask.by_event()     ? "case"
-                               : "context",
-          condition.span, &ask);
+          condition.expression            ? "condition"
+          : i < condition.contexts.size() ? "context"
+                                          : "case",
+          condition.span, &(*asks)[i]);
     }
   }
 
