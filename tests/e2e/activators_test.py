@@ -24,7 +24,7 @@ class Activators(StageTest):
         return len(server.select(f"SELECT ?run {{ ?run docent:flow '{flow}' ; docent:runState ?state }}"))
 
     def wait_for_runs(self, server, flow, count):
-        server.wait_for(f"{{ SELECT (COUNT(?run) AS ?n) {{ ?run docent:flow '{flow}' }} }} FILTER(?n >= {count})")
+        server.wait_for(f"{{ SELECT (COUNT(?run) AS ?n) {{ ?run docent:flow '{flow}' ; docent:runState ?s }} }} FILTER(?n >= {count})")
         self.assertEqual(self.runs(server, flow), count)
 
     def put(self, server, method, graph, body):

@@ -32,7 +32,7 @@ TEST(GzipTest, WhatIsPackedIsUnpacked) {
 
 TEST(GzipTest, ABombIsUnpackedToItsLimitAlone) {
   const std::string bomb = Gzip(std::string(50u << 20, 'x'));
-  EXPECT_LT(bomb.size(), 100000u);
+  EXPECT_LT(bomb.size(), 300000u);
   EXPECT_THAT(Message(bomb, 1000), HasSubstr("more bytes than the limit some_bytes = 1000"));
   EXPECT_EQ(Gunzip(bomb, 1000, "some_bytes").status().code(), absl::StatusCode::kResourceExhausted);
 }
