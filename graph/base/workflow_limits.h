@@ -11,9 +11,10 @@ namespace docent {
 struct WorkflowLimits {
   size_t condition_alternatives =
       256;  // alternatives of a context, case or expression after its `or`s are moved to the top
-  size_t condition_parts = 10000;  // constraints and events in these alternatives together
-  size_t name_bytes = 256;         // name of a workflow, flow, node, process, operation and the like
-  int activator_max = 1000;        // ext:max of an activator
+  size_t condition_parts = 10000;    // constraints and events in these alternatives together
+  size_t name_bytes = 256;           // name of a workflow, flow, node, process, operation and the like
+  int activator_max = 1000;          // ext:max of an activator
+  size_t firings_per_turn = 100000;  // of activators, in one turn
   size_t firings_waiting =
       1000;  // firings of one activator that wait for runs of their keys to end (ext:mode="queued")
   size_t events_waiting =

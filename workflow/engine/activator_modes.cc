@@ -97,6 +97,15 @@ void Fire(Engine::Core* core, const Activations::Place& place, Firing firing) {
 // The firing of a binding that the condition has now.
 void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
              const TermBinding& binding) {
+  if (++core->firings > kWorkflowLimits.firings_per_turn) {
+    if (core->output->refused.ok()) {
+      core->output->refused = absl::ResourceExhaustedError(absl::StrCat(
+          "the activator of workflow ", workflow,
+          " fires too often in one turn; the limit firings_per_turn is ", kWorkflowLimits.firings_per_turn,
+          "; does its condition match what runs write themselves (graph docent:runs)?"));
+    }
+    return;
+  }
   const cawl::DocumentPtr document = core->deployments.at(workflow).document;
   Firing firing{binding, ""};
   auto solutions = core->input->conditions->Solutions(handle, binding, 1);

@@ -88,7 +88,10 @@ void Engine::Core::Keep(KeptRun run) {
   ++kept_new;
   if (kept.size() <= limits.runs_kept) return;
   output->remove.insert(output->remove.end(), kept.front().facts->begin(), kept.front().facts->end());
-  undo_kept.push_back(std::move(kept.front()));
+  if (kept_new == kept.size())
+    --kept_new;  // it ended in this turn, too
+  else
+    undo_kept.push_back(std::move(kept.front()));
   kept.pop_front();
 }
 
@@ -350,7 +353,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->changed_robots.clear();
   const bool first_round = input.requests != nullptr || input.reports != nullptr;
   core_->turn_round = first_round ? 0 : core_->turn_round + 1;
-  if (first_round) core_->facts_written = 0;
+  if (first_round) core_->facts_written = core_->firings = 0;
   core_->written.clear();
   core_->writing_trees.clear();
   std::swap(output.arm, core_->deploy_arm);

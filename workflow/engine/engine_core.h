@@ -136,6 +136,7 @@ struct Engine::Core {
   bool services_changed = false;     // since the last Step
   int turn_round = 0;                // of this turn, from 0
   size_t facts_written = 0;          // by runs in this turn
+  size_t firings = 0;                // of activators in this turn
   std::map<RunId, std::vector<size_t>> written;  // in this round: index in output->writes
   std::set<RunId> writing_trees;                 // of these, the outermost runs
   // Output of Deploy and Undeploy, told with the next Step.

@@ -176,6 +176,7 @@ struct EngineOutput {
   std::vector<RunId> started;     // by this turn's RunRequests, in their order
   std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
   std::vector<RunId> steered;     // that RunRequests paused or resumed, without those that are nested in them
+  absl::Status refused;           // an error: the turn cannot be, and the caller rolls it back
 
   bool quiet() const {
     return add.empty() && remove.empty() && writes.empty() && notifications.empty() && arm.empty() &&

@@ -421,6 +421,16 @@ TEST_F(FailingTurnTest, DocumentsBesideABadTerm) {
   GoOn();
 }
 
+TEST_F(FailingTurnTest, AnActivatorThatMatchesWhatItsOwnRunsWrite) {
+  const std::string everything =
+      "<CAWL name=\"E\"><activator name=\"A\"><activate flow=\"F\"/><condition><context><rule><constraint>"
+      "<subject>?a</subject><verb>?b</verb><object>?c</object></constraint></rule></context></condition>"
+      "</activator><flow name=\"F\"><source name=\"s\"/><sink name=\"e\"/><link from=\"s\" "
+      "to=\"e\"/></flow></CAWL>";
+  Fail(Put(Document::Kind::kCawl, "e.xml", everything), absl::StatusCode::kResourceExhausted, "in one turn");
+  GoOn();
+}
+
 TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherWithoutEnd) {
   // each run is a new binding of the activator that started it
   std::string again =
