@@ -124,7 +124,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     view.ranking = &stages->ranking;
     engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
     if (!output.refused.ok()) return output.refused;
-    if (stages->cancellation != nullptr) {                    // it took what it could get
+    if (stages->cancellation != nullptr) {  // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
     }
     const bool quiet = output.quiet();

@@ -36,9 +36,9 @@ TEST_P(WsdlGolden, SaysWhatIsExpected) {
       absl::StrCat("<CAWL name=\"c\"><flow name=\"f\"><source name=\"docent begins\"/>", nodes,
                    "<sink name=\"docent ends\"/></flow></CAWL>");
   for (const Diagnostic& d : cawl::ParseCawl(document, "pasted").diagnostics) {
-    const bool of_links =
-        d.message.find("link") != std::string::npos || d.message.find("no path leads") != std::string::npos ||
-        d.message.find("cannot be reached") != std::string::npos;
+    const bool of_links = d.message.find("link") != std::string::npos ||
+                          d.message.find("no path leads") != std::string::npos ||
+                          d.message.find("cannot be reached") != std::string::npos;
     EXPECT_TRUE(of_links || d.severity == Diagnostic::Severity::kWarning) << d.message << "\n" << document;
   }
 }
