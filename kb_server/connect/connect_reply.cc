@@ -109,7 +109,9 @@ class StreamReply final : public RpcSink, public std::enable_shared_from_this<St
     if (!message.ok()) return Fail(message.status(), call);
     const bool packed = head_.gzip_reply && message->size() >= kWorthPacking;
     exchange_->Push(packed ? Enveloped(kCompressedFlag, Gzip(*message)) : Enveloped(0, *message));
-    exchange_->OnRoom([call] { call->Next(); });
+    exchange_->OnRoom([waiting = std::weak_ptr<RpcCall>(call)] {
+      if (const std::shared_ptr<RpcCall> there = waiting.lock()) there->Next();
+    });
   }
   void Fail(const absl::Status& status, const std::shared_ptr<RpcCall>& call) {
     failure_ = ToGrpcStatus(status);

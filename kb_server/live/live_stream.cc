@@ -147,7 +147,10 @@ class ServiceStream final : public StreamBase {
       const absl::StatusOr<std::string> json = FromBinary(*method_.output_type(), MessageCodec::kJson, bytes);
       if (json.ok()) SendLive(MessageJson(request_.id, *json, place_.Next(*reply)));
     }
-    session_->exchange()->OnRoom([call] { call->Next(); });
+    // Weak: a tab that does not read does not keep a call that has ended.
+    session_->exchange()->OnRoom([waiting = std::weak_ptr<RpcCall>(call)] {
+      if (const std::shared_ptr<RpcCall> there = waiting.lock()) there->Next();
+    });
   }
 
   ResumePoint place_;  // of one event at a time

@@ -209,7 +209,7 @@ TEST_F(LiveTest, SilentConnectionsAreProbedAndThenClosed) {
   EXPECT_TRUE(Soon([this] { return live_->open() == 0; }));
 }
 
-TEST_F(LiveTest, ATabThatAsksAndDoesNotReadIsCutOff) {
+TEST_F(LiveTest, TheStreamsOfATabThatAsksAndDoesNotReadEnd) {
   workflows_.count = UINT64_MAX;
   workflows_.detail = std::string(10000, 'x');
   WebSocketClient tab(http_->port());
@@ -221,7 +221,8 @@ TEST_F(LiveTest, ATabThatAsksAndDoesNotReadIsCutOff) {
     return before > 0 && before == workflows_.written;
   }));
   for (int i = 0; i < 2000; ++i) tab.SendBytes(ClientFrame(0x89, "p"));
-  EXPECT_TRUE(Soon([this] { return calls_->open() == 0; }));
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 0 && workflows_.ended; }));
+  EXPECT_EQ(http_->counts().open, 1u) << "by the limit, not because the connection ended";
 }
 
 TEST_F(LiveTest, ATabThatDoesNotReadHoldsUpItsStreamAndNoMore) {
