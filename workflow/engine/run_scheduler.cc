@@ -85,7 +85,10 @@ void ReconsiderWaiting(Engine::Core* core) {
     if (!news) return;
     for (const CommandOwner& owner : core->waiting.Oldest(wish, SIZE_MAX)) core->touched.insert(owner.run);
   });
-  for (const auto& [robot, root] : core->ledger.holders()) TouchTree(core, root);
+  for (const auto& [robot, root] : core->ledger.holders()) {
+    TouchTree(core, root);
+    core->coveted.insert(robot);  // a robot may say that it has ended a step after its command has
+  }
   for (const RobotId& robot : core->waiting.BlockedRobots()) core->released.insert(robot);
 }
 

@@ -118,9 +118,9 @@ class RandomDocuments {
   }
   // Some runs are more urgent than others, and some of these take robots from them.
   std::string Urgency() {
-    if (dice_.OneIn(2)) return "";
+    if (dice_.OneIn(3)) return "";
     return absl::StrCat(" ext:priority=\"", dice_.Below(4) - 1, "\"",
-                        dice_.OneIn(2) ? " ext:preempt=\"true\"" : "");
+                        dice_.OneIn(3) ? "" : " ext:preempt=\"true\"");
   }
   std::string Operation() { return SimulatedOperations()[static_cast<size_t>(dice_.Below(5))].name; }
   std::string Node(int number, int n) {

@@ -466,7 +466,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   }
   if (only < 0) {
     EXPECT_GT(commands, 5u * static_cast<size_t>(seeds)) << "it has to try something";
-    EXPECT_GT(preempted, static_cast<size_t>(seeds) / 60) << "of pre-emption, too";
+    EXPECT_GT(preempted, static_cast<size_t>(seeds) / 30) << "of pre-emption, too";
   }
 }
 
