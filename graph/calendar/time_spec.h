@@ -6,7 +6,7 @@
 //   every="10min"                     occurrences, counted from when somebody began to ask for it
 //   every="10min" aligned="true"      occurrences, counted from each midnight of the zone
 //   zone="Europe/Berlin"              of all of these; UTC without it
-//   missed="skip"                     an occurrence that nobody could tell in time is left out; "fire": told late, once
+//   missed="skip"                     an occurrence that was missed (the server was down, or the clock was set) is left out; "fire": it is told late, once
 //
 // A level over midnight belongs to the day on which it begins. A time that the zone's clocks show twice is the first of
 // the two; one that they jump over is the moment of the jump. Values; any thread. Nothing here reads a clock.

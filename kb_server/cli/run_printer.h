@@ -13,7 +13,7 @@ namespace docent::server {
 // In the zone of this computer; empty for 0.
 std::string LocalTime(int64_t time_us, const char* format);
 
-// Its state; of one that is live "paused" or "incident" where it is so.
+// The state of the run; a live run with a pause is "paused", one with an incident is "incident".
 std::string StateOf(const v1::Run& run);
 
 // One run with its variables and nodes.

@@ -54,6 +54,12 @@ Diagnostics CheckHere(const RunPorts& ports, const rsel::ParsedRsel& parsed) {
                                 OfferedOperations(*ports.dictionary, *ports.queries->Newest()));
 }
 
+// The document of the request, with what is wrong in it; RESOURCE_EXHAUSTED: it is too large to be looked at.
+absl::StatusOr<rsel::ParsedRsel> Parse(const v1::RegisterRequest& request, const Limits& limits) {
+  if (absl::Status size = CheckDocumentSize(request.name(), request.rsel(), limits); !size.ok()) return size;
+  return rsel::ParseRsel(request.rsel(), request.name(), limits);
+}
+
 void Fill(const rsel::ParsedRsel& parsed, v1::RegisterReply* reply) {
   for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   if (parsed.document == nullptr) return;
@@ -67,11 +73,9 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
                                                          v1::RegisterReply* reply) {
   return OnWorker(
       context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits);
-            !size.ok()) {
-          return reactor->Finish(ToGrpc(size));
-        }
-        rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
+        absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
+        if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
+        rsel::ParsedRsel& parsed = *read;
         if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
         // What the registry refuses is left to the writer's turn to say.
         if (const Diagnostics here = CheckHere(ports_, parsed); !HasErrors(here))
@@ -92,11 +96,9 @@ grpc::ServerUnaryReactor* RobotServicesService::Check(grpc::CallbackServerContex
                                                       v1::RegisterReply* reply) {
   return OnWorker(
       context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits);
-            !size.ok()) {
-          return reactor->Finish(ToGrpc(size));
-        }
-        rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
+        absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
+        if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
+        rsel::ParsedRsel& parsed = *read;
         if (parsed.ok()) {
           const Diagnostics here = CheckHere(ports_, parsed);
           parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());

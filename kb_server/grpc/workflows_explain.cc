@@ -18,7 +18,7 @@
 namespace docent::server {
 namespace {
 
-// What is missing is looked for in so many conditions of one run; of others it is told that they do not hold.
+// Number of conditions of one run in which what is missing is looked for; of the others only that they do not hold is told.
 constexpr int kMostConditions = 20;
 
 class ConditionAsker {

@@ -2,7 +2,7 @@
 // stream needs no code:
 //
 //   request `string resume`, reply `string resume`    the service's own places; a reply with `more` is none
-//   request `uint64 after`, reply `uint64 revision`   so many events of one turn: "41:3" is after the third of turn 42
+//   request `uint64 after`, reply `uint64 revision`   number of events of one turn: "41:3" is after the third of turn 42
 //   others                                            none: the stream begins again
 #ifndef DOCENT_KB_SERVER_LIVE_RESUME_POINT_H_
 #define DOCENT_KB_SERVER_LIVE_RESUME_POINT_H_

@@ -39,7 +39,7 @@ std::string WebSocketClose(uint16_t code, std::string_view reason);
 
 class WebSocketReader {
  public:
-  // Messages of at most so many bytes; beyond: kWebSocketTooLarge.
+  // Most bytes of a message; beyond: kWebSocketTooLarge.
   explicit WebSocketReader(size_t message_bytes) : limit_(message_bytes) {}
 
   struct Event {

@@ -41,7 +41,7 @@ class Writer {
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
     std::function<void(const Delta&)>
-        saw;  // what each turn changes, durable or not yet; null: nobody wants it
+        saw;  // what each turn changes, durable or not yet; null: not wanted
   };
   explicit Writer(const Ports& ports);
 

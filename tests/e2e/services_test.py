@@ -61,7 +61,7 @@ class Services(StageTest):
         self.assertEqual(self.good("--invoke", "Tour", "--arg", "place=<urn:p>", "--arg", "text=hello").splitlines()[-1].split()[-1],
                          "done", "the old way still works")
         self.assertIn("it takes place (docent:Region) and text (xsd:string)", self.refused("invoke", "Tour", "--arg", "place=3"))
-        self.assertIn("there is no robot", self.refused("invoke", "Tour", "--arg", "place=<urn:p>", "--arg", "text=x", "--robot", "urn:nobody"))
+        self.assertIn("there is no robot", self.refused("invoke", "Tour", "--arg", "place=<urn:p>", "--arg", "text=x", "--robot", "urn:absent"))
         self.assertIn("did you mean Tour?", self.refused("invoke", "Tuor"))
         self.assertIn("did you mean say?", self.refused("generate", "sya"))
 
@@ -107,9 +107,9 @@ class Services(StageTest):
         self.assertIn("docent.v1.Workflows", [json.loads(line)["service"] for line in of_server.stdout.splitlines()])
         silent = self.docent("services", "import", "grpc", address)
         self.assertIn("has no server reflection", silent.stderr)
-        nobody = self.docent("services", "import", "grpc", "127.0.0.1:1")
-        self.assertEqual(len(nobody.stderr.strip().splitlines()), 1, nobody.stderr)
-        self.assertIn("no gRPC server answers", nobody.stderr)
+        absent = self.docent("services", "import", "grpc", "127.0.0.1:1")
+        self.assertEqual(len(absent.stderr.strip().splitlines()), 1, absent.stderr)
+        self.assertIn("no gRPC server answers", absent.stderr)
 
 
 if __name__ == "__main__":

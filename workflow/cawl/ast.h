@@ -204,7 +204,7 @@ struct Output {
 // ext:retry-delay="10s" ext:retry-backoff="2" ext:retry-other-robot="true", beside ext:retry: how the next attempt begins.
 struct RetryPolicy {
   std::optional<int64_t> delay_ms;  // from the failure to the next attempt
-  double backoff = 1;               // each delay is so many times the one before
+  double backoff = 1;               // factor from one delay to the next
   bool other_robot = false;         // not on a robot that has failed it, while another one offers it
 };
 

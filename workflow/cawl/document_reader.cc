@@ -310,7 +310,7 @@ class DocumentReader {
       out.backoff = 1;
       reader_.Error(backoff.span, Concat("retry-backoff \"", backoff.value, "\" is not a factor"),
                     absl::StrCat("write a number from 1 to ", kMostBackoff,
-                                 ": each delay is so many times the one before"));
+                                 ": it is the factor from one delay to the next"));
     }
     out.other_robot = reader_.Flag(element, "retry-other-robot");
     const Text delay = reader_.Extension(element, "retry-delay");

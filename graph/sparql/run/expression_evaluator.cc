@@ -17,7 +17,7 @@ PlanExpression::~PlanExpression() = default;
 
 namespace {
 
-// An operation counts as so many bytes of work, so that a long expression looks at the clock however few rows it has.
+// Bytes of work that an operation counts as, so that a long expression looks at the clock however few rows it has.
 constexpr size_t kWorkOfAnOperation = 32;
 
 Value FromBool(std::optional<bool> value) {

@@ -31,8 +31,9 @@ TEST(GzipTest, WhatIsPackedIsUnpacked) {
 }
 
 TEST(GzipTest, ABombIsUnpackedToItsLimitAlone) {
-  const std::string bomb = Gzip(std::string(50u << 20, 'x'));
-  EXPECT_LT(bomb.size(), 300000u);
+  const size_t unpacked = 50u << 20;
+  const std::string bomb = Gzip(std::string(unpacked, 'x'));
+  EXPECT_LT(bomb.size(), unpacked / 200);
   EXPECT_THAT(Message(bomb, 1000), HasSubstr("more bytes than the limit some_bytes = 1000"));
   EXPECT_EQ(Gunzip(bomb, 1000, "some_bytes").status().code(), absl::StatusCode::kResourceExhausted);
 }

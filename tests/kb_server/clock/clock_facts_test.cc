@@ -144,7 +144,7 @@ TEST_F(ClockFactsTest, ANodeOpensInItsHours) {
   GoTo("2026-11-26T11:00");
   EXPECT_EQ(live(), 0u);
   Look();
-  EXPECT_EQ(Subjects("docent:timeHolds"), 0u) << "nobody asks any more";
+  EXPECT_EQ(Subjects("docent:timeHolds"), 0u) << "no condition asks any more";
 }
 
 TEST_F(ClockFactsTest, AnHourThatIsNotKnownYetIsNotAbsent) {

@@ -80,9 +80,9 @@ TEST(ImportTarget, ABadAddressIsSaidInOneLine) {
     EXPECT_EQ(ImportFromGrpc(bad).status().code(), absl::StatusCode::kInvalidArgument) << bad;
     EXPECT_EQ(CheckMayReach(bad, nullptr).code(), absl::StatusCode::kInvalidArgument) << bad;
   }
-  const absl::Status nobody = ImportFromGrpc("127.0.0.1:1").status();
-  EXPECT_THAT(std::string(nobody.message()), HasSubstr("no gRPC server answers at 127.0.0.1:1"));
-  EXPECT_EQ(std::string(nobody.message()).find('\n'), std::string::npos);
+  const absl::Status absent = ImportFromGrpc("127.0.0.1:1").status();
+  EXPECT_THAT(std::string(absent.message()), HasSubstr("no gRPC server answers at 127.0.0.1:1"));
+  EXPECT_EQ(std::string(absent.message()).find('\n'), std::string::npos);
 }
 
 TEST(ImportTarget, OnlyThisMachineAndTheAllowListAreReached) {
