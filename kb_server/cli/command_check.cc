@@ -17,7 +17,7 @@
 #include "kb_server/door/operation_signature.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 #include "workflow/cawl/robot_choice.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"

@@ -2,7 +2,7 @@
 #ifndef DOCENT_KB_SERVER_DOOR_OPERATION_SIGNATURE_H_
 #define DOCENT_KB_SERVER_DOOR_OPERATION_SIGNATURE_H_
 
-#include "workflow/cawl/environment.h"
+#include "workflow/cawl/check/environment.h"
 #include "workflow/rsel/service_registry.h"
 
 namespace docent::server {

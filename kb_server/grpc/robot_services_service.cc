@@ -94,18 +94,18 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
 grpc::ServerUnaryReactor* RobotServicesService::Check(grpc::CallbackServerContext* context,
                                                       const v1::RegisterRequest* request,
                                                       v1::RegisterReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
-        if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
-        rsel::ParsedRsel& parsed = *read;
-        if (parsed.ok()) {
-          const Diagnostics here = CheckHere(ports_, parsed);
-          parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
-        }
-        Fill(parsed, reply);
-        reactor->Finish(grpc::Status::OK);
-      });
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+                    absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
+                    if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
+                    rsel::ParsedRsel& parsed = *read;
+                    if (parsed.ok()) {
+                      const Diagnostics here = CheckHere(ports_, parsed);
+                      parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
+                    }
+                    Fill(parsed, reply);
+                    reactor->Finish(grpc::Status::OK);
+                  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,

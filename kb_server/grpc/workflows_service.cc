@@ -15,7 +15,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/condition_cost.h"
 #include "kb_server/work/graph_environment.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 
 namespace docent::server {
 namespace {

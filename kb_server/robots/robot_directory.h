@@ -13,7 +13,7 @@
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
 #include "kb_server/robots/robot_records.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

@@ -13,7 +13,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/store/graph_version.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

@@ -24,7 +24,7 @@
 #include "kb_server/turn/condition_evidence.h"
 #include "reasoner/conditions/lasting_condition.h"
 #include "reasoner/conditions/standing_conditions.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

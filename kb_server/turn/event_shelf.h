@@ -22,7 +22,7 @@
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
 #include "graph/store/graph_writer.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

@@ -14,7 +14,7 @@
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/batch_applier.h"
 #include "graph/store/graph_writer.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

@@ -14,7 +14,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/graph_version.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 

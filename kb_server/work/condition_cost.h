@@ -8,7 +8,7 @@
 #include "graph/base/diagnostic.h"
 #include "kb_server/door/ports.h"
 #include "reasoner/matching/trigger_analysis.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 
 namespace docent::server {
 

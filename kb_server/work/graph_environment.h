@@ -8,7 +8,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/graph_version.h"
 #include "kb_server/door/catalog.h"
-#include "workflow/cawl/environment.h"
+#include "workflow/cawl/check/environment.h"
 
 namespace docent::server {
 

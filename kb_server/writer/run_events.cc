@@ -7,7 +7,7 @@
 #include "absl/strings/str_split.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server {
 namespace {

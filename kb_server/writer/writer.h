@@ -40,8 +40,7 @@ class Writer {
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
-    std::function<void(const Delta&)>
-        saw;  // what each turn changes, durable or not yet; null: not wanted
+    std::function<void(const Delta&)> saw;  // what each turn changes, durable or not yet; null: not wanted
   };
   explicit Writer(const Ports& ports);
 

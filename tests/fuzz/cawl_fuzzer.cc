@@ -4,7 +4,7 @@
 
 #include "graph/sparql/syntax/parser.h"
 #include "tests/fuzz/fuzz_check.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace docent;

@@ -6,7 +6,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "tests/golden/findings.h"
 #include "tests/golden/golden_file.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 
 namespace docent::cawl {
 namespace {

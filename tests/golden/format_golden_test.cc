@@ -1,7 +1,7 @@
 // `docent fmt` over all documents of the tree: what is read from them stays the same.
 #include "tests/golden/documents_in_tree.h"
 #include "tests/workflow/xml/same_document.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/xml/formatter.h"
 

@@ -10,7 +10,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "kb_server/door/operation_signature.h"
 #include "tests/golden/golden_file.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent::golden {

@@ -18,7 +18,7 @@
 #include "graph/base/ids.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/quad.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::engine {
 

@@ -23,7 +23,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/write_batch.h"
 #include "workflow/cawl/ast.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 #include "workflow/rsel/ast.h"
 #include "workflow/rsel/service_registry.h"
 

@@ -13,13 +13,13 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "workflow/engine/activations.h"
-#include "workflow/engine/asked_times.h"
 #include "workflow/engine/engine.h"
-#include "workflow/engine/event_waits.h"
-#include "workflow/engine/robot_ledger.h"
-#include "workflow/engine/run_state.h"
-#include "workflow/engine/run_terms.h"
-#include "workflow/engine/waiting_room.h"
+#include "workflow/engine/state/asked_times.h"
+#include "workflow/engine/state/event_waits.h"
+#include "workflow/engine/state/robot_ledger.h"
+#include "workflow/engine/state/run_state.h"
+#include "workflow/engine/state/run_terms.h"
+#include "workflow/engine/state/waiting_room.h"
 
 namespace docent::engine {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "graph/store/quad.h"
-#include "workflow/engine/run_state.h"
-#include "workflow/engine/run_terms.h"
+#include "workflow/engine/state/run_state.h"
+#include "workflow/engine/state/run_terms.h"
 
 namespace docent::engine {
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "workflow/engine/flow_graph.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
 

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
-#include "workflow/engine/flow_graph.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
 namespace {

@@ -2,7 +2,7 @@
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_RESULTS_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_RESULTS_H_
 
-#include "workflow/engine/run_state.h"
+#include "workflow/engine/state/run_state.h"
 
 namespace docent::engine {
 

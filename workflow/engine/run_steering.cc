@@ -10,9 +10,9 @@
 #include "graph/base/text.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
-#include "workflow/engine/flow_graph.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/run_values.h"
+#include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
 namespace {

@@ -9,7 +9,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/time_reader.h"
-#include "workflow/engine/flow_graph.h"
+#include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
 namespace {

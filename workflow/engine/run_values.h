@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "workflow/engine/run_state.h"
+#include "workflow/engine/state/run_state.h"
 
 namespace docent::engine {
 

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "kb_server/turn/turn.h"
 #include "tests/kb_server/test_world.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 #include "workflow/cawl/parser.h"
 
 namespace docent::server {

@@ -16,7 +16,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "tests/kb_server/test_world.h"
-#include "workflow/engine/ports.h"
+#include "workflow/engine/state/ports.h"
 
 namespace docent::server::test {
 

@@ -8,7 +8,7 @@
 #include "graph/base/workflow_limits.h"
 #include "graph/sparql/syntax/parser.h"
 #include "tests/workflow/cawl/documents.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 
 namespace docent::cawl {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "graph/base/text.h"
 #include "tests/workflow/cawl/documents.h"
-#include "workflow/cawl/check.h"
+#include "workflow/cawl/check/check.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/xml/xml_document.h"
 

@@ -1,0 +1,88 @@
+#include "workflow/cawl/check/check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/workflow/cawl/documents.h"
+
+namespace docent::cawl {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+TEST(CheckDocument, WithoutEnvironmentOnlyTheTextCounts) {
+  CheckReport report = CheckDocument(
+      WithNode("<invoke operation=\"anything\"/><invoke subflow=\"Elsewhere\"/>"), "f", nullptr);
+  EXPECT_TRUE(report.ok());
+  EXPECT_THAT(report.diagnostics, IsEmpty());
+}
+
+TEST(CheckDocument, AFreeNameThatTheRunHasIsWorthAWarning) {
+  const auto document = [](const std::string& activator, const std::string& variable,
+                           const std::string& node) {
+    return "<CAWL name=\"D\" xmlns:expo=\"https://w3id.org/docent/expo#\"><activator name=\"a\"><activate "
+           "flow=\"F\"/>" +
+           ConditionOf(ConstraintText("c", activator, "docent:isAt", "expo:door")) +
+           "</activator><flow name=\"F\">" + variable + "<source name=\"s\"/><node name=\"n\">" +
+           ConditionOf(ConstraintText("c", node, "docent:isAt", "expo:B03")) +
+           "</node><sink name=\"t\"/><link from=\"s\" to=\"n\"/><link from=\"n\" to=\"t\"/></flow></CAWL>";
+  };
+  const std::string declared = "<variable name=\"v\"/>";
+  const std::string text = document("?v", declared, "?v");
+  const CheckReport report = CheckDocument(text, "f", nullptr);
+  EXPECT_TRUE(report.ok()) << "it may be meant";
+  ASSERT_THAT(report.diagnostics, SizeIs(1));
+  EXPECT_THAT(report.diagnostics[0].message,
+              HasSubstr("?v may match another value than the one that the activator bound"));
+  EXPECT_EQ(report.diagnostics[0].hint, "write $v for the run's own");
+  EXPECT_EQ(report.diagnostics[0].span.offset, text.rfind("?v"));
+  EXPECT_THAT(CheckDocument(document("?v", "", "?v"), "f", nullptr).diagnostics[0].hint,
+              HasSubstr("<variable name=\"v\"/> in the flow"));
+  EXPECT_THAT(CheckDocument(document("?v", declared, "$v"), "f", nullptr).diagnostics, IsEmpty());
+  EXPECT_THAT(CheckDocument(document("?v", declared, "?robot"), "f", nullptr).diagnostics, IsEmpty());
+  const std::string begun =
+      "<variable name=\"w\"><initialize><from expression=\"expo:R01\"/></initialize></variable>";
+  EXPECT_THAT(CheckDocument(document("?v", begun, "?w"), "f", nullptr).diagnostics, SizeIs(1));
+}
+
+TEST(CheckDocument, AnEmptyEnvironmentOffersNothing) {
+  QuadEnvironment environment;
+  std::string text = WithNode("<invoke operation=\"anything\"/>");
+  CheckReport report = CheckDocument(text, "f", &environment);
+  ASSERT_THAT(report.diagnostics, SizeIs(1));
+  EXPECT_THAT(report.diagnostics[0].hint, HasSubstr("no robot offers anything"));
+  EXPECT_EQ(text.substr(report.diagnostics[0].span.offset, report.diagnostics[0].span.length), "anything");
+  EXPECT_THAT(report.conditions, IsEmpty());
+}
+
+TEST(CheckDocument, InputsOfUnknownShapeAreNotChecked) {
+  QuadEnvironment environment;
+  environment.AddOperation({"move", {}, false});
+  environment.AddOperation({"lead", {"user"}, true});
+  environment.AddOperation({"show", {"page"}, true});
+  EXPECT_TRUE(
+      CheckDocument(WithNode("<invoke operation=\"move\"/><invoke operation=\"lead\"/>"), "f", &environment)
+          .ok());
+  EXPECT_FALSE(CheckDocument(WithNode("<invoke operation=\"show\"/>"), "f", &environment).ok());
+  std::string bound = ConditionOf(ConstraintText("c", "?page", "docent:isAt", "$user"));
+  EXPECT_TRUE(CheckDocument(WithNode(bound + "<invoke operation=\"show\"/>"), "f", &environment).ok());
+}
+
+TEST(CheckDocument, WordsOfUndescribedNamespacesAreLeftAlone) {
+  QuadEnvironment environment;
+  environment.AddOntology({{Term::Iri("https://w3id.org/docent#isAt"),
+                            Term::Iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
+                            Term::Iri("http://www.w3.org/2002/07/owl#ObjectProperty"), Term()}});
+  std::string text = WithNode(ConditionOf(ConstraintText("a", "?x", "schema:name", "?n") +
+                                          ConstraintText("b", "?x", "docent:isAtt", "expo:B03")));
+  CheckReport report = CheckDocument(text, "f", &environment);
+  EXPECT_TRUE(report.ok()) << "unknown words are warnings";
+  ASSERT_THAT(report.diagnostics, SizeIs(1));
+  EXPECT_THAT(report.diagnostics[0].hint, HasSubstr("did you mean isAt?"));
+  EXPECT_THAT(report.conditions, SizeIs(1));
+}
+
+}  // namespace
+}  // namespace docent::cawl

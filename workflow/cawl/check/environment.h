@@ -1,0 +1,95 @@
+// Environment of a CAWL check, beyond the document's own text: the known operations, the application
+// services, and the words of the ontology. The server answers from the live graph, `docent check` from files.
+#ifndef DOCENT_WORKFLOW_CAWL_CHECK_ENVIRONMENT_H_
+#define DOCENT_WORKFLOW_CAWL_CHECK_ENVIRONMENT_H_
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "graph/rdf/term.h"
+
+namespace docent::cawl {
+
+// An RSEL process or an operation that a robot offers.
+struct OperationSignature {
+  std::string name;
+  std::vector<std::string> inputs;  // part names
+  bool inputs_known = true;         // false: `inputs` says nothing
+  bool of_robot = false;            // an operation that robots describe now; others may come
+  // Of an RSEL process:
+  std::map<std::string, std::string> input_types =
+      {};                                 // part → IRI of its class or datatype, where it is told
+  std::vector<std::string> outputs = {};  // names of its results
+  struct Step {
+    std::string operation;
+    int64_t timeout_ms = 0;
+  };
+  std::optional<Step> longest_step = {};  // of those with a timeout, the one with the longest
+};
+
+// Must not change while a check reads it.
+class Environment {
+ public:
+  virtual ~Environment() = default;
+  virtual std::optional<OperationSignature> FindOperation(std::string_view name) const = 0;
+  virtual std::vector<std::string> OperationNames() const = 0;
+  // Flows of other documents that `subflow` may name.
+  virtual std::vector<std::string> ApplicationServices() const = 0;
+  // IRIs of classes, of properties, and of other named things that the ontologies describe.
+  virtual bool IsClass(const std::string& iri) const = 0;
+  virtual bool IsProperty(const std::string& iri) const = 0;
+  virtual bool IsKnown(const std::string& iri) const = 0;
+  // The classes (or properties) that begin with `namespace_iri`; none: the namespace is not described at all, and
+  // its words are not checked.
+  virtual std::vector<std::string> Classes(std::string_view namespace_iri) const = 0;
+  virtual std::vector<std::string> Properties(std::string_view namespace_iri) const = 0;
+  // Everything known that begins with `namespace_iri`.
+  virtual std::vector<std::string> Words(std::string_view namespace_iri) const = 0;
+  // Facts of the ontologies: the objects of (subject, predicate), the subjects of (predicate, object). At most kMaxFacts.
+  static constexpr size_t kMaxFacts = 1000;
+  virtual std::vector<Term> Objects(const Term& subject, std::string_view predicate) const = 0;
+  virtual std::vector<Term> Subjects(std::string_view predicate, const Term& object) const = 0;
+};
+
+// An environment of quads (ontology files, or the server's ontology graphs) and lists. Filled first, then read.
+class QuadEnvironment final : public Environment {
+ public:
+  // Classes are what is typed rdfs:Class or owl:Class or stands in rdfs:subClassOf; properties likewise.
+  void AddOntology(const std::vector<TermQuad>& quads);
+  void AddOperation(OperationSignature operation);
+  void AddApplicationService(std::string name);
+  // Whether one of the ontologies declares a class or a property.
+  bool HasWords() const { return !classes_.empty() || !properties_.empty(); }
+
+  std::optional<OperationSignature> FindOperation(std::string_view name) const override;
+  std::vector<std::string> OperationNames() const override;
+  std::vector<std::string> ApplicationServices() const override;
+  bool IsClass(const std::string& iri) const override;
+  bool IsProperty(const std::string& iri) const override;
+  bool IsKnown(const std::string& iri) const override;
+  std::vector<std::string> Classes(std::string_view namespace_iri) const override;
+  std::vector<std::string> Properties(std::string_view namespace_iri) const override;
+  std::vector<std::string> Words(std::string_view namespace_iri) const override;
+  std::vector<Term> Objects(const Term& subject, std::string_view predicate) const override;
+  std::vector<Term> Subjects(std::string_view predicate, const Term& object) const override;
+
+ private:
+  using Facts = std::map<std::pair<Term, std::string>, std::vector<Term>>;  // by a term and a predicate
+
+  std::map<std::string, OperationSignature, std::less<>> operations_;
+  std::set<std::string> services_;
+  std::set<std::string, std::less<>> classes_;
+  std::set<std::string, std::less<>> properties_;
+  std::set<std::string, std::less<>> known_;
+  Facts objects_, subjects_;
+};
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_CHECK_ENVIRONMENT_H_

@@ -1,0 +1,34 @@
+// Static verification of a CAWL document that has no errors: what will go wrong when it runs, or never happen. All
+// findings are warnings with a rule (rule_names.h); those for which a remedy is evident have a fix. Any thread.
+#ifndef DOCENT_WORKFLOW_CAWL_CHECK_STATIC_CHECKS_H_
+#define DOCENT_WORKFLOW_CAWL_CHECK_STATIC_CHECKS_H_
+
+#include <cstddef>
+
+#include "workflow/cawl/ast.h"
+#include "workflow/cawl/check/environment.h"
+#include "workflow/xml/element_reader.h"
+
+namespace docent::cawl {
+
+// Beyond, what needs every pair of a flow's nodes is not looked for: races, variables that are never set.
+inline constexpr size_t kMaxPairedNodes = 500;
+
+// Conditions that can never hold or always hold, activators that can never rise, values and types that do not go
+// together. `environment` null: what needs an ontology is left out.
+void CheckConditions(const Document& document, const Environment* environment, xml::ElementReader* reader);
+
+// Flows: nodes that may command one robot at the same time, loops that nothing slows down.
+void CheckRuns(const Document& document, xml::ElementReader* reader);
+
+// Variables that are used where they can have no value, and values of a type that does not suit. `environment` null: what
+// an invoked operation gives and takes is not known.
+void CheckValues(const Document& document, const Environment* environment, xml::ElementReader* reader);
+
+// Timeouts that end nothing.
+void CheckTimeouts(const Document& document, const Environment* environment, const Limits& limits,
+                   xml::ElementReader* reader);
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_CHECK_STATIC_CHECKS_H_

@@ -1,0 +1,189 @@
+// Inputs and outputs of the engine, as plain values: it never touches the graph, the conditions or a
+// robot.
+//
+// One Step per round of a turn: the turn gives a ConditionView (levels and edges of the conditions that the
+// engine armed) and a RobotDirectory, and carries out the EngineOutput. Writer thread only.
+#ifndef DOCENT_WORKFLOW_ENGINE_STATE_PORTS_H_
+#define DOCENT_WORKFLOW_ENGINE_STATE_PORTS_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
+#include "graph/store/decisions.h"
+#include "graph/store/notification.h"
+#include "graph/store/quad.h"
+
+namespace docent::sparql {
+struct Query;
+}  // namespace docent::sparql
+
+namespace docent::engine {
+
+// Chosen by the engine, unique within a data folder.
+using ConditionHandle = uint64_t;
+
+// Variable name (without "?" or "$") → value.
+using TermBinding = std::map<std::string, Term>;
+
+// A part of a condition that must have held for some time, with the same values of its variables.
+struct LastingPart {
+  std::string ask;                     // SPARQL ASK
+  std::vector<std::string> variables;  // that every solution of it binds
+  TimeMicros at_least_us = 0;
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed
+
+  friend bool operator==(const LastingPart&, const LastingPart&) = default;
+};
+
+// A condition to be kept true or false from now on.
+struct ConditionRequest {
+  ConditionHandle handle = 0;
+  std::string ask;  // SPARQL ASK
+  // Not empty: also tell which bindings of these variables appear and disappear.
+  std::vector<std::string> key_variables;
+  // Bindings that are there already when it is armed do not count as appeared (events).
+  bool only_new = false;
+  // It holds, and has a solution, only while all these parts of the solution have held for their time. Time is
+  // counted from the turn in which the condition is armed.
+  std::vector<LastingPart> lasting;
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed (it comes from a snapshot)
+};
+
+// An edge since the last Step, at most one a condition. A condition that was armed since then and holds
+// already counts as risen, unless it was armed with only_new.
+struct ConditionEdge {
+  ConditionHandle handle = 0;
+  bool rose = false;
+  bool fell = false;
+  std::vector<TermBinding> appeared;     // of the key variables, in term order
+  std::vector<TermBinding> disappeared;  // before those that appeared: one that is in both was told again
+};
+
+// Levels and edges of armed conditions at this round's graph.
+class ConditionView {
+ public:
+  virtual ~ConditionView() = default;
+  virtual const std::vector<ConditionEdge>& edges() const = 0;
+  virtual bool Holds(ConditionHandle handle) const = 0;
+  // Solutions in term order, `fixed` variables bound beforehand; at most `limit`.
+  virtual absl::StatusOr<std::vector<TermBinding>> Solutions(ConditionHandle handle, const TermBinding& fixed,
+                                                             size_t limit) const = 0;
+  // The told and inferred facts that make the condition hold under `binding`, as N-Triples, one a line.
+  virtual std::string Evidence(ConditionHandle handle, const TermBinding& binding) const = 0;
+};
+
+// What of a robot an operation occupies while it is carried out: resources that the robot's maker names, for example base,
+// screen and voice. Empty: the whole robot.
+using Occupation = std::set<std::string>;
+
+// A robot that offers an operation, as the graph has it.
+struct RobotOffer {
+  RobotId robot;
+  std::string incarnation;  // of the robot's adapter
+  bool idempotent = false;  // the operation may be done twice
+  bool offline = false;     // its lease ran out
+  // The parts that the operation takes, in order; nullopt: the robot did not describe them.
+  std::optional<std::vector<std::string>> inputs;
+  Occupation occupies;
+  bool busy = false;  // it says that it carries something out; a command of ours may be the reason
+  // Why it takes no command whatever it does for us, for people: "is charging"; empty: it takes some.
+  std::string out_of_service;
+};
+
+class RobotDirectory {
+ public:
+  virtual ~RobotDirectory() = default;
+  // In term order of the robots' IRIs. The reference lives until the directory learns of a new graph.
+  virtual const std::vector<RobotOffer>& Offers(const std::string& operation) const = 0;
+  // Whether any answer may differ from the one of the round before.
+  virtual bool changed() const = 0;
+};
+
+// An event that a turn tells.
+struct ToldEvent {
+  Term event;
+  std::set<std::string> operations;
+};
+// Which events of the graph left, and which were told after that.
+struct EventNews {
+  std::vector<Term> gone;
+  std::vector<ToldEvent> told;
+};
+
+// Transitions about an activator begin so: "activator/WORKFLOW", the workflow's name as a segment (graph/rdf/docent_iris.h).
+inline constexpr std::string_view kActivatorSubject = "activator";
+// A fact that is looked for; an absent position matches anything.
+struct FactPattern {
+  std::optional<Term> subject;
+  std::optional<Term> predicate;
+  std::optional<Term> object;
+  std::string source;  // graph; empty: every graph in which clients, robots and runs tell
+};
+
+struct FactMatches {
+  std::vector<TermQuad> told;
+  bool inferred = false;  // a rule derived one that matches, whatever the source
+};
+
+// The graph as of this round.
+class FactView {
+ public:
+  virtual ~FactView() = default;
+  // RESOURCE_EXHAUSTED: more than `limit` match.
+  virtual absl::StatusOr<FactMatches> Match(const FactPattern& pattern, size_t limit) const = 0;
+  // All solutions of a SELECT, in its order, a name of `columns` for each column. `given` are values of variables of the query.
+  // RESOURCE_EXHAUSTED naming the limit: it has more solutions than assign_solutions, or takes too long.
+  virtual absl::StatusOr<std::vector<TermBinding>> Select(const sparql::Query& query,
+                                                          const TermBinding& given,
+                                                          const std::vector<std::string>& columns) const = 0;
+};
+
+// A fact that a run tells or withdraws; the graph of the quad is its source.
+struct FactWrite {
+  bool tells = true;
+  TermQuad quad;
+  uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
+};
+
+class RobotRanking {
+ public:
+  virtual ~RobotRanking() = default;
+  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h. `values`: of the query's variables.
+  virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
+                                     const TermBinding& values) const = 0;
+};
+
+struct EngineOutput {
+  std::vector<Notification> notifications;
+  std::vector<Quad> add;  // run facts, in graph docent:runs
+  std::vector<Quad> remove;
+  std::vector<FactWrite> writes;  // in their order
+  std::vector<ConditionRequest> arm;
+  std::vector<ConditionHandle> disarm;
+  std::vector<Transition> transitions;
+  std::vector<RobotCommand> commands;
+  std::vector<CommandId> cancels;
+  std::vector<RunId> started;     // by this turn's RunRequests, in their order
+  std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
+  std::vector<RunId> steered;     // that RunRequests paused or resumed, without those that are nested in them
+  absl::Status refused;           // an error: the turn cannot be, and the caller rolls it back
+
+  bool quiet() const {
+    return add.empty() && remove.empty() && writes.empty() && notifications.empty() && arm.empty() &&
+           transitions.empty() && commands.empty() && cancels.empty();
+  }
+};
+
+}  // namespace docent::engine
+
+#endif  // DOCENT_WORKFLOW_ENGINE_STATE_PORTS_H_
