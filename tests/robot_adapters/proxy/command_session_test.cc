@@ -1,0 +1,346 @@
+// The state machine of one command, step by step, without a network: what it asks of its host, and when.
+#include "robot_adapters/proxy/command_session.h"
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/robot_adapters/proxy/session_host.h"
+
+namespace docent::proxy {
+namespace {
+
+using Outcome = CommandReport::Outcome;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+RobotCommand Drive() {
+  RobotCommand command;
+  command.id = CommandId("c/1");
+  command.robot = RobotId("urn:r1");
+  command.operation = "drive";
+  command.expected_incarnation = "life1";
+  return command;
+}
+
+v1::Feedback Says(v1::Feedback::State state, double progress = 0) {
+  v1::Feedback feedback;
+  feedback.set_command_id("c/1");
+  feedback.set_incarnation("life1");
+  feedback.set_state(state);
+  feedback.set_progress(progress);
+  return feedback;
+}
+
+class CommandSessionTest : public testing::Test {
+ protected:
+  // A session with `left` until its deadline, whose adapter is at a:1.
+  CommandSession& Begin(const RobotCommand& command = Drive(), bool may_have_been_sent = false,
+                        absl::Duration left = absl::Seconds(60)) {
+    session_ = std::make_unique<CommandSession>(&host_, ProxySettings(), command, left, may_have_been_sent);
+    session_->UseAddress("a:1");
+    return *session_;
+  }
+  uint64_t Serial() const { return host_.calls.size(); }  // of the newest call
+  void Say(v1::Feedback::State state, double progress = 0) {
+    session_->OnFeedback(Serial(), Says(state, progress));
+  }
+  void End(grpc::StatusCode code) { session_->OnCallEnded(Serial(), grpc::Status(code, "why")); }
+
+  FakeHost host_;
+  std::unique_ptr<CommandSession> session_;
+};
+
+TEST_F(CommandSessionTest, ACancelThatCameBeforeTheAdapterSaidAnythingIsSentWhenItDoes) {
+  Begin().Cancel();
+  EXPECT_THAT(host_.cancels, IsEmpty()) << "it may not have the command yet";
+  Say(v1::Feedback::ACCEPTED);
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
+}
+
+TEST_F(CommandSessionTest, ACancelThatMayBeLostIsSentAgainWithEachSignOfLife) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  session_->Cancel();
+  EXPECT_EQ(host_.cancels.size(), 1u);
+  session_->Cancel();
+  EXPECT_EQ(host_.cancels.size(), 1u) << "a second request asks for nothing new";
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  ASSERT_TRUE(host_.calls.back().is_attach());
+  Say(v1::Feedback::RUNNING);
+  EXPECT_EQ(host_.cancels.size(), 2u);
+  Say(v1::Feedback::CANCELLED);
+  EXPECT_EQ(host_.cancels.size(), 2u) << "it has ended";
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kCancelled);
+  EXPECT_TRUE(session_->done());
+}
+
+TEST_F(CommandSessionTest, ACancelBeforeItIsSentEndsIt) {
+  host_.connected = false;
+  Begin().Cancel();
+  EXPECT_THAT(host_.calls, IsEmpty());
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kCancelled));
+  EXPECT_EQ(host_.reports[0].message, "cancelled before it was sent");
+  host_.connected = true;
+  session_->OnProbed(1, grpc::Status::OK);
+  EXPECT_THAT(host_.calls, IsEmpty()) << "it is sent though it was cancelled";
+}
+
+TEST_F(CommandSessionTest, PausesBetweenAttemptsDoubleUpToTheLast) {
+  Begin();
+  host_.delays.clear();
+  for (int i = 0; i < 7; ++i) {
+    End(grpc::StatusCode::UNAVAILABLE);
+    host_.Go(host_.delays.back() - absl::Milliseconds(1));
+    const size_t before = host_.calls.size();
+    host_.Go(absl::Milliseconds(1));
+    EXPECT_EQ(host_.calls.size(), before + 1);
+  }
+  EXPECT_THAT(host_.delays, ElementsAre(absl::Milliseconds(100), absl::Milliseconds(200),
+                                        absl::Milliseconds(400), absl::Milliseconds(800),
+                                        absl::Milliseconds(1600), absl::Seconds(2), absl::Seconds(2)));
+  Say(v1::Feedback::RUNNING);
+  End(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(host_.delays.back(), absl::Milliseconds(100)) << "after a sign of life it begins again";
+}
+
+TEST_F(CommandSessionTest, ALossIsReportedOnceUntilTheAdapterIsSeenAgain) {
+  Begin();
+  for (int i = 0; i < 2; ++i) {
+    End(grpc::StatusCode::UNAVAILABLE);
+    host_.Go(absl::Seconds(1));
+  }
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
+  EXPECT_THAT(host_.reports[0].message, HasSubstr("adapter at a:1 cannot be reached"));
+  Say(v1::Feedback::ACCEPTED);
+  End(grpc::StatusCode::OK);
+  EXPECT_THAT(host_.Outcomes(),
+              ElementsAre(Outcome::kUnreachable, Outcome::kAccepted, Outcome::kUnreachable));
+  EXPECT_THAT(host_.reports[2].message, HasSubstr("ended the feedback of a command that has not ended"));
+}
+
+TEST_F(CommandSessionTest, WhatGrpcSaysOfAConnectionIsNoEndOfTheCommand) {
+  using Code = grpc::StatusCode;
+  for (const Code code : {Code::UNAVAILABLE, Code::CANCELLED, Code::UNKNOWN, Code::INTERNAL,
+                          Code::DEADLINE_EXCEEDED, Code::ABORTED}) {
+    host_.reports.clear();
+    Begin();
+    End(code);
+    EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable)) << code;
+    EXPECT_FALSE(session_->done()) << code;
+  }
+}
+
+TEST_F(CommandSessionTest, WhatAnAdapterRefusesFails) {
+  using Code = grpc::StatusCode;
+  for (const Code code :
+       {Code::INVALID_ARGUMENT, Code::RESOURCE_EXHAUSTED, Code::UNIMPLEMENTED, Code::NOT_FOUND}) {
+    host_.reports.clear();
+    Begin();
+    End(code);
+    ASSERT_THAT(host_.Outcomes(), ElementsAre(Outcome::kFailed)) << code;
+    EXPECT_EQ(host_.reports[0].message, "adapter at a:1 refused drive: why");
+    EXPECT_TRUE(session_->done());
+  }
+  Begin();
+  End(Code::FAILED_PRECONDITION);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+}
+
+TEST_F(CommandSessionTest, ACommandThatTheAdapterDoesNotKnowIsInvokedAgainForTheSameLifeOnly) {
+  Begin();
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  ASSERT_TRUE(host_.calls.back().is_attach());
+  End(grpc::StatusCode::NOT_FOUND);
+  ASSERT_FALSE(host_.calls.back().is_attach());
+  EXPECT_EQ(host_.calls.back().invoke().expected_incarnation(), "life1");
+  EXPECT_FALSE(session_->done());
+}
+
+TEST_F(CommandSessionTest, WithoutAKnownLifeOnlyAnIdempotentOneIsInvokedAgain) {
+  RobotCommand command = Drive();
+  command.expected_incarnation = "";
+  Begin(command, true);
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnknown));
+  EXPECT_THAT(host_.reports[0].message, HasSubstr("may have forgotten it"));
+  command.idempotent = true;
+  Begin(command, true);
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_FALSE(session_->done());
+  EXPECT_FALSE(host_.calls.back().is_attach());
+}
+
+TEST_F(CommandSessionTest, ACancelledOneThatTheAdapterDoesNotKnowIsNotInvokedAgain) {
+  Begin(Drive(), true).Cancel();
+  EXPECT_THAT(host_.reports, IsEmpty()) << "it may have been sent";
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnknown));
+  EXPECT_EQ(host_.calls.size(), 1u);
+}
+
+TEST_F(CommandSessionTest, AtTheDeadlineItAsksForTheEndAndWaitsForIt) {
+  Begin(Drive(), false, absl::Seconds(10));
+  Say(v1::Feedback::RUNNING);
+  host_.Go(absl::Milliseconds(10299));
+  EXPECT_THAT(host_.cancels, IsEmpty()) << "the adapter has the grace to end by itself";
+  host_.Go(absl::Milliseconds(1));
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
+  EXPECT_THAT(host_.overdue, ElementsAre("adapter at a:1 did not finish drive before its deadline"));
+  EXPECT_FALSE(session_->done());
+  Say(v1::Feedback::CANCELLED);
+  EXPECT_TRUE(session_->done());
+}
+
+TEST_F(CommandSessionTest, AtTheDeadlineOneThatNeverWentOutFails) {
+  host_.connected = false;
+  Begin(Drive(), false, absl::Seconds(10));
+  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"));
+  host_.Go(absl::Milliseconds(10300));
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kFailed);
+  EXPECT_EQ(
+      host_.reports.back().message,
+      "adapter at a:1 did not take drive before its deadline; last: adapter at a:1 cannot be reached: no");
+  EXPECT_THAT(host_.cancels, IsEmpty());
+}
+
+TEST_F(CommandSessionTest, TheTimeLeftIsToldAndACallOutlastsIt) {
+  Begin(Drive(), false, absl::Seconds(10));
+  EXPECT_EQ(host_.calls[0].invoke().time_left_us(), 10'000'000);
+  EXPECT_EQ(host_.calls[0].timeout, absl::Seconds(70));
+  RobotCommand late = Drive();
+  Begin(late, false, absl::Seconds(-5));
+  EXPECT_EQ(host_.calls[1].invoke().time_left_us(), 1);
+  EXPECT_EQ(host_.calls[1].timeout, absl::Seconds(60));
+}
+
+TEST_F(CommandSessionTest, ProgressIsReportedOnceAnInterval) {
+  Begin();
+  Say(v1::Feedback::RUNNING, 0.1);
+  host_.Go(absl::Milliseconds(199));
+  Say(v1::Feedback::RUNNING, 0.2);
+  host_.Go(absl::Milliseconds(1));
+  Say(v1::Feedback::RUNNING, 0.3);
+  std::vector<double> told;
+  for (const CommandReport& report : host_.reports) {
+    if (report.outcome == Outcome::kProgress) told.push_back(report.progress);
+  }
+  EXPECT_THAT(told, ElementsAre(0.1, 0.3));
+  Say(v1::Feedback::SUCCEEDED, 1);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kSucceeded) << "the end is always reported";
+}
+
+TEST_F(CommandSessionTest, AcceptedIsReportedOnceWithTheLifeThatSaysSo) {
+  RobotCommand command = Drive();
+  command.expected_incarnation = "";
+  Begin(command);
+  Say(v1::Feedback::ACCEPTED);
+  Say(v1::Feedback::ACCEPTED);
+  ASSERT_THAT(host_.Outcomes(), ElementsAre(Outcome::kAccepted));
+  EXPECT_EQ(host_.reports[0].incarnation, "life1");
+}
+
+TEST_F(CommandSessionTest, AnAdapterThatMovedIsAskedAtOnce) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  session_->UseAddress("b:2");
+  EXPECT_EQ(host_.calls.size(), 1u) << "one call at a time";
+  End(grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(host_.delays.back(), absl::ZeroDuration());
+  host_.Go(absl::ZeroDuration());
+  ASSERT_EQ(host_.calls.size(), 2u);
+  EXPECT_EQ(host_.calls[1].address, "b:2");
+  EXPECT_TRUE(host_.calls[1].is_attach());
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kAccepted)) << "no loss is reported of what was left";
+  End(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_GT(host_.delays.back(), absl::ZeroDuration()) << "at once, but once";
+}
+
+TEST_F(CommandSessionTest, TheSameAddressAgainLeavesTheCallAlone) {
+  Begin();
+  session_->UseAddress("a:1");
+  End(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
+  session_->UseAddress("a:1");
+  EXPECT_EQ(host_.calls.size(), 2u) << "one that waits tries at once";
+  host_.Go(absl::Seconds(1));
+  EXPECT_EQ(host_.calls.size(), 2u) << "the pause that it had is over";
+}
+
+TEST_F(CommandSessionTest, WhatAnEarlierCallSaysDoesNotCount) {
+  Begin();
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  ASSERT_EQ(host_.calls.size(), 2u);
+  session_->OnFeedback(1, Says(v1::Feedback::SUCCEEDED));
+  session_->OnCallEnded(1, grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "late"));
+  EXPECT_FALSE(session_->done());
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
+}
+
+TEST_F(CommandSessionTest, WhatAnEarlierProbeSaysDoesNotCount) {
+  host_.connected = false;
+  Begin();
+  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"));
+  host_.Go(absl::Seconds(1));
+  ASSERT_GE(host_.probes.size(), 2u);
+  host_.connected = true;
+  session_->OnProbed(1, grpc::Status::OK);
+  EXPECT_THAT(host_.calls, IsEmpty());
+  session_->OnProbed(host_.probes.back().second, grpc::Status(grpc::StatusCode::UNIMPLEMENTED, "whatever"));
+  EXPECT_EQ(host_.calls.size(), 1u) << "there is a connection now";
+}
+
+TEST_F(CommandSessionTest, EachRefusedMessageIsCountedAndTheFirstReported) {
+  Begin();
+  v1::Feedback other = Says(v1::Feedback::SUCCEEDED);
+  other.set_command_id("c/2");
+  session_->OnFeedback(1, other);
+  session_->OnFeedback(1, other);
+  EXPECT_EQ(host_.refused.size(), 2u);
+  ASSERT_THAT(host_.Outcomes(), ElementsAre(Outcome::kRefused));
+  EXPECT_THAT(host_.reports[0].message, HasSubstr("it is about command c/2"));
+  EXPECT_FALSE(session_->done());
+}
+
+TEST_F(CommandSessionTest, StatesAreThoseThatThereAre) {
+  Begin();
+  for (const int state : {0, 6, -1}) {
+    session_->OnFeedback(1, Says(static_cast<v1::Feedback::State>(state)));
+    EXPECT_THAT(host_.refused.back(), HasSubstr("is not known")) << state;
+  }
+  EXPECT_EQ(host_.refused.size(), 3u);
+  Say(v1::Feedback::ACCEPTED);
+  Say(v1::Feedback::RUNNING);
+  Say(v1::Feedback::RUNNING);
+  EXPECT_EQ(host_.refused.size(), 3u);
+  Say(v1::Feedback::ACCEPTED);
+  EXPECT_THAT(host_.refused.back(), HasSubstr("ACCEPTED after RUNNING"));
+}
+
+TEST_F(CommandSessionTest, AnotherLifeThatBeganItIsAskedToEndAndTheOutcomeIsUnknown) {
+  Begin();
+  v1::Feedback other = Says(v1::Feedback::RUNNING);
+  other.set_incarnation("life2");
+  session_->OnFeedback(1, other);
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1", "a:1")) << "asked when it is seen, and with the sign of life";
+  other.set_state(v1::Feedback::SUCCEEDED);
+  session_->OnFeedback(1, other);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+  EXPECT_THAT(host_.reports.back().message, HasSubstr("was meant for incarnation life1"));
+}
+
+TEST_F(CommandSessionTest, WithoutAnAddressItIsUnreachableAndFailsAtTheDeadline) {
+  session_ = std::make_unique<CommandSession>(&host_, ProxySettings(), Drive(), absl::Seconds(1), false);
+  session_->UseAddress("");
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
+  EXPECT_EQ(host_.reports[0].message, "robot urn:r1 has no adapter now");
+  host_.Go(absl::Seconds(2));
+  EXPECT_EQ(host_.reports.back().message,
+            "robot urn:r1 has no adapter and did not take drive before its deadline");
+  EXPECT_THAT(host_.cancels, IsEmpty());
+}
+
+}  // namespace
+}  // namespace docent::proxy
