@@ -1,3 +1,14 @@
 import { defineConfig } from "vitest/config";
 
-export default defineConfig({ test: { include: ["tests/**/*.test.ts"], environment: "node", testTimeout: 120_000, fileParallelism: false, hookTimeout: 60_000 } });
+// A busy machine makes tests slow, not wrong: what is waited for comes at last, and these are only the ends of patience.
+const patience = { testTimeout: 300_000, hookTimeout: 180_000, teardownTimeout: 60_000 };
+
+export default defineConfig({
+  test: {
+    fileParallelism: false,
+    projects: [
+      { test: { name: "unit", include: ["tests/unit/**/*.test.ts"], environment: "node", ...patience } },
+      { test: { name: "browser", include: ["tests/browser/**/*.test.ts", "tests/measure/**/*.test.ts"], environment: "node", globalSetup: "tests/browser/one_browser.ts", fileParallelism: false, ...patience } },
+    ],
+  },
+});

@@ -23,9 +23,10 @@ const watch: Interceptor = (next) => async (request) => {
   }
 };
 
-const transport = createConnectTransport({ baseUrl: window.location.origin, interceptors: [watch], defaultTimeoutMs: 30_000 });
+const baseUrl = globalThis.location?.origin ?? ""; // there is none in tests of parts
+const transport = createConnectTransport({ baseUrl, interceptors: [watch], defaultTimeoutMs: 30_000 });
 // Without a deadline: for streams that stay open.
-const streamTransport = createConnectTransport({ baseUrl: window.location.origin, interceptors: [watch] });
+const streamTransport = createConnectTransport({ baseUrl, interceptors: [watch] });
 
 export const workflows = createClient(Workflows, transport);
 export const fleet = createClient(Fleet, transport);

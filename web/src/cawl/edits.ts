@@ -189,6 +189,7 @@ export class Edits {
     else if (text.trim() !== "") this.push(this.layout.insertFirst(part.element, (indent) => this.layout.render({ name: "documentation", text }, indent)));
   }
   addVariable(flow: Flow, name: string, type = "") {
+    if (flow.variables.some((v) => v.name === name)) throw new EditRefused(`There is a value ${name} already. Choose another name.`);
     const piece: Piece = { name: "variable", attributes: type ? [["name", name], ["type", type]] : [["name", name]] };
     const content = (indent: string) => this.layout.render(piece, indent);
     const last = flow.variables.at(-1);

@@ -2,6 +2,7 @@
 import { fleet, services, workflows } from "../api/client";
 import type { PlainError } from "../api/errors";
 import { usePoll } from "../api/poll";
+import { localName } from "../api/sparql";
 import { prefixesOf, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
 import { loadDraft } from "./drafts";
@@ -58,7 +59,7 @@ export function usePalette(): PaletteData {
     const [robots, registered, deployed] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal })]);
     const taken = new Set(registered.services.map((s) => s.name));
     const operations = new Map<string, string[]>();
-    for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || robot.robot]);
+    for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || localName(robot.robot)]);
     const entries: PaletteEntry[] = [];
     for (const s of registered.services)
       entries.push({

@@ -227,7 +227,7 @@ function FlowProperties(props: PropertiesProps) {
           if (/^[A-Za-z]\w*$/.test(variable)) (edit((x) => x.addVariable(flow, variable)), setVariable(""));
         }}>
           <input className="field small" placeholder="new value, e.g. booth" aria-label="Name of a new value" value={variable} onChange={(e) => setVariable(e.target.value.replace(/\W/g, ""))} />
-          <button className="button small" disabled={!/^[A-Za-z]\w*$/.test(variable)}><Plus size={13} />Add</button>
+          <button className="button small" disabled={!/^[A-Za-z]\w*$/.test(variable) || variables.some((v) => v.name === variable)}><Plus size={13} />Add</button>
         </form>
       </Section>
       <Section title="Document" folded>

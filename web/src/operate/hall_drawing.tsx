@@ -30,7 +30,7 @@ export function HallDrawing(props: {
   const size = Math.max(0.32, 0.62 * Math.sqrt(now.scale)); // of a robot: seen from far, and not huge near by
   return (
     <svg
-      ref={svg} className="hall-svg" viewBox={`${box.x} ${box.y} ${box.width} ${box.height}`} preserveAspectRatio="xMidYMid meet" role="group" aria-label="Map of the hall"
+      ref={svg} className={`hall-svg${props.tour ? " touring" : ""}`} viewBox={`${box.x} ${box.y} ${box.width} ${box.height}`} preserveAspectRatio="xMidYMid meet" role="group" aria-label="Map of the hall"
       onWheel={(e) => {
         const by = Math.exp(e.deltaY * 0.0012);
         const scale = Math.max(0.08, Math.min(1.6, now.scale * by));

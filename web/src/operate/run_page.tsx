@@ -74,29 +74,39 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   );
 }
 
-// The flow of the text that the server has of the workflow, or of this browser's draft; only one that has all nodes of the run.
+// The flow of the version that the run began with: the newest text that was deployed before it and has all of its nodes. Of a
+// server that keeps no texts, this browser's draft.
 function useFlow(run: Run | undefined): Flow | null {
-  const [text, setText] = useState("");
+  const [texts, setTexts] = useState<readonly string[]>([]); // the likeliest first
   const workflow = run?.workflow ?? "";
+  const began = run?.startedUs ?? 0n;
   useEffect(() => {
     if (!workflow) return;
     let there = true;
+    const draft = () => [loadDraft(workflow)?.text ?? ""];
     workflows.listVersions({ workflow, withTexts: true }).then(
-      (reply) => there && setText((reply.versions.find((v) => v.live) ?? reply.versions.at(-1))?.text ?? ""),
-      () => there && setText(loadDraft(workflow)?.text ?? ""),
+      ({ versions }) => {
+        const newest = versions.slice().reverse();
+        const before = newest.filter((v) => v.timeUs <= began);
+        if (there) setTexts([...before, ...newest.filter((v) => v.timeUs > began)].map((v) => v.text));
+      },
+      () => there && setTexts(draft()),
     );
     return () => void (there = false);
-  }, [workflow]);
+  }, [workflow, began]);
   const nodes = run?.nodes.map((n) => n.name).join("\n") ?? "";
   return useMemo(() => {
-    const flow = text ? readCawl(text).flows.find((f) => f.name === run?.flow) : undefined;
-    const steps = new Set(flow?.steps.map((s) => s.name));
-    return flow && nodes.split("\n").every((name) => steps.has(name)) ? flow : null;
-  }, [text, run?.flow, nodes]);
+    for (const text of texts) {
+      const flow = text ? readCawl(text).flows.find((f) => f.name === run?.flow) : undefined;
+      const steps = new Set(flow?.steps.map((s) => s.name));
+      if (flow && nodes.split("\n").every((name) => steps.has(name))) return flow;
+    }
+    return null;
+  }, [texts, run?.flow, nodes]);
 }
 
 function Now({ run, names, again }: { run: Run; names: Names; again: () => void }) {
-  const active = run.nodes.filter((n) => ["waiting", "running", "incident"].includes(n.state));
+  const active = run.nodes.filter((n) => ["waiting", "running", "incident", ...(run.state === "failed" ? ["failed"] : [])].includes(n.state));
   if (active.length === 0) return <p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p>;
   return <>{active.map((n) => <NodeDetails key={n.name} run={run} node={n} names={names} again={again} titled />)}</>;
 }

@@ -3,6 +3,7 @@ import { CircleAlert, Play, X } from "lucide-react";
 import { useState } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
+import { randomUuid } from "../api/ids";
 import { navigate, paths } from "../app/router";
 import type { Vocabulary } from "../compose/vocabulary";
 import { termOf } from "../api/terms";
@@ -21,7 +22,7 @@ export function StartDialog(props: {
     setBusy(true);
     try {
       const given = Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, props.prefixes) }));
-      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: given, requestId: crypto.randomUUID?.() ?? `${Date.now()}-${Math.random()}` });
+      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: given, requestId: randomUuid() });
       toast("good", "The run has begun", reply.run);
       props.onClose();
       navigate(paths.run(reply.run));

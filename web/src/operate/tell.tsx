@@ -3,6 +3,7 @@ import { CircleAlert, FlaskConical, Megaphone, X } from "lucide-react";
 import { useMemo, useState } from "react";
 import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
+import { randomUuid } from "../api/ids";
 import type { Names } from "../api/prefixes";
 import { termOf, termText } from "../api/terms";
 import { create } from "@bufbuild/protobuf";
@@ -30,7 +31,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
       const add = rows.map(([s = "", p = "", o = ""]) => create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p === "a" ? "rdf:type" : p, names.prefixes), object: termOf(o, names.prefixes) }));
       if (what === "simulate") setEffect(await context.whatIf({ add, prefixes: Object.fromEntries(names.prefixes) }));
       else {
-        const reply = await context.assert({ add, requestId: crypto.randomUUID?.() ?? `${Date.now()}-${Math.random()}` });
+        const reply = await context.assert({ add, requestId: randomUuid() });
         toast("good", reply.added > 0n ? "It is told" : "It was known already", rows.map((r) => r.join(" ")).join("\n"));
         props.onTold?.();
         props.onClose();
@@ -57,7 +58,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
             {effect.transitions.length + effect.commands.length === 0 && <div>No run would move on.</div>}
             {effect.transitions.map((t, i) => <div key={i}>{t.subject}: {t.from} → <b>{t.to}</b></div>)}
             {effect.commands.map((c, i) => <div key={`c${i}`}>{commandWords(c, names)}</div>)}
-            {effect.added.length > rows.length && <div className="faint">{effect.added.length - rows.length} more facts would be inferred.</div>}
+            {effect.added.length > rows.length && <div className="faint">{effect.added.length - rows.length === 1 ? "One more fact" : `${effect.added.length - rows.length} more facts`} would be inferred.</div>}
           </div></div>
         )}
       </div>

@@ -3,7 +3,7 @@ import { useEffect, useState } from "react";
 import { Code, ConnectError } from "@connectrpc/connect";
 import { workflowStreams } from "../api/client";
 import { type RunEvent, RunEventSchema } from "../gen/docent/v1/workflows_pb";
-import { fromJson } from "@bufbuild/protobuf";
+import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
 import { clock, look } from "./states";
@@ -15,38 +15,51 @@ export function useRunEvents(run: string): { events: RunEvent[]; whole: boolean 
   const [state, setState] = useState<{ events: RunEvent[]; whole: boolean }>({ events: [], whole: true });
   useEffect(() => {
     setState({ events: [], whole: true });
-    const abort = new AbortController();
     const take = (event: RunEvent) => setState((before) => ({ ...before, events: [...before.events.slice(-kept), event] }));
-    let stop = () => undefined as void;
-    const stream = async (after: bigint): Promise<void> => {
-      try {
-        for await (const event of workflowStreams.watch({ run, after }, { signal: abort.signal, timeoutMs: 0 })) take(event);
-      } catch (error) {
-        if (abort.signal.aborted) return;
-        if (ConnectError.from(error).code === Code.OutOfRange && after > 0n) {
-          setState((before) => ({ ...before, whole: false }));
-          return stream(0n);
-        }
-        await new Promise((done) => window.setTimeout(done, 2000));
-        if (!abort.signal.aborted) return stream(0n);
-      }
-    };
-    if (live.state === "open")
-      stop = live.follow({
-        call: "docent.v1.Workflows/Watch", request: { run, after: "1" }, everyMs: undefined, onMessage: (m) => take(fromJson(RunEventSchema, m, { ignoreUnknownFields: true })),
-        onEnd: (error) => {
-          if (error?.code !== "out_of_range") return;
-          setState((before) => ({ ...before, whole: false }));
-          stop = live.follow({ call: "docent.v1.Workflows/Watch", request: { run }, everyMs: undefined, onMessage: (m) => take(fromJson(RunEventSchema, m, { ignoreUnknownFields: true })), onEnd: () => undefined });
-        },
-      });
-    else void stream(1n);
-    return () => {
-      abort.abort();
-      stop();
-    };
+    const notWhole = () => setState((before) => ({ ...before, whole: false }));
+    return live.state === "none" ? streamEvents(run, take, notWhole) : followEvents(run, take, notWhole);
   }, [run]);
   return state;
+}
+
+function followEvents(run: string, take: (event: RunEvent) => void, notWhole: () => void): () => void {
+  const onMessage = (message: JsonValue) => take(fromJson(RunEventSchema, message, { ignoreUnknownFields: true }));
+  let stop = live.follow({
+    call: "docent.v1.Workflows/Watch", request: { run, after: "1" }, everyMs: undefined, onMessage,
+    onEnd: (failure) => {
+      if (failure?.code !== "out_of_range") return;
+      notWhole();
+      stop = live.follow({ call: "docent.v1.Workflows/Watch", request: { run }, everyMs: undefined, onMessage, onEnd: () => undefined });
+    },
+  });
+  return () => stop();
+}
+
+// Of a server without live connections. A stream that breaks goes on after the events that are there.
+function streamEvents(run: string, take: (event: RunEvent) => void, notWhole: () => void): () => void {
+  const abort = new AbortController();
+  let newest = 0n; // revision of the newest event
+  let known = 0; // events of that revision
+  const stream = async (after: bigint): Promise<void> => {
+    let again = newest > 0n ? known : 0; // events of the newest revision that come a second time
+    try {
+      for await (const event of workflowStreams.watch({ run, after }, { signal: abort.signal, timeoutMs: 0 })) {
+        if (event.revision === newest && again-- > 0) continue;
+        known = event.revision === newest ? known + 1 : 1;
+        newest = event.revision;
+        take(event);
+      }
+    } catch (error) {
+      if (!abort.signal.aborted && ConnectError.from(error).code === Code.OutOfRange && after > 0n) {
+        notWhole();
+        return stream(0n);
+      }
+    }
+    await new Promise((done) => window.setTimeout(done, 2000));
+    if (!abort.signal.aborted) return stream(newest > 0n ? newest - 1n : 1n);
+  };
+  void stream(1n);
+  return () => abort.abort();
 }
 
 // What an event says, without the ids that only the server needs.

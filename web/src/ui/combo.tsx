@@ -88,7 +88,7 @@ export function Combo(props: {
             </div>
           ))}
         </div>,
-        document.body,
+        input.current?.closest("dialog") ?? document.body, // a modal dialog lies above all else of the page
       )}
     </>
   );

@@ -1,7 +1,6 @@
 // Runs, hall and board in a real browser, against fixed answers.
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { afterAll, afterEach, beforeAll, describe, expect, it } from "vitest";
+import { fitsTheWindow, seriousFindings } from "./pages";
 import { guide, Stage, usualAnswers, type Answers } from "./stage";
 
 const expo = "https://w3id.org/docent/expo#";
@@ -129,23 +128,20 @@ describe("operating", () => {
 });
 
 describe("for everybody", () => {
-  const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   for (const dark of [false, true])
     for (const [path, wait] of [["/runs", "tbody tr"], ["/runs/BoothGuide-1?node=Move2Booth", ".lack"], ["/hall", ".hall-robot"], ["/board", ".board-group"]] as const)
       it(`${path} has no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
         const page = await open(path, { dark });
         await page.waitForSelector(wait);
-        await page.waitForTimeout(200);
         if (dark) await stage.picture(page, `dark-${path.replace(/\W+/g, "-")}`);
-        const serious = await page.evaluate(`${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`);
-        expect(serious).toEqual([]);
+        expect(await seriousFindings(page)).toEqual([]);
       });
   it("the views fit a small window", async () => {
-    for (const path of ["/runs", "/hall", "/board", "/runs/BoothGuide-1"]) {
+    for (const [path, wait] of [["/runs", "tbody tr"], ["/hall", ".hall-robot"], ["/board", ".board-group"], ["/runs/BoothGuide-1", ".lack"]] as const) {
       const page = await open(path, { width: 390, height: 780 });
-      await page.waitForTimeout(600);
+      await page.waitForSelector(wait);
       await stage.picture(page, `small-${path.replace(/\W+/g, "-")}`);
-      expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
+      await fitsTheWindow(page);
     }
   });
 });

@@ -9,7 +9,7 @@ const binaries = process.env["DOCENT_BINARIES"] ?? join(tree, "build/dev/bin");
 
 // Why the whole way can't be tested here; empty: it can.
 export function lacking(): string {
-  for (const program of ["docent", "docent-robot"]) if (!existsSync(join(binaries, program))) return `${join(binaries, program)} is not built`;
+  for (const program of ["docent", "docent-robot", "docent-scripted-adapter"]) if (!existsSync(join(binaries, program))) return `${join(binaries, program)} is not built`;
   return execFileSync(join(binaries, "docent"), ["serve", "--help"], { encoding: "utf8" }).includes("--web") ? "" : "this docent serves no app";
 }
 
@@ -17,6 +17,7 @@ export class Processes {
   readonly folder = mkdtempSync(join(tmpdir(), "docent-web-test-"));
   private server: ChildProcess | undefined;
   private robot: ChildProcess | undefined;
+  private readonly adapters: ChildProcess[] = [];
   grpc = "127.0.0.1:0";
   http = "127.0.0.1:0";
 
@@ -29,8 +30,17 @@ export class Processes {
   startRobot(speed: number) {
     this.robot = spawn(join(binaries, "docent-robot"), ["--server", this.grpc, "--out", join(this.folder, "robot"), "--speed", String(speed)], { stdio: "ignore" });
   }
+  // Robots whose operations take their time and do nothing; `options` as of docent-scripted-adapter. Resolves when it listens.
+  async startAdapter(robot: string, operations: readonly string[], ...options: string[]): Promise<string> {
+    const adapter = spawn(join(binaries, "docent-scripted-adapter"), ["--server", this.grpc, "--robot", robot, ...operations.flatMap((o) => ["--operation", o]), ...options], { stdio: ["ignore", "pipe", "ignore"] });
+    this.adapters.push(adapter);
+    return /grpc=(\S+)/.exec(await firstLine(adapter))?.[1] ?? "";
+  }
   docent(command: string, ...rest: string[]): string {
-    return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, encoding: "utf8" });
+    return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  }
+  load(...what: string[]) {
+    this.docent("load", ...what);
   }
   tell(...what: string[]) {
     this.docent("tell", "--prefix", "expo=https://w3id.org/docent/expo#", ...what);
@@ -45,7 +55,7 @@ export class Processes {
     await ended;
   }
   async close() {
-    for (const process of [this.robot, this.server]) {
+    for (const process of [this.robot, ...this.adapters, this.server]) {
       if (!process || process.exitCode !== null || process.signalCode !== null) continue;
       const ended = new Promise((resolve) => process.once("exit", resolve));
       process.kill("SIGTERM");

@@ -1,13 +1,14 @@
 // A browser and a server for tests: the built app under the policy that `docent serve` sends, with an API of fixed answers.
-import { createReadStream, existsSync, mkdirSync, readFileSync, statSync } from "node:fs";
+import { createReadStream, existsSync, readFileSync, statSync } from "node:fs";
 import http from "node:http";
 import type { AddressInfo } from "node:net";
 import { extname, join } from "node:path";
-import { type Browser, chromium, type Page } from "playwright-core";
+import type { Page } from "playwright-core";
+import { type PageOptions, Pages, picture } from "./pages";
 
 const web = join(import.meta.dirname, "../..");
 export const guide = readFileSync(join(web, "../scenarios/s01_booth_guide/booth_guide.cawl.xml"), "utf8");
-const types: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".woff2": "font/woff2", ".svg": "image/svg+xml" };
+const types: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".woff2": "font/woff2", ".svg": "image/svg+xml", ".webmanifest": "application/manifest+json", ".png": "image/png" };
 
 export type Answers = Record<string, (request: Record<string, unknown>) => unknown>;
 
@@ -41,53 +42,40 @@ function misspelt(text: string) {
 export class Stage {
   answers: Answers | null = usualAnswers(); // null: the server does not answer
   calls: { method: string; request: Record<string, unknown> }[] = [];
-  faults: string[] = []; // what pages wrote to the console as errors, or threw
   private constructor(
-    private readonly browser: Browser,
+    private readonly pages: Pages,
     private readonly server: http.Server,
     readonly url: string,
   ) {}
 
   static async open(): Promise<Stage> {
-    const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] });
+    const pages = await Pages.open();
     let stage: Stage | undefined;
     const server = http.createServer((request, response) => stage?.answer(request, response));
     await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
-    stage = new Stage(browser, server, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
+    stage = new Stage(pages, server, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
     return stage;
   }
-
   async close() {
-    await this.browser.close();
+    await this.pages.close();
     this.server.closeAllConnections();
     this.server.close();
   }
-
-  async page(path: string, options: { dark?: boolean; width?: number; height?: number } = {}): Promise<Page> {
-    const context = await this.browser.newContext({
-      viewport: { width: options.width ?? 1280, height: options.height ?? 800 }, colorScheme: options.dark ? "dark" : "light", reducedMotion: "reduce",
-      permissions: ["clipboard-read", "clipboard-write"],
-    });
-    const page = await context.newPage();
-    page.on("pageerror", (error) => this.faults.push(error.message));
-    page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));
-    await page.goto(this.url + path);
-    return page;
+  get faults(): string[] {
+    return this.pages.faults;
   }
-
-  // Keeps a picture for people to look at.
-  async picture(page: Page, name: string) {
-    mkdirSync(join(web, "test-results"), { recursive: true });
-    await page.screenshot({ path: join(web, "test-results", `${name}.png`) });
+  page(path: string, options: PageOptions = {}): Promise<Page> {
+    return this.pages.page(this.url + path, options);
   }
+  picture = picture;
 
   private answer(request: http.IncomingMessage, response: http.ServerResponse) {
     const path = new URL(request.url ?? "/", "http://x").pathname;
     if (path.startsWith("/docent.v1.")) return void this.call(path.slice("/docent.v1.".length), request, response);
-    const wanted = join(web, "dist", path);
-    const file = existsSync(wanted) && statSync(wanted).isFile() ? wanted : join(web, "dist/index.html");
+    const wanted = join(web, "dist", path.replace(/\/$/, ""));
+    const file = [wanted, `${wanted}.html`].find((name) => existsSync(name) && statSync(name).isFile()) ?? join(web, "dist/index.html");
     response.setHeader("Content-Type", types[extname(file)] ?? "application/octet-stream");
-    response.setHeader("Content-Security-Policy", "default-src 'none'; script-src 'self' 'nonce-abc'; style-src 'self' 'nonce-abc'; img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'");
+    response.setHeader("Content-Security-Policy", "default-src 'none'; script-src 'self' 'nonce-abc'; style-src 'self' 'nonce-abc'; img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; manifest-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'");
     if (file.endsWith(".html")) response.end(readFileSync(file, "utf8").replaceAll("docent-csp-nonce", "abc"));
     else createReadStream(file).pipe(response);
   }
@@ -118,10 +106,4 @@ function envelope(message: unknown, flags: number): Buffer {
   head[0] = flags;
   head.writeUInt32BE(body.length, 1);
   return Buffer.concat([head, body]);
-}
-
-// The text of the draft that the app has kept, after the moment that it takes to keep it.
-export async function draft(page: Page, name: string): Promise<string> {
-  await page.waitForTimeout(450);
-  return page.evaluate((key) => (JSON.parse(localStorage.getItem(key) ?? '{"text":""}') as { text: string }).text, `docent.draft.${name}`);
 }

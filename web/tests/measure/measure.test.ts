@@ -2,8 +2,8 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
-import { chromium } from "playwright-core";
 import { it } from "vitest";
+import { Pages } from "../browser/pages";
 import { guide } from "../browser/stage";
 import { lacking, Processes } from "../browser/processes";
 
@@ -20,7 +20,7 @@ it("sizes, first view, event to screen", { timeout: 300_000 }, async () => {
   const why = lacking();
   if (why) return console.log(`not measured: ${why}`);
   const processes = new Processes();
-  const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] });
+  const { browser } = await Pages.open();
   try {
     await processes.startServer();
     for (const name of ["docent", "place", "robot", "run", "sensor", "service"]) processes.docent("load", "--as", "ontology", `ontology/${name}.ttl`);

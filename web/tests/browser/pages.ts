@@ -1,0 +1,83 @@
+// What all tests in a browser share: the one browser, pages whose mistakes are collected, pictures, axe.
+import { mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { type Browser, chromium, type Page } from "playwright-core";
+import { expect, inject, onTestFailed } from "vitest";
+
+const web = join(import.meta.dirname, "../..");
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+export const patienceMs = 120_000; // for what comes at once on an idle machine
+
+export interface PageOptions {
+  dark?: boolean;
+  width?: number;
+  height?: number;
+  language?: string;
+}
+
+export class Pages {
+  faults: string[] = []; // what pages wrote to the console as errors, or threw
+  private constructor(readonly browser: Browser) {}
+
+  static async open(): Promise<Pages> {
+    return new Pages(await chromium.connect(inject("browser"), { timeout: patienceMs }));
+  }
+  async page(url: string, options: PageOptions = {}): Promise<Page> {
+    const context = await this.browser.newContext({
+      viewport: { width: options.width ?? 1280, height: options.height ?? 800 }, colorScheme: options.dark ? "dark" : "light", reducedMotion: "reduce", locale: options.language ?? "en-GB",
+      permissions: ["clipboard-read", "clipboard-write"],
+    });
+    context.setDefaultTimeout(patienceMs);
+    const page = await context.newPage();
+    page.on("pageerror", (error) => this.faults.push(error.message));
+    page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));
+    // What a test saw that failed.
+    onTestFailed(({ task }) => picture(page, `failed-${task.name.replace(/\W+/g, "-").slice(0, 60)}-${context.pages().indexOf(page)}`).catch(() => undefined));
+    await page.goto(url);
+    return page;
+  }
+  // Ends the pages of this file; the browser goes on.
+  async close() {
+    for (const context of this.browser.contexts()) await context.close();
+    await this.browser.close();
+  }
+}
+
+// Keeps a picture for people to look at.
+export async function picture(page: Page, name: string) {
+  const folder = join(web, "test-results");
+  mkdirSync(folder, { recursive: true });
+  await settled(page);
+  await page.screenshot({ path: join(folder, `${name}.png`) });
+}
+
+// Until the fonts are there, nothing moves, and what was changed is drawn.
+export async function settled(page: Page) {
+  await page.evaluate(async () => {
+    await document.fonts.ready;
+    const moves = () => document.getAnimations().filter((a) => a.playState === "running" && a.effect?.getComputedTiming().iterations !== Infinity);
+    while (moves().length > 0) await Promise.allSettled(moves().map((a) => a.finished));
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  });
+}
+
+// Serious and critical findings of axe, in words.
+export async function seriousFindings(page: Page): Promise<string[]> {
+  await settled(page);
+  return page.evaluate(`${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`);
+}
+
+export async function fitsTheWindow(page: Page) {
+  await settled(page);
+  expect(await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth)).toBeLessThanOrEqual(0);
+}
+
+// What is kept in this browser under a key of a draft; it is kept a moment after an edit.
+export function draftNow(page: Page, name: string): Promise<string> {
+  return page.evaluate((key) => (JSON.parse(localStorage.getItem(key) ?? '{"text":""}') as { text: string }).text, `docent.draft.${name}`);
+}
+// To be followed by toBe, toContain or another of expect's: asked until it is so.
+export function draft(page: Page, name: string) {
+  return expect.poll(() => draftNow(page, name), { timeout: patienceMs, interval: 100 });
+}
