@@ -40,6 +40,7 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
             <ul>{onCanvas.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
           </section>
         )}
+        <p className="faint small keys-licences"><a href="/licences.txt">Licences of the packages that the app is made of</a></p>
       </div>
     </Dialog>
   );

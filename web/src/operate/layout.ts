@@ -22,7 +22,7 @@ export interface Layout {
 }
 
 const prologue = "PREFIX docent: <https://w3id.org/docent#> PREFIX geo: <http://www.opengis.net/ont/geosparql#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>\n";
-const shapesQuery = `${prologue}SELECT ?s ?type ?wkt (SAMPLE(?n) AS ?name) (SAMPLE(?r) AS ?radius) (SAMPLE(?e) AS ?exhibitor) {
+export const shapesQuery = `${prologue}SELECT ?s ?type ?wkt (SAMPLE(?n) AS ?name) (SAMPLE(?r) AS ?radius) (SAMPLE(?e) AS ?exhibitor) {
   ?s geo:hasGeometry ?g ; a ?type . ?g geo:asWKT ?wkt
   VALUES ?type { docent:Hall docent:Wall docent:Pillar docent:Booth docent:Region docent:Counter docent:BoothWall }
   OPTIONAL { ?s schema:name|rdfs:label ?n } OPTIONAL { ?s docent:radius ?r } OPTIONAL { ?s docent:exhibitor ?x . ?x schema:name ?e }

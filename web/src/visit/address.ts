@@ -1,0 +1,35 @@
+// The page's address: the place of the code that was scanned, and what is being chosen. Back leads to the choice before.
+import { useSyncExternalStore } from "react";
+
+export interface Choice {
+  at: string; // as the code or the link names it
+  service: string;
+  booth: string;
+  step: string; // "at", "service" or "booth": that is chosen again
+}
+const names = ["at", "service", "booth", "step"] as const;
+const listeners = new Set<() => void>();
+const tell = () => listeners.forEach((listener) => listener());
+
+export function readChoice(search: string): Choice {
+  const values = new URLSearchParams(search);
+  return Object.fromEntries(names.map((name) => [name, values.get(name) ?? ""])) as unknown as Choice;
+}
+export function useChoice(): Choice {
+  const search = useSyncExternalStore((listener) => {
+    listeners.add(listener);
+    window.addEventListener("popstate", listener);
+    return () => {
+      listeners.delete(listener);
+      window.removeEventListener("popstate", listener);
+    };
+  }, () => window.location.search);
+  return readChoice(search);
+}
+export function choose(values: Partial<Choice>, replace = false) {
+  const search = new URLSearchParams(window.location.search);
+  for (const [name, value] of Object.entries(values)) value ? search.set(name, value) : search.delete(name);
+  const text = search.toString();
+  window.history[replace ? "replaceState" : "pushState"](null, "", `${window.location.pathname}${text && `?${text}`}`);
+  tell();
+}

@@ -1,0 +1,48 @@
+// The visitor's run with what it waits for, the robots, and who is before: followed as it changes.
+import { useEffect } from "react";
+import { fleet, workflows } from "../api/client";
+import { useFollow } from "../api/live";
+import { usePoll } from "../api/poll";
+import { query } from "../api/sparql";
+import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { ExplainRunReplySchema, type Run, RunSchema, type Wait } from "../gen/docent/v1/workflows_pb";
+import { isLive } from "../operate/states";
+import { docentNs } from "./offers";
+import { change, useVisitor } from "./visitor";
+
+const prologue = `PREFIX docent: <${docentNs}> PREFIX prov: <http://www.w3.org/ns/prov#>\n`;
+// Of the visitor whose IRI is given: its runs, the newest first.
+const runsQuery = (visitor: string) => `${prologue}SELECT DISTINCT ?run ?t { ?run docent:hasVariable/docent:variableValue <${visitor}> ; a docent:Run ; prov:startedAtTime ?t FILTER NOT EXISTS { ?run docent:parentRun ?p } } ORDER BY DESC(?t) LIMIT 5`;
+// How many live runs of the same workflow began before, and how long the newest ones that are done have taken.
+const beforeQuery = (run: string) => `${prologue}SELECT (COUNT(DISTINCT ?r) AS ?n) { <urn:docent:run:${run}> docent:workflow ?w ; prov:startedAtTime ?mine . ?r docent:workflow ?w ; docent:runState "running" ; prov:startedAtTime ?t FILTER(?t < ?mine) FILTER NOT EXISTS { ?r docent:parentRun ?p } }`;
+const tookQuery = (run: string) => `${prologue}SELECT ?from ?to { <urn:docent:run:${run}> docent:workflow ?w . ?r docent:workflow ?w ; docent:runState "done" ; prov:startedAtTime ?from ; prov:endedAtTime ?to } ORDER BY DESC(?to) LIMIT 20`;
+
+export interface MyRun {
+  run: Run | undefined;
+  waits: readonly Wait[];
+  robots: readonly RobotStatus[];
+  before: number;
+  tookS: readonly number[];
+}
+
+export function useMyRun(): MyRun {
+  const visitor = useVisitor();
+  const found = usePoll(visitor.run === "" ? `my run ${visitor.id} ${visitor.past}` : "", async (signal) => {
+    const { rows } = await query(runsQuery(visitor.id), signal);
+    return rows.map((row) => (row["run"]?.text ?? "").replace(/^urn:docent:run:/, "")).find((run) => run !== "" && run !== visitor.past) ?? "";
+  }, 1500);
+  useEffect(() => void (found.data && change({ run: found.data })), [found.data]);
+  const id = visitor.run;
+  const robots = useFollow("robots", { call: "docent.v1.Fleet/List", request: {}, reply: ListRobotsReplySchema, poll: (signal) => fleet.list({}, { signal }), everyMs: 500 });
+  const run = useFollow(id && `run ${id}`, { call: "docent.v1.Workflows/Get", request: { run: id }, reply: RunSchema, poll: (signal) => workflows.get({ run: id }, { signal }), everyMs: 500 });
+  const there = run.data !== undefined && isLive(run.data.state);
+  const waits = useFollow(id && there ? `waits ${id}` : "", { call: "docent.v1.Workflows/Explain", request: { run: id }, reply: ExplainRunReplySchema, poll: (signal) => workflows.explain({ run: id }, { signal }), everyMs: 1000 });
+  const queue = usePoll(id && there ? `before ${id}` : "", async (signal) => {
+    const [before, took] = await Promise.all([query(beforeQuery(id), signal), query(tookQuery(id), signal)]);
+    const seconds = took.rows.map((row) => (Date.parse(row["to"]?.text ?? "") - Date.parse(row["from"]?.text ?? "")) / 1000).filter((s) => s > 0);
+    return { before: Number(before.rows[0]?.["n"]?.text ?? 0), tookS: seconds };
+  }, 5000);
+  // A run that the server does not keep any more has ended.
+  useEffect(() => void (run.error?.kind === "missing" && change({ run: "", past: id, asked: false })), [run.error?.kind, id]);
+  return { run: run.data, waits: waits.data?.waits ?? [], robots: robots.data?.robots ?? [], before: queue.data?.before ?? 0, tookS: queue.data?.tookS ?? [] };
+}

@@ -1,0 +1,113 @@
+// The page of visitors' phones: where they are, what they would like, and then how far it is.
+import { Languages, MapPin, Unplug } from "lucide-react";
+import { useEffect, useMemo, useState } from "react";
+import { useConnection, serverAnswered, serverSilent } from "../api/connection";
+import { live } from "../api/live";
+import { choose, useChoice } from "./address";
+import { Choosing } from "./choosing";
+import { useKept } from "./kept";
+import { readOffers } from "./offers";
+import { findPlace, readPlaces } from "./places";
+import { Progress } from "./progress";
+import { arrive, useVisitor } from "./visitor";
+import { chooseLanguage, LanguageContext, languages, sayIn, useWords } from "./words";
+import "./visit.css";
+
+const languageKey = "docent.visit.language";
+
+export function Visit() {
+  const [language, setLanguage] = useState(() => chooseLanguage([new URLSearchParams(location.search).get("lang") ?? "", readLanguage(), ...navigator.languages]));
+  const words = useMemo(() => ({ language, say: sayIn(language) }), [language]);
+  useEffect(() => {
+    document.documentElement.lang = language;
+    document.title = words.say("heading");
+  }, [language, words]);
+  return (
+    <LanguageContext value={words}>
+      <header className="visit-head">
+        <img src="/icon.svg" alt="" width={28} height={28} />
+        <b>Docent</b>
+        <label className="visit-language">
+          <Languages size={17} aria-hidden />
+          <span className="unseen">{words.say("language.choose")}</span>
+          <select value={language} onChange={(e) => (keepLanguage(e.target.value), setLanguage(e.target.value))}>
+            {[...languages].map(([tag, texts]) => <option key={tag} value={tag}>{texts.language}</option>)}
+          </select>
+        </label>
+      </header>
+      <Away />
+      <Body />
+    </LanguageContext>
+  );
+}
+
+function Body() {
+  const { language, say } = useWords();
+  const visitor = useVisitor();
+  const choice = useChoice();
+  const places = useKept("places", readPlaces, 60_000);
+  const offers = useKept(`offers.${language}`, (signal) => readOffers(language, signal), 10_000);
+  const scanned = places.data ? findPlace(places.data.list, choice.at) : undefined;
+  // A code that is scanned says where the visitor is now, also while the robot is on its way.
+  useEffect(() => {
+    if (scanned && scanned.iri !== visitor.at) arrive(scanned.iri);
+  }, [scanned?.iri]);
+  const at = places.data?.list.find((p) => p.iri === visitor.at);
+  return (
+    <main className="visit">
+      <h1 className={visitor.asked ? "unseen" : ""}>{say("heading")}</h1>
+      {at && choice.step !== "at" && (
+        <p className="visit-at">
+          <MapPin size={17} aria-hidden /><span className="grow">{say("where.now", { place: placeWords(at) })}</span>
+          <button className="visit-link" onClick={() => choose({ step: "at" })}>{say("where.change")}</button>
+        </p>
+      )}
+      {places.data && choice.at && !scanned && <p className="visit-notice" role="alert">{say("where.unknown", { place: choice.at })}</p>}
+      {!places.data ? <p className="visit-loading" role="status">{say("loading")}</p> : visitor.asked && choice.step !== "at" ? <Progress places={places.data} offers={offers.data ?? []} /> : <Choosing places={places.data} offers={offers.data} />}
+      <p className="visit-privacy">{say("privacy")}</p>
+    </main>
+  );
+}
+
+export function placeWords(place: { name: string; detail: string }): string {
+  return place.detail ? `${place.name} · ${place.detail}` : place.name;
+}
+
+// Says since when there is no connection, and looks for it as long as the live connection does not.
+function Away() {
+  const { say } = useWords();
+  const connection = useConnection();
+  useEffect(() => {
+    let ended = false;
+    let timer = 0;
+    const look = async () => {
+      if (live.state !== "open" && !document.hidden) await fetch("/healthz", { cache: "no-store", signal: AbortSignal.timeout(6000) }).then((r) => (r.ok ? serverAnswered() : serverSilent()), serverSilent);
+      if (!ended) timer = window.setTimeout(() => void look(), 3000);
+    };
+    const off = () => serverSilent();
+    window.addEventListener("offline", off);
+    void look();
+    return () => {
+      ended = true;
+      window.clearTimeout(timer);
+      window.removeEventListener("offline", off);
+    };
+  }, []);
+  if (connection.state !== "away") return null;
+  return <p className="visit-away" role="status"><Unplug size={16} aria-hidden />{say("away", { time: new Date(connection.since).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}</p>;
+}
+
+function readLanguage(): string {
+  try {
+    return localStorage.getItem(languageKey) ?? "";
+  } catch {
+    return "";
+  }
+}
+function keepLanguage(language: string) {
+  try {
+    localStorage.setItem(languageKey, language);
+  } catch {
+    // it holds for this page alone
+  }
+}

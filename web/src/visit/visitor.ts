@@ -1,0 +1,111 @@
+// The visitor of this browser: a random number, where it is, what it has chosen. All of it is told to the server as facts of a
+// source of its own.
+import { create } from "@bufbuild/protobuf";
+import { useSyncExternalStore } from "react";
+import { context, workflows } from "../api/client";
+import { plain } from "../api/errors";
+import { randomUuid } from "../api/ids";
+import { iriTerm } from "../api/terms";
+import { AssertRequestSchema } from "../gen/docent/v1/context_pb";
+import { type Quad, QuadSchema, type Term, TermSchema } from "../gen/docent/v1/term_pb";
+import { docentNs } from "./offers";
+import { Outbox } from "./outbox";
+
+export interface Visitor {
+  id: string; // IRI
+  at: string; // IRIs; empty: not known
+  service: string;
+  booth: string;
+  asked: boolean; // the robot is called
+  run: string; // the newest run of the visitor that is known
+  past: string; // the run before, which the visitor is done with
+  met: string; // the run in which the robot has been with the visitor
+  rated: string; // the run that feedback was given of
+}
+const key = "docent.visit";
+const livesMs = 12n * 3_600_000n; // of what is told, after which the server forgets it
+const rdfType = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
+const fresh = (): Visitor => ({ id: `urn:uuid:${randomUuid()}`, at: "", service: "", booth: "", asked: false, run: "", past: "", met: "", rated: "" });
+
+function read(): Visitor {
+  try {
+    const stored = JSON.parse(localStorage.getItem(key) ?? "null") as Partial<Visitor> | null;
+    return typeof stored?.id === "string" ? { ...fresh(), ...stored } : fresh();
+  } catch {
+    return fresh();
+  }
+}
+let visitor = read();
+const listeners = new Set<() => void>();
+export const outbox = new Outbox({ storage: localStorage, send: (request) => context.assert(request, { timeoutMs: 10_000 }), plain });
+window.addEventListener("online", () => void outbox.flush());
+void outbox.flush();
+
+export function change(values: Partial<Visitor>) {
+  visitor = { ...visitor, ...values };
+  try {
+    localStorage.setItem(key, JSON.stringify(visitor));
+  } catch {
+    // kept as long as the page
+  }
+  for (const listener of [...listeners]) listener();
+}
+export function useVisitor(): Visitor {
+  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => visitor);
+}
+export function useOutbox() {
+  return useSyncExternalStore(outbox.subscribe, outbox.current);
+}
+
+const literal = (lexical: string, datatype = "", language = ""): Term => create(TermSchema, { kind: { case: "literal", value: { lexical, datatype, language } } });
+const fact = (subject: string, property: string, object: Term | string): Quad =>
+  create(QuadSchema, { subject: iriTerm(subject), predicate: iriTerm(property.includes(":") ? property : docentNs + property), object: typeof object === "string" ? iriTerm(object) : object });
+function tell(add: Quad[], remove: Quad[] = []) {
+  if (add.length + remove.length > 0) outbox.put(create(AssertRequestSchema, { requestId: randomUuid(), source: visitor.id, add, remove, ...(add.length > 0 && { lifetimeMs: livesMs }) }));
+}
+
+// "Guest 4F2A", for those who look at the hall.
+export function guestName(id: string): string {
+  return `Guest ${id.slice(-4).toUpperCase()}`;
+}
+
+export function arrive(place: string) {
+  const before = visitor.at;
+  change({ at: place });
+  if (visitor.asked && before !== place) tell([fact(visitor.id, "isAt", place)]);
+}
+export function call(service: string, booth: string) {
+  const { id, at } = visitor;
+  change({ service, booth, asked: true, past: visitor.run || visitor.past, run: "", met: "" });
+  tell([
+    fact(id, rdfType, `${docentNs}Visitor`), fact(id, "http://www.w3.org/2000/01/rdf-schema#label", literal(guestName(id))),
+    ...(at ? [fact(id, "isAt", at)] : []), ...(booth ? [fact(id, "selected", booth)] : []), fact(id, "chose", service),
+  ]);
+}
+export function select(booth: string) {
+  change({ booth });
+  tell([fact(visitor.id, "selected", booth)]);
+}
+// What was wished is no longer so; the next wish is another one.
+export function withdraw() {
+  const { id, service, booth } = visitor;
+  if (!visitor.asked) return;
+  change({ asked: false, past: visitor.run || visitor.past, run: "" });
+  tell([], [...(service ? [fact(id, "chose", service)] : []), ...(booth ? [fact(id, "selected", booth)] : [])]);
+}
+export async function end(): Promise<void> {
+  const { run } = visitor;
+  withdraw();
+  if (run) await workflows.cancel({ run, reason: "the visitor ended it" }, { timeoutMs: 10_000 });
+}
+export function rate(run: string, stars: number, text: string, language: string) {
+  const id = `urn:uuid:${randomUuid()}`;
+  change({ rated: run });
+  outbox.put(create(AssertRequestSchema, {
+    requestId: randomUuid(), source: visitor.id,
+    add: [
+      fact(id, rdfType, `${docentNs}Feedback`), fact(id, "rating", literal(String(stars), "http://www.w3.org/2001/XMLSchema#integer")), fact(id, "givenBy", visitor.id), fact(id, "ofService", visitor.service), ...(run ? [fact(id, "feedbackOn", `urn:docent:run:${run}`)] : []),
+      ...(text.trim() ? [fact(id, "comment", literal(text.trim().slice(0, 2000), "", language))] : []),
+    ],
+  }));
+}

@@ -1,0 +1,180 @@
+// The visitors' page, with a real server and robot: from the code at a booth to the robot's arrival and what the visitor says
+// of it; without a network; why no robot comes; in other languages.
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { fitsTheWindow, patienceMs, seriousFindings } from "./pages";
+import { lacking } from "./processes";
+import { expo, RealStage } from "./real_stage";
+
+const why = lacking();
+if (why) console.log(`skipped: ${why}`);
+const phone = { width: 390, height: 780 };
+
+describe.skipIf(why !== "")("a visitor's phone", () => {
+  let stage: RealStage;
+  beforeAll(async () => void (stage = await RealStage.open({ speed: 6 }, "booth_guide.rsel.xml", "booth_guide.cawl.xml")));
+  afterAll(() => stage?.close());
+  const open = (path: string, options = {}) => stage.page(path, { ...phone, ...options });
+  const rows = async (select: string) => {
+    const answer = await fetch(`${stage.processes.url}/sparql`, { method: "POST", headers: { Accept: "application/sparql-results+json" }, body: new URLSearchParams({ query: `PREFIX docent: <https://w3id.org/docent#> ${select}` }) });
+    return ((await answer.json()) as { results: { bindings: Record<string, { value: string }>[] } }).results.bindings;
+  };
+  const visitorOf = (page: Page) => page.evaluate(() => (JSON.parse(localStorage.getItem("docent.visit") ?? "{}") as { id?: string }).id ?? "");
+  const call = async (page: Page, booth: string) => {
+    await page.getByRole("button", { name: /Booth guide/ }).click();
+    await page.getByRole("searchbox").fill(booth);
+    await page.locator(".visit-card", { hasText: booth }).first().click();
+    await page.getByRole("button", { name: "Call the robot" }).click();
+  };
+
+  it("from the code at a booth to the robot's arrival, the tour and the feedback", async () => {
+    const page = await open("/visit?at=B07");
+    await page.getByText("You are at B07").waitFor();
+    await stage.picture(page, "visit-services");
+    await page.getByRole("button", { name: /Booth guide/ }).click();
+    await page.getByRole("button", { name: "Map" }).click();
+    await stage.picture(page, "visit-map");
+    await page.locator('.visit-shape.booth[aria-label^="B05,"]').click();
+    await stage.picture(page, "visit-summary");
+    await page.getByRole("button", { name: "Call the robot" }).click();
+    await page.locator(".visit-status.coming").waitFor();
+    await page.locator(".visit-eta").waitFor();
+    expect(await page.locator(".visit-eta").innerText()).toMatch(/There in (about \d+ min|less than a minute) · \d+ m to go/);
+    await stage.picture(page, "visit-coming");
+    await page.locator(".visit-status.guiding").waitFor();
+    await stage.picture(page, "visit-guiding");
+    const id = await visitorOf(page);
+    expect(await rows(`SELECT ?r { <${id}> docent:isAt <${expo}B07> . ?r a docent:Robot }`)).toHaveLength(1);
+    // The visitor has followed the robot, and scans the code there.
+    await page.getByText("R01 waits for you at B05").waitFor();
+    await page.getByText("Come to B05").waitFor();
+    await stage.picture(page, "visit-follow");
+    await page.goto(`${stage.processes.url}/visit?at=B05`);
+    await page.locator(".visit-status.presenting").waitFor();
+    await stage.picture(page, "visit-presenting");
+    await page.locator(".visit-status.done").waitFor();
+    await page.getByLabel("4 of 5").check({ force: true });
+    await page.getByLabel("What should we know").fill('It spoke "clearly", <b>but fast</b>.');
+    await stage.picture(page, "visit-feedback");
+    await page.getByRole("button", { name: "Send" }).click();
+    await page.locator(".visit-thanks").waitFor();
+    await expect.poll(() => rows(`SELECT ?stars ?text ?run { ?f a docent:Feedback ; docent:rating ?stars ; docent:comment ?text ; docent:feedbackOn ?run ; docent:givenBy <${id}> }`), { timeout: patienceMs }).toEqual([
+      { stars: expect.objectContaining({ value: "4" }), text: expect.objectContaining({ value: 'It spoke "clearly", <b>but fast</b>.' }), run: expect.objectContaining({ value: expect.stringMatching(/^urn:docent:run:BoothGuide-/) }) },
+    ]);
+    await page.getByRole("button", { name: "Choose something else" }).click();
+    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose ?x }`), { timeout: patienceMs }).toEqual([]);
+  });
+
+  it("says in plain words why no robot comes, and who is before", async () => {
+    await stage.call("Fleet/TakeOutOfService", { robot: `${expo}R01`, reason: "a wheel squeaks" });
+    const first = await open("/visit?at=B03");
+    await call(first, "B10");
+    await first.getByText("R01 is out of service: a wheel squeaks.").waitFor();
+    await stage.picture(first, "visit-out-of-service");
+    const second = await open("/visit?at=Entrance", { language: "de-DE" });
+    await second.getByRole("button", { name: /Booth guide/ }).click();
+    await second.locator(".visit-card", { hasText: "B01" }).first().click();
+    await second.getByRole("button", { name: "Roboter rufen" }).click();
+    await second.getByText("R01 ist außer Betrieb: a wheel squeaks.").waitFor();
+    await second.getByText("Ein Besucher ist vor Ihnen dran").waitFor();
+    await stage.picture(second, "visit-german");
+    await second.getByRole("button", { name: "Dienst beenden" }).click();
+    await second.getByRole("button", { name: "Beenden", exact: true }).click();
+    await second.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await stage.call("Fleet/PutInService", { robot: `${expo}R01` });
+    await first.locator(".visit-status.coming").waitFor();
+    await first.getByRole("button", { name: "End the service" }).click();
+    await first.getByRole("button", { name: "End it" }).click();
+    await first.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await expect.poll(() => stage.call<{ runs?: object[] }>("Workflows/ListRuns", { liveOnly: true }), { timeout: patienceMs }).toEqual({});
+  });
+
+  it("opens without a network from what is kept, says so, and sends the wish when it is back", async () => {
+    const page = await open("/visit?at=B07", { language: "ko-KR" });
+    await page.getByText("현재 위치: B07").waitFor();
+    await stage.picture(page, "visit-korean");
+    await page.evaluate(() => navigator.serviceWorker.ready);
+    await expect.poll(() => page.evaluate(async () => (await caches.keys()).some((name) => name.startsWith("visit-"))), { timeout: patienceMs }).toBe(true);
+    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await page.context().setOffline(true);
+    await page.reload();
+    await page.locator(".visit-away").waitFor();
+    await page.getByRole("button", { name: /Booth guide/ }).click();
+    await page.locator(".visit-card", { hasText: "B06" }).first().click();
+    await page.getByRole("button", { name: "로봇 부르기" }).click();
+    await page.getByText("네트워크가 없습니다").waitFor();
+    await stage.picture(page, "visit-offline");
+    await page.context().setOffline(false);
+    await page.locator(".visit-status.coming").waitFor();
+    await page.locator(".visit-away").waitFor({ state: "detached" });
+    const id = await visitorOf(page);
+    expect(await rows(`SELECT ?run { ?run docent:hasVariable/docent:variableValue <${id}> ; a docent:Run }`)).toHaveLength(1);
+    await page.getByRole("button", { name: "서비스 끝내기" }).click();
+    await page.getByRole("button", { name: "끝내기", exact: true }).click();
+    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+  });
+
+  it("the server is killed while the robot is on its way: the page says so and goes on", async () => {
+    const page = await open("/visit?at=B07");
+    await call(page, "B09");
+    await page.locator(".visit-status:not(.asked)").waitFor();
+    await stage.processes.killServer();
+    await page.locator(".visit-away").waitFor();
+    await stage.picture(page, "visit-away");
+    await stage.processes.startServer();
+    await page.locator(".visit-away").waitFor({ state: "detached" });
+    await page.locator(".visit-status.coming, .visit-status.guiding").waitFor();
+    await page.getByRole("button", { name: "End the service" }).click();
+    await page.getByRole("button", { name: "End it" }).click();
+    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+  });
+
+  it("a code of a place that is not here is said so; markup stays text", async () => {
+    const page = await open("/visit?at=%3Cb%3EB99");
+    await page.getByText("The code names a place that is not here: <b>B99").waitFor();
+    expect(await page.locator(".visit b b").count()).toBe(0);
+  });
+
+  it("by keys alone", async () => {
+    const page = await open("/visit?at=B07");
+    const service = page.getByRole("button", { name: /Booth guide/ });
+    await service.waitFor();
+    for (let i = 0; i < 12 && !(await service.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    const map = page.getByRole("button", { name: "Map" });
+    await map.waitFor();
+    for (let i = 0; i < 12 && !(await map.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    const booth = page.locator('.visit-shape.booth[aria-label^="B02,"]');
+    await booth.waitFor();
+    for (let i = 0; i < 40 && !(await booth.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: "Call the robot" }).waitFor();
+    await page.goBack();
+    await booth.waitFor();
+  });
+
+  for (const dark of [false, true])
+    it(`no serious finding of axe, and it fits (${dark ? "dark" : "light"})`, async () => {
+      const page = await open("/visit?at=B07", { dark });
+      await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+      await stage.picture(page, `visit-${dark ? "dark" : "light"}`);
+      expect(await seriousFindings(page)).toEqual([]);
+      await fitsTheWindow(page);
+      await page.getByRole("button", { name: /Booth guide/ }).click();
+      await page.getByRole("button", { name: "Map" }).click();
+      expect(await seriousFindings(page)).toEqual([]);
+      await page.locator('.visit-shape.booth[aria-label^="B02,"]').click();
+      await page.getByRole("button", { name: "Call the robot" }).click();
+      await page.locator(".visit-status:not(.asked)").waitFor();
+      await stage.picture(page, `visit-status-${dark ? "dark" : "light"}`);
+      expect(await seriousFindings(page)).toEqual([]);
+      await fitsTheWindow(page);
+      await page.getByRole("button", { name: "End the service" }).click();
+      await page.getByRole("button", { name: "End it" }).click();
+      await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+    });
+
+  it("no page has thrown", () => stage.noFaults());
+});
