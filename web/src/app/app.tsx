@@ -1,5 +1,5 @@
 // The frame around all views: where to go, what can be done (Ctrl-K), the keys (?), and whether the server is there.
-import { Command as CommandIcon, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
+import { Command as CommandIcon, ConciergeBell, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
 import { Component, lazy, Suspense, useState, type ReactNode } from "react";
 import { useConnection } from "../api/connection";
 import { usePoll } from "../api/poll";
@@ -19,12 +19,14 @@ const Runs = lazy(() => import("../operate/runs"));
 const RunPage = lazy(() => import("../operate/run_page"));
 const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
+const Desk = lazy(() => import("../desk/desk"));
 
 const places = [
   { title: "Compose", path: paths.documents(), icon: Workflow, views: ["documents", "compose"] },
   { title: "Runs", path: paths.runs(), icon: ListChecks, views: ["runs", "run"] },
   { title: "Hall", path: paths.hall(), icon: MapIcon, views: ["hall"] },
   { title: "Waiting", path: paths.board(), icon: Timer, views: ["board"] },
+  { title: "Desk", path: paths.desk(), icon: ConciergeBell, views: ["desk"] },
 ];
 
 export function App() {
@@ -86,6 +88,8 @@ function View({ route }: { route: Route }) {
       return <Hall picked={route.picked} />;
     case "board":
       return <Board />;
+    case "desk":
+      return <Desk search={route.search} />;
     case "unknown":
       return (
         <main className="view nothing">

@@ -8,6 +8,7 @@ export type Route =
   | { view: "run"; run: string; node: string }
   | { view: "hall"; picked: string }
   | { view: "board" }
+  | { view: "desk"; search: string }
   | { view: "unknown"; path: string };
 
 export function parseRoute(url: URL): Route {
@@ -18,6 +19,7 @@ export function parseRoute(url: URL): Route {
   if (first === "runs") return second ? { view: "run", run: second, node: get("node") } : { view: "runs", state: get("state"), workflow: get("workflow") };
   if (first === "hall") return { view: "hall", picked: get("at") };
   if (first === "board") return { view: "board" };
+  if (first === "desk") return { view: "desk", search: url.search };
   return { view: "unknown", path: url.pathname };
 }
 
@@ -36,6 +38,7 @@ export const paths = {
   run: (id: string, node = "") => `/runs/${encodeURIComponent(id)}${query({ node })}`,
   hall: (at = "") => `/hall${query({ at })}`,
   board: () => "/board",
+  desk: (search = "") => `/desk${search}`,
 };
 
 function query(values: Record<string, string>): string {

@@ -1,0 +1,52 @@
+// What runs now, and what has ended a moment ago, for the front desk: state, where it stands, who does it, and an end to it.
+import { CircleCheck } from "lucide-react";
+import { localName } from "../api/sparql";
+import { Link } from "../app/link";
+import { paths } from "../app/router";
+import { words } from "../cawl/names";
+import type { Run } from "../gen/docent/v1/workflows_pb";
+import { RunActions, SettleButtons } from "../operate/run_actions";
+import { stateOf, useRuns, useTicks, whereWords } from "../operate/runs";
+import { duration, isLive, nowUs, StateTag } from "../operate/states";
+
+const shownUs = 5n * 60_000_000n; // how long what has ended stands here
+const shownAtOnce = 40;
+
+export function RunningNow() {
+  const runs = useRuns();
+  useTicks(1000);
+  const roots = (runs.data?.runs ?? []).filter((r) => !r.parent);
+  const live = roots.filter((r) => isLive(r.state));
+  const ended = roots.filter((r) => !isLive(r.state) && r.endedUs > nowUs() - shownUs);
+  return (
+    <section className="desk-runs" aria-labelledby="desk-runs">
+      <h2 id="desk-runs">Running now{live.length > 0 && <span className="faint number"> {live.length}</span>}</h2>
+      {runs.data && live.length + ended.length === 0 && <p className="quiet desk-quiet"><CircleCheck size={16} />Nothing runs. What is started stands here until a few minutes after its end.</p>}
+      {runs.error && !runs.data && <p className="notice wait">{runs.error.title}. {runs.error.detail}</p>}
+      <ul>
+        {[...live, ...ended].slice(0, shownAtOnce).map((run) => (
+          <li key={run.id} className={isLive(run.state) ? "" : "ended"}>
+            <StateTag state={stateOf(run)} />
+            <span className="grow desk-run">
+              <span><Link href={paths.run(run.id)} className="run-id">{words(run.workflow.replace(/^service /, ""))}</Link> <span className="faint small">{valuesOf(run)}</span></span>
+              <span className="quiet small cut">{whereWords(run)}</span>
+            </span>
+            {run.nodes.filter((n) => n.state === "incident").map((n) => <SettleButtons key={n.name} run={run.id} node={n} again={runs.again} />)}
+            <span className="faint small cut desk-robot">{robotsOf(run)}</span>
+            <span className="faint small number desk-time">{duration(run.startedUs, run.endedUs || nowUs())}</span>
+            <span className="desk-actions"><RunActions run={run} again={runs.again} /></span>
+          </li>
+        ))}
+        {live.length > shownAtOnce && <li><Link href={paths.runs("live")}>All {live.length}</Link></li>}
+      </ul>
+    </section>
+  );
+}
+
+function robotsOf(run: Run): string {
+  return [...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(localName).join(", ");
+}
+// "John, B05": what the run is for, without the robot.
+function valuesOf(run: Run): string {
+  return run.variables.filter((v) => v.name !== "robot" && v.value?.kind.case === "iri").slice(0, 3).map((v) => (v.value?.kind.case === "iri" ? localName(v.value.kind.value).replace(/^urn:uuid:.*(.{4})$/, "guest $1") : "")).join(", ");
+}
