@@ -1,12 +1,17 @@
 // What has to hold, as rows of subject, verb and object, each with its state in the live graph.
-import { Circle, CircleCheck, CircleDashed, Clock3, Plus, Trash2, X } from "lucide-react";
+import { Circle, CircleCheck, CircleDashed, Clock3, FlaskConical, Plus, Trash2, X } from "lucide-react";
 import { useMemo, useState } from "react";
-import type { CawlDocument, Condition, Constraint, Context, Invoke, Rule } from "../cawl/document";
+import { useNames } from "../api/prefixes";
+import { localName, shorten } from "../api/sparql";
+import { type CawlDocument, type Condition, type Constraint, type Context, type Invoke, prefixesOf, type Rule } from "../cawl/document";
 import type { Edits, Words } from "../cawl/edits";
+import { termWords, verbWords } from "../cawl/phrases";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { Combo, type Choice } from "../ui/combo";
 import type { XmlElement } from "../cawl/xml";
+import { TellDialog } from "../operate/tell";
 import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
+import type { NearestMiss } from "./nearest_miss";
 import type { Vocabulary } from "./vocabulary";
 import "./condition.css";
 
@@ -25,8 +30,8 @@ export function ConditionEditor(props: ConditionProps) {
   const { condition } = props.part;
   const rows = condition?.contexts.flatMap((context, c) => context.rules.flatMap((rule, r) => rule.constraints.map((constraint, k) => ({ id: `${c}.${r}.${k}`, constraint })))) ?? [];
   const asks = [
-    ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint), whole: false })),
-    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: props.compiled.find((x) => x.place === `${props.place} / context ${context.name}`)?.ask ?? "", whole: true })),
+    ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint) })),
+    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: props.compiled.find((x) => x.place === `${props.place} / context ${context.name}`)?.ask ?? "" })),
   ];
   const kinds = new Map(props.variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const live = useLive(props.document, asks.map((a) => ({ ...a, ask: ofKinds(props.document, a.ask, rowsOf(a.id, rows), kinds) })));
@@ -96,8 +101,8 @@ function ContextCard(props: CardProps) {
       <footer>
         <button className="button plain small" onClick={() => edit((e) => e.addConstraint(context, rules.at(-1) ?? null, { subject: rules.at(-1)?.constraints.at(-1)?.subject.text || "?thing", verb: "docent:isAt", object: "?place" }))}><Plus size={13} />And also</button>
       </footer>
-      {whole && whole.matches > 0 && whole.witness && <p className="situation-witness">Now: {whole.witness}</p>}
-      {whole && whole.matches === 0 && whole.missing.length > 0 && <p className="situation-lacks">Lacks {whole.missing.map((m, i) => <code key={i}>{m}</code>)}</p>}
+      {whole && whole.matches > 0 && <p className="situation-witness" role="status"><b>{count(whole.matches)} now</b>{whole.witness && <>{whole.matches === 1 ? ": " : ", one is "}{whole.witness}</>}</p>}
+      {whole && whole.matches === 0 && whole.miss && <Miss miss={whole.miss} name={context.name} document={props.document} />}
     </section>
   );
 }
@@ -134,7 +139,7 @@ function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; 
         <button className="button plain icon small" aria-label="Remove this row" title="Remove this row" onClick={() => edit((e) => e.removeConstraint(props.condition, props.context, props.rule, constraint))}><X size={13} /></button>
       </div>
       <div className="constraint-foot">
-        <RowState live={state} />
+        <RowState live={state} constraint={constraint} />
         {!kinds && <button className="constraint-kinds" onClick={() => setKinds(true)}>{typed ? kindWords(constraint) : "say the kind"}</button>}
       </div>
       {kinds && (
@@ -164,9 +169,46 @@ function Chip({ live }: { live: Live | undefined }) {
   return live.matches > 0 ? <span className="tag good"><CircleCheck size={12} />true now</span> : <span className="tag wait"><Circle size={12} />not now</span>;
 }
 
-function RowState({ live }: { live: Live | undefined }) {
+function RowState({ live, constraint }: { live: Live | undefined; constraint: Constraint }) {
   if (!live) return <span className="constraint-state faint"><CircleDashed size={11} />…</span>;
   if (live.matches < 0) return <span className="constraint-state faint" title={live.note}><CircleDashed size={11} />can't be asked</span>;
-  if (live.matches === 0) return <span className="constraint-state none"><Circle size={11} />no match now</span>;
-  return <span className="constraint-state some" title={live.witness}><CircleCheck size={11} />{count(live.matches)}</span>;
+  if (live.matches === 0) {
+    const [lack] = live.miss?.lacks ?? [];
+    return <span className="constraint-state none cut" title={lack?.pattern}><Circle size={11} /><span className="cut">no match now{lack?.now ? `: ${subjectWords(lack.pattern)} has ${termWords(lack.now)}` : ""}</span></span>;
+  }
+  const words = matchWords(constraint, live.found);
+  return <span className="constraint-state some cut" title={live.witness}><CircleCheck size={11} /><span className="cut">{count(live.matches)}{words && `${live.matches === 1 ? ": " : ", one is "}${words}`}</span></span>;
+}
+
+// The row with what was found in the places of its variables: "R01 status Standby".
+export function matchWords(constraint: Constraint, found: Readonly<Record<string, string>>): string {
+  const word = (text: string) => found[text.trim().replace(/^[?$]/, "").replace(".", "_")] ?? termWords(text);
+  const free = [constraint.subject.text, constraint.object.text].some((text) => /^[?$]/.test(text.trim()));
+  if (!free) return "";
+  return [/^[?$]/.test(constraint.subject.text.trim()) ? word(constraint.subject.text) : termWords(constraint.subject.text), verbWords(constraint.verb.text), /^[?$]/.test(constraint.object.text.trim()) ? word(constraint.object.text) : termWords(constraint.object.text)].join(" ");
+}
+function subjectWords(pattern: string): string {
+  return termWords(pattern.split(" ")[0] ?? "");
+}
+
+// What is nearest to the situation, what lacks of it, and a way to try it.
+function Miss({ miss, name, document }: { miss: NearestMiss; name: string; document: CawlDocument }) {
+  const [telling, setTelling] = useState(false);
+  const names = useNames();
+  const prefixes = useMemo(() => new Map([...names.prefixes, ...prefixesOf(document)]), [names, document]);
+  if (miss.lacks.length + miss.tooMuch.length === 0) return miss.text ? <p className="situation-lacks small">{miss.text}</p> : null;
+  return (
+    <div className="situation-lacks" role="status">
+      {miss.where && <p>Nearest: {miss.where}{miss.holds > 0 && <span className="faint"> ({miss.holds === 1 ? "one fact of it is" : `${miss.holds} facts of it are`} there)</span>}</p>}
+      <ul>
+        {miss.lacks.map((lack, i) => <li key={i}>lacks <code>{lack.pattern}</code>{lack.now && <> — now <code>{lack.now}</code></>}</li>)}
+        {miss.tooMuch.map((text, i) => <li key={`x${i}`}>must not be <code>{text}</code></li>)}
+      </ul>
+      <p className="row">
+        {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />Simulate or tell</button>}
+        {miss.others > 0 && <span className="faint small">{miss.others === 1 ? "One other way is" : `${miss.others} other ways are`} as near</span>}
+      </p>
+      {telling && <TellDialog title={`What lacks for ${name || "the situation"}`} quads={miss.add} patterns={miss.lacks.map((l) => l.pattern)} names={{ ...names, prefixes, short: (iri) => shorten(iri, prefixes), name: localName }} onClose={() => setTelling(false)} />}
+    </div>
+  );
 }

@@ -1,15 +1,16 @@
 // Whether conditions hold now, in how many ways, and one match in words; if not, what lacks.
-import { context } from "../api/client";
 import { live } from "../api/live";
 import { usePoll } from "../api/poll";
-import { query, shorten, valueWords } from "../api/sparql";
+import { query, valueWords } from "../api/sparql";
 import { useEffect, useRef } from "react";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
+import { type NearestMiss, nearestMiss } from "./nearest_miss";
 
 export interface Live {
   matches: number; // -1: it could not be asked
   witness: string; // "robot = R01, booth = B03"
-  missing: string[]; // patterns that have no match, shortened
+  found: Readonly<Record<string, string>>; // the same by the names of the variables
+  miss: NearestMiss | null; // where nothing matches
   note: string;
 }
 export const matchesShown = 50;
@@ -55,10 +56,10 @@ function asSelect(ask: string): string {
   return `${whole.slice(0, -1)} BIND(true AS ?value_holds) } LIMIT ${matchesShown}`; // a row has a value, also where nothing is free
 }
 
-export function useLive(document: CawlDocument, asks: readonly { id: string; ask: string; whole: boolean }[]): ReadonlyMap<string, Live> {
+export function useLive(document: CawlDocument, asks: readonly { id: string; ask: string }[]): ReadonlyMap<string, Live> {
   const key = asks.map((a) => a.ask).join("\n");
   const polled = usePoll(key === "" ? "" : `live ${key}`, async (signal) => {
-    const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask, whole }): Promise<[string, Live]> => [id, await state(document, ask, whole, signal)]));
+    const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask }): Promise<[string, Live]> => [id, await state(document, ask, signal)]));
     return new Map(entries);
   }, live.state === "open" ? 3000 : 700); // where /live tells of each turn, only counts and what lacks are asked for in between
   useTurns(asks.map((a) => a.ask).filter(Boolean), polled.again);
@@ -77,25 +78,16 @@ function useTurns(asks: readonly string[], turned: () => void) {
   }, [key]);
 }
 
-async function state(document: CawlDocument, ask: string, whole: boolean, signal: AbortSignal): Promise<Live> {
+async function state(document: CawlDocument, ask: string, signal: AbortSignal): Promise<Live> {
   try {
     const answer = await query(asSelect(ask), signal);
     const first = answer.rows[0];
-    const witness = first ? answer.variables.filter((v) => !v.startsWith("value_")).map((v) => `${v} = ${valueWords(first[v])}`).join(", ") : "";
-    const missing = answer.rows.length === 0 && whole ? await lacks(document, ask, signal) : [];
-    return { matches: answer.rows.length, witness, missing, note: "" };
+    const found = Object.fromEntries(first ? answer.variables.filter((v) => !v.startsWith("value_")).map((v) => [v, valueWords(first[v])]) : []);
+    const witness = Object.entries(found).map(([name, value]) => `${name} = ${value}`).join(", ");
+    const miss = answer.rows.length === 0 ? await nearestMiss(ask, prefixesOf(document), signal).catch(() => null) : null;
+    return { matches: answer.rows.length, witness, found, miss, note: "" };
   } catch (error) {
     if (signal.aborted) throw error;
-    return { matches: -1, witness: "", missing: [], note: error instanceof Error ? error.message : String(error) };
-  }
-}
-
-async function lacks(document: CawlDocument, ask: string, signal: AbortSignal): Promise<string[]> {
-  try {
-    const reply = await context.explain({ question: { case: "whyNot", value: ask }, sets: 1, timeoutMs: 2000 }, { signal });
-    const prefixes = [...prefixesOf(document)];
-    return (reply.sets[0]?.missing ?? []).map((m) => m.replace(/<([^>]+)>/g, (whole, iri: string) => shorten(iri, prefixes) || whole).replace(/\s*\.$/, ""));
-  } catch {
-    return [];
+    return { matches: -1, witness: "", found: {}, miss: null, note: error instanceof Error ? error.message : String(error) };
   }
 }
