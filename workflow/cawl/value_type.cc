@@ -60,7 +60,9 @@ std::string TypeFault(const Term& value, const std::optional<Term>& type) {
                             : value.datatype.empty() ? Concat(kXsdNs, "string")
                                                      : value.datatype;
   const int rank = NumericRank(wanted), given_rank = NumericRank(given);
-  if (rank == 0) return given == wanted ? "" : fault;
+  // Text in a language is a text, as in RSEL.
+  const bool is_text = given == wanted || (!value.language.empty() && wanted == Concat(kXsdNs, "string"));
+  if (rank == 0) return is_text ? "" : fault;
   const bool same_step =
       rank == given_rank && (rank != 1 || given == wanted || wanted == Concat(kXsdNs, "integer"));
   const bool fits = given_rank != 0 && (given_rank < rank || same_step);
