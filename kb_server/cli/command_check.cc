@@ -18,6 +18,8 @@
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check/check.h"
+#include "workflow/cawl/check/subflow_names.h"
+#include "workflow/cawl/parser.h"
 #include "workflow/cawl/robot_choice.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
@@ -63,8 +65,8 @@ class Checker {
  public:
   explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
 
-  // Ontologies and RSEL processes first, so that workflows are checked against them whatever the order of the
-  // files.
+  // Ontologies, RSEL processes and the names of workflows first, so that workflows are checked against them whatever the
+  // order of the files.
   absl::Status Prepare() {
     for (const std::string& file : arguments_.ontologies) {
       auto rdf = ReadRdf(file, arguments_.base);
@@ -108,7 +110,7 @@ class Checker {
       environment_.AddOperation(SignatureOf(*plan));
       has_operations_ = true;
     }
-    return absl::OkStatus();
+    return AddWorkflows();
   }
 
   absl::Status Check(const std::string& file) {
@@ -176,6 +178,20 @@ class Checker {
   }
 
  private:
+  // The workflows among the files, which each of them may name as a sub-flow.
+  absl::Status AddWorkflows() {
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kCawl) continue;
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      const cawl::ParsedCawl parsed = cawl::ParseCawl(*text, file);
+      if (parsed.document == nullptr) continue;
+      for (const std::string& name : cawl::SubflowNames(*parsed.document))
+        environment_.AddApplicationService(name);
+    }
+    return absl::OkStatus();
+  }
+
   // Blank nodes of different files are different.
   ParsedRdf ParseScoped(const std::string& file, const RdfText& rdf) {
     ParseRdfOptions options = rdf.Options(file);
@@ -319,7 +335,8 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
       ->add_option(
           "files", arguments->files,
           "Files; the ending of the name tells what each is. The words of RDF, rules and queries are checked "
-          "against the vocabulary of all RDF files that are named")
+          "against the vocabulary of all RDF files that are named; workflows may invoke each other and the "
+          "robot services that are named")
       ->required();
   command->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used, too")
       ->type_name("FILE")

@@ -9,6 +9,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/door/operation_signature.h"
 #include "kb_server/robots/robot_records.h"
+#include "workflow/cawl/check/subflow_names.h"
 
 namespace docent::server {
 namespace {
@@ -37,7 +38,9 @@ class LiveEnvironment final : public cawl::Environment {
   }
   std::vector<std::string> ApplicationServices() const override {
     std::vector<std::string> names;
-    for (const auto& [document, revision] : catalog_->workflows) names.push_back(document->name.value);
+    for (const auto& [document, revision] : catalog_->workflows) {
+      for (std::string& name : cawl::SubflowNames(*document)) names.push_back(std::move(name));
+    }
     return names;
   }
   bool IsClass(const std::string& iri) const override {

@@ -52,6 +52,19 @@ WORKFLOW = """<CAWL name="T" xmlns:docent="https://w3id.org/docent#">
 
 
 class Check(StageTest):
+    def test_workflows_that_are_checked_together_may_invoke_each_other(self):
+        flow = '<flow name="{0}"><source name="s"/><node name="N">{1}</node><sink name="e"/><link from="s" to="N"/><link from="N" to="e"/></flow>'
+        guide = self.file("guide.cawl.xml", f'<CAWL name="Guide">{flow.format("Lead", "")}</CAWL>')
+        words = self.file("words.ttl", "<urn:x#A> a <http://www.w3.org/2002/07/owl#Class> .")
+        for name, code in (("Guide", 0), ("Guide/Lead", 0), ("Guid", 1), ("Guide/Led", 1)):
+            invoke = f'<invoke subflow="{name}"/>'
+            tour = self.file("tour.cawl.xml", f'<CAWL name="Tour">{flow.format("Tour", invoke)}</CAWL>')
+            done = self.docent("check", tour, guide, "--ontology", words)
+            self.assertEqual(done.returncode, code, done.stderr)
+            if code:
+                self.assertIn(f"there is no flow or application service {name}", done.stderr)
+        self.assertEqual(self.docent("check", tour, "--ontology", words).returncode, 1)
+
     def test_the_project_s_own_files_have_no_errors(self):
         files = sorted(stage.ROOT.glob("ontology/*.ttl")) + sorted(stage.S01.glob("*.ttl")) + sorted(stage.S01.glob("*.rules"))
         done = self.docent("check", *files)

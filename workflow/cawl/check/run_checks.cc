@@ -79,12 +79,12 @@ class RunChecker {
       }
       const bool each_its_own =
           std::find(node.for_each.begin(), node.for_each.end(), kRobot) != node.for_each.end();
-      if (!node.for_each.empty() && !each_its_own && !seen.empty()) {
+      if (!node.for_each.empty() && !node.sequential && !each_its_own && !seen.empty()) {
         reader_
             .Warning(node.for_each_text.span,
                      Concat("node ", node.name.value, " invokes ", *seen.begin(),
                             " for each match at the same time, of one robot"),
-                     "invoke a sub-flow with a link that leads back, or let forEach have ?robot")
+                     "add ext:sequential=\"true\", or let forEach have ?robot")
             .rule = kRobotRace;
       }
     }
