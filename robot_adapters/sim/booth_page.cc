@@ -140,6 +140,15 @@ std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, cons
   return Document(absl::StrCat(heading, " – booth ", name), hall.name, robot_name, body);
 }
 
+std::string TextPage(const std::string& text, const std::string& language, const maps::HallLayout& hall,
+                     std::string_view robot_name) {
+  const std::string name = EscapeHtml(robot_name);
+  const std::string tag = language.empty() ? "" : absl::StrCat(" lang=\"", EscapeHtml(language), "\"");
+  return Document(name, hall.name, robot_name,
+                  absl::StrCat("<section>\n<span class=\"tag\">", name, "</span>\n<h1", tag, ">",
+                               EscapeHtml(text), "</h1>\n</section>\n"));
+}
+
 std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_name) {
   const std::string name = EscapeHtml(robot_name);
   const std::string body = absl::StrCat(

@@ -18,6 +18,10 @@ std::string EscapeHtml(std::string_view text);
 std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
                       std::string_view robot_name);
 
+// A page with one text in large letters; `language` is its language tag, or empty.
+std::string TextPage(const std::string& text, const std::string& language, const maps::HallLayout& hall,
+                     std::string_view robot_name);
+
 // The page while there is no booth to present.
 std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_name);
 

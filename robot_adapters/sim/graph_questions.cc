@@ -50,6 +50,14 @@ absl::StatusOr<std::string> IriArgument(const OperationContext& context, std::st
   return term->lexical;
 }
 
+absl::StatusOr<Term> TextArgument(const OperationContext& context) {
+  auto term = context.Argument("text");
+  if (!term.ok()) return term.status();
+  if (term->IsLiteral() && !term->lexical.empty()) return term;
+  return absl::InvalidArgumentError(
+      absl::StrCat("the argument \"text\" has to be a text that is not empty, not ", ToNTriples(*term)));
+}
+
 absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context,
                                         const std::string& booth_iri) {
   const std::string booth = absl::StrCat("<", booth_iri, ">");

@@ -40,6 +40,8 @@ absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& con
 
 // The IRI of a command's argument. INVALID_ARGUMENT if it is missing, no IRI, or would not fit into a query.
 absl::StatusOr<std::string> IriArgument(const OperationContext& context, std::string_view name);
+// The literal of the argument "text". INVALID_ARGUMENT if it is missing, no literal, or empty.
+absl::StatusOr<Term> TextArgument(const OperationContext& context);
 
 }  // namespace docent::robot
 

@@ -1,6 +1,7 @@
 #include "robot_adapters/sim/guide_robot.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -137,6 +138,7 @@ class GuideRobot::Impl {
     };
     const Part user{"user", "docent:Person"}, booth{"booth", "docent:Region"};
     const Part page{"page", "xsd:anyURI"}, file{"file", "xsd:string"};
+    const Part place{"place", "docent:Region"}, text{"text", "xsd:string"};
     return {
         {"moveToUser",
          {},
@@ -172,6 +174,9 @@ class GuideRobot::Impl {
          {"voice"},
          {booth},
          {file}},
+        {"driveTo", {}, {}, true, "Drives to a place", bind(&Impl::DriveTo), {"base"}, {place}},
+        {"showText", {}, {}, true, "Shows a text", bind(&Impl::ShowText), {"screen"}, {text}, {page}},
+        {"say", {}, {}, false, "Speaks a text in its language", bind(&Impl::Say), {"voice"}, {text}, {file}},
     };
   }
 
@@ -186,9 +191,14 @@ class GuideRobot::Impl {
   }
 
   absl::StatusOr<NamedTerms> MoveToBooth(OperationContext& context) {
-    auto booth = IriArgument(context, "booth");
-    if (!booth.ok()) return booth.status();
-    auto goal = GoalIn(*booth);
+    return DriveToRegion(context, "booth");
+  }
+  absl::StatusOr<NamedTerms> DriveTo(OperationContext& context) { return DriveToRegion(context, "place"); }
+
+  absl::StatusOr<NamedTerms> DriveToRegion(OperationContext& context, std::string_view argument) {
+    auto region = IriArgument(context, argument);
+    if (!region.ok()) return region.status();
+    auto goal = GoalIn(*region);
     if (!goal.ok()) return goal.status();
     return Drive(*goal, context);
   }
@@ -236,6 +246,17 @@ class GuideRobot::Impl {
     if (!booth.ok()) return booth.status();
     const std::string name = FileNameOf(booth->iri);
     const std::string html = BoothPage(*booth, layout_, body_->pose().estimate, Name());
+    return Show(context, name, html);
+  }
+
+  absl::StatusOr<NamedTerms> ShowText(OperationContext& context) {
+    auto text = TextArgument(context);
+    if (!text.ok()) return text.status();
+    return Show(context, "text", TextPage(text->lexical, text->language, layout_, Name()));
+  }
+
+  absl::StatusOr<NamedTerms> Show(OperationContext& context, const std::string& name,
+                                  const std::string& html) {
     const std::string file = absl::StrCat(options_.folder, "/screen_", name, ".html");
     if (absl::Status status = WriteTextFile(file, html); !status.ok()) return status;
     const Term page = Term::Iri(screen_->Show(name, html));
@@ -249,11 +270,22 @@ class GuideRobot::Impl {
   absl::StatusOr<NamedTerms> BriefBoothInfo(OperationContext& context) {
     auto booth = BoothOf(context);
     if (!booth.ok()) return booth.status();
+    return Speak(context, SpokenText(*booth), "", absl::StrCat("briefing_", FileNameOf(booth->iri)));
+  }
+
+  absl::StatusOr<NamedTerms> Say(OperationContext& context) {
+    auto text = TextArgument(context);
+    if (!text.ok()) return text.status();
+    return Speak(context, text->lexical, text->language, absl::StrCat("said_", ++texts_said_));
+  }
+
+  absl::StatusOr<NamedTerms> Speak(OperationContext& context, const std::string& text,
+                                   const std::string& language, const std::string& name) {
     const std::string file =
-        std::filesystem::absolute(absl::StrCat(options_.folder, "/briefing_", FileNameOf(booth->iri), ".wav"))
-            .string();
+        std::filesystem::absolute(absl::StrCat(options_.folder, "/", name, ".wav")).string();
     context.ReportProgress(0, "preparing to speak");
-    auto length = SpeakToFile(SpokenText(*booth), file, [&context] { return !context.StopRequested(); });
+    auto length = SpeakToFile(
+        text, file, [&context] { return !context.StopRequested(); }, language);
     if (!length.ok()) return length.status();
     adapter_->SetState(DocentIri("spokenFile"), Term::Literal(file));
     constexpr int kParts = 20;
@@ -315,6 +347,7 @@ class GuideRobot::Impl {
   std::unique_ptr<LivingBody> body_;
   absl::Notification ready_;
   absl::Mutex mutex_;
+  std::atomic<int> texts_said_ = 0;
   const maps::Region* region_ ABSL_GUARDED_BY(mutex_) = nullptr;  // last reported as docent:isAt
   std::optional<Pose2> told_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<RobotAdapter> adapter_;

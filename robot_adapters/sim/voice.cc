@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "robot_adapters/sim/text_file.h"
 
@@ -61,6 +63,17 @@ absl::StatusOr<int> RunChild(const std::vector<std::string>& arguments, const st
   }
 }
 
+// The voice of espeak-ng for a language tag: "de-AT" is "de-at".
+absl::StatusOr<std::string> VoiceOf(const std::string& language) {
+  constexpr size_t kLongestTag = 35;  // RFC 5646, section 4.4.1
+  if (language.empty() || absl::EqualsIgnoreCase(language, "en")) return std::string("en-gb");
+  const bool is_tag = language.size() <= kLongestTag && language[0] != '-' &&
+                      std::all_of(language.begin(), language.end(),
+                                  [](unsigned char c) { return absl::ascii_isalnum(c) || c == '-'; });
+  if (!is_tag) return absl::InvalidArgumentError(absl::StrCat("\"", language, "\" is not a language tag"));
+  return absl::AsciiStrToLower(language);
+}
+
 }  // namespace
 
 absl::StatusOr<std::chrono::milliseconds> PlayingTime(const std::string& wav_path) {
@@ -92,14 +105,21 @@ absl::StatusOr<std::chrono::milliseconds> PlayingTime(const std::string& wav_pat
 }
 
 absl::StatusOr<std::chrono::milliseconds> SpeakToFile(const std::string& text, const std::string& wav_path,
-                                                      const std::function<bool()>& go_on) {
+                                                      const std::function<bool()>& go_on,
+                                                      const std::string& language) {
+  const absl::StatusOr<std::string> voice = VoiceOf(language);
+  if (!voice.ok()) return voice.status();
   const std::string text_path = wav_path + ".txt";
   if (absl::Status status = WriteTextFile(text_path, text); !status.ok()) return status;
   const std::string part = wav_path + ".part";
   // -s 150: words a minute, slow enough for a busy hall; -p 45: a little below the default pitch.
   auto code = RunChild(
-      {"espeak-ng", "-v", "en-gb", "-s", "150", "-p", "45", "-b", "1", "-w", part, "-f", text_path}, go_on);
+      {"espeak-ng", "-v", *voice, "-s", "150", "-p", "45", "-b", "1", "-w", part, "-f", text_path}, go_on);
   if (!code.ok()) return code.status();
+  if (*code == 1 && !language.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the voice does not speak \"", language, "\"; espeak-ng --voices lists its languages"));
+  }
   if (*code != 0) return absl::InternalError(absl::StrCat("espeak-ng ended with code ", *code));
   if (std::rename(part.c_str(), wav_path.c_str()) != 0) {
     return absl::ErrnoToStatus(errno, absl::StrCat("cannot write ", wav_path));

@@ -15,11 +15,12 @@ namespace docent::robot {
 // file.
 absl::StatusOr<std::chrono::milliseconds> PlayingTime(const std::string& wav_path);
 
-// Speaks `text` (UTF-8, English) into `wav_path` and returns the playing time. `go_on` is polled; when it
-// returns false, speaking ends with CANCELLED. FAILED_PRECONDITION: espeak-ng is not installed (names the
-// package).
+// Speaks `text` (UTF-8) into `wav_path` and returns the playing time. `language` is a language tag; empty means
+// English. `go_on` is polled; when it returns false, speaking ends with CANCELLED. FAILED_PRECONDITION:
+// espeak-ng is not installed (names the package). INVALID_ARGUMENT: the voice does not have the language.
 absl::StatusOr<std::chrono::milliseconds> SpeakToFile(const std::string& text, const std::string& wav_path,
-                                                      const std::function<bool()>& go_on);
+                                                      const std::function<bool()>& go_on,
+                                                      const std::string& language = "");
 
 }  // namespace docent::robot
 

@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
@@ -62,11 +63,24 @@ class GuideRobotTest : public testing::Test {
   v1::Feedback Command(const std::string& id, const std::string& operation, const std::string& part,
                        const std::string& value) {
     v1::InvokeRequest request;
-    request.set_command_id(id);
-    request.set_operation(operation);
     v1::NamedTerm* argument = request.add_arguments();
     argument->set_name(part);
     argument->mutable_value()->set_iri(value);
+    return Send(id, operation, std::move(request));
+  }
+
+  v1::Feedback Command(const std::string& id, const std::string& operation, const Term& text) {
+    v1::InvokeRequest request;
+    v1::NamedTerm* argument = request.add_arguments();
+    argument->set_name("text");
+    argument->mutable_value()->mutable_literal()->set_lexical(text.lexical);
+    argument->mutable_value()->mutable_literal()->set_language(text.language);
+    return Send(id, operation, std::move(request));
+  }
+
+  v1::Feedback Send(const std::string& id, const std::string& operation, v1::InvokeRequest request) {
+    request.set_command_id(id);
+    request.set_operation(operation);
     grpc::ClientContext context;
     auto reader = stub_->Invoke(&context, request);
     v1::Feedback feedback;
@@ -135,6 +149,29 @@ TEST_F(GuideRobotTest, FailsWithReasonsThatSayWhatToDo) {
   EXPECT_THAT(Command("c/3", "displayBoothInfo", "booth", kExpo + "B99").message(),
               HasSubstr("knows the booth"));
   EXPECT_THAT(Command("c/4", "moveToUser", "user", "no iri> } #").message(), HasSubstr("has to be an IRI"));
+  EXPECT_THAT(Command("c/5", "driveTo", "place", kExpo + "B99").message(),
+              HasSubstr("no region <" + kExpo + "B99>"));
+  EXPECT_THAT(Command("c/6", "say", "text", kExpo + "B99").message(), HasSubstr("has to be a text"));
+}
+
+TEST_F(GuideRobotTest, DrivesToAPlaceAndTellsATextInItsLanguage) {
+  StartRobot();
+  ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("localised"), "true"));
+  EXPECT_EQ(Command("c/1", "driveTo", "place", kExpo + "Entrance").state(), v1::Feedback::SUCCEEDED);
+  EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("isAt"), kExpo + "Entrance"));
+  const Term text = Term::LangString("Guten Tag <Johann>!", "de");
+  const v1::Feedback shown = Command("c/2", "showText", text);
+  ASSERT_EQ(shown.state(), v1::Feedback::SUCCEEDED) << shown.message();
+  std::ifstream page(folder_ + "/screen_text.html");
+  const std::string html(std::istreambuf_iterator<char>(page), {});
+  EXPECT_THAT(html, HasSubstr("<h1 lang=\"de\">Guten Tag &lt;Johann&gt;!</h1>"));
+  const v1::Feedback spoken = Command("c/3", "say", text);
+  if (spoken.message().find("not installed") == std::string::npos) {
+    ASSERT_EQ(spoken.state(), v1::Feedback::SUCCEEDED) << spoken.message();
+    EXPECT_GT(std::filesystem::file_size(folder_ + "/said_1.wav"), 10'000u);
+    EXPECT_THAT(Command("c/4", "say", Term::LangString("?", "xx-none")).message(),
+                HasSubstr("does not speak \"xx-none\""));
+  }
 }
 
 TEST_F(GuideRobotTest, StandsWhereItWasLeftWhenItsProgramIsRestarted) {
