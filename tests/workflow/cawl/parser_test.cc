@@ -38,7 +38,7 @@ TEST(CawlParser, SpansAreTheBytesThatAChangeMustTouch) {
   EXPECT_EQ(bytes(flow.links[3].span), "<link from=\"InfoBooth\" to=\"Presented\"/>");
   EXPECT_EQ(bytes(flow.nodes[2].invokes[0].operation.span), "displayInformation");
   const Constraint& constraint = flow.nodes[0].condition->contexts[0].rules[0].constraints[0];
-  EXPECT_EQ(bytes(constraint.subject.span), "?robot");
+  EXPECT_EQ(bytes(constraint.subject.span), "$robot");
   EXPECT_EQ(bytes(constraint.subject.type.span), "docent:Robot");
   EXPECT_TRUE(bytes(constraint.span).starts_with("<constraint name=\"onStandby\">"));
   EXPECT_TRUE(bytes(constraint.span).ends_with("</constraint>"));
