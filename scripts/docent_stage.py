@@ -228,7 +228,7 @@ class Robot:
     def __init__(self, stage, server, name="R01", hall=None, folder="robot", seed=1, speed=1.0, arguments=()):
         self.stage, self.folder = stage, stage.folder / folder
         self.folder.mkdir(exist_ok=True)
-        self.argv = [stage.bin / "docent-robot", "--server", server.grpc, "--robot", EXPO + name,
+        self.argv = [stage.bin / "docent-robot", "--server", server.grpc, "--robot", name if ":" in name else EXPO + name,
                      "--hall", hall or S01 / "hall.ttl", "--out", self.folder, "--seed", seed, "--speed", speed, *arguments]
         self.process = None
         self.start()

@@ -5,12 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "kb_server/door/operation_signature.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/cawl/check/check.h"
+#include "workflow/cawl/check/subflow_names.h"
+#include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent::golden {
@@ -31,11 +34,26 @@ inline void AddTurtle(const std::filesystem::path& folder, cawl::QuadEnvironment
   }
 }
 
-// The words of the ontologies, and of the folder where it is named.
-inline cawl::QuadEnvironment Ontologies(const std::string& folder = "") {
+// The folders whose documents a scenario uses: its own, after those of the scenarios on which it builds.
+inline std::vector<std::string> FoldersOf(const std::string& folder) {
+  if (folder == "scenarios/s03_johns_service") return {"scenarios/s01_booth_guide", folder};
+  return {folder};
+}
+
+// The words of the ontologies and of the folders, and the workflows in them.
+inline cawl::QuadEnvironment Ontologies(const std::vector<std::string>& folders = {}) {
   cawl::QuadEnvironment environment;
   AddTurtle(InTree("ontology"), &environment);
-  if (!folder.empty()) AddTurtle(InTree(folder), &environment);
+  for (const std::string& folder : folders) {
+    AddTurtle(InTree(folder), &environment);
+    for (const auto& entry : std::filesystem::directory_iterator(InTree(folder))) {
+      if (!entry.path().string().ends_with(".cawl.xml")) continue;
+      const cawl::ParsedCawl parsed = cawl::ParseCawl(ReadFile(entry.path()), "f");
+      if (parsed.document == nullptr) continue;
+      for (const std::string& name : cawl::SubflowNames(*parsed.document))
+        environment.AddApplicationService(name);
+    }
+  }
   return environment;
 }
 
@@ -45,15 +63,20 @@ inline Diagnostics CheckScenarioFile(const std::string& path, const std::string&
   const std::string folder = path.substr(0, path.rfind('/'));
   rsel::ServiceRegistry registry;
   Diagnostics of_services;
-  for (const auto& entry : std::filesystem::directory_iterator(InTree(folder))) {
-    if (!entry.path().string().ends_with(".rsel.xml")) continue;
-    rsel::ParsedRsel parsed = rsel::ParseRsel(is_service ? text : ReadFile(entry.path()), "f");
-    of_services = parsed.diagnostics;
-    if (!parsed.ok()) continue;
-    for (Diagnostic& d : registry.Put(parsed.document)) of_services.push_back(std::move(d));
+  for (const std::string& used : FoldersOf(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(InTree(used))) {
+      if (!entry.path().string().ends_with(".rsel.xml")) continue;
+      const bool is_text = is_service && entry.path() == InTree(path);
+      rsel::ParsedRsel parsed = rsel::ParseRsel(is_text ? text : ReadFile(entry.path()), "f");
+      Diagnostics said = parsed.diagnostics;
+      if (parsed.ok()) {
+        for (Diagnostic& d : registry.Put(parsed.document)) said.push_back(std::move(d));
+      }
+      if (is_text) of_services = std::move(said);
+    }
   }
   if (is_service) return of_services;
-  cawl::QuadEnvironment environment = Ontologies(folder);
+  cawl::QuadEnvironment environment = Ontologies(FoldersOf(folder));
   for (const rsel::PlanPtr& plan : registry.Plans()) environment.AddOperation(server::SignatureOf(*plan));
   return cawl::CheckDocument(text, "f", &environment).diagnostics;
 }

@@ -7,6 +7,11 @@ namespace {
 
 constexpr char kGuide[] = "scenarios/s01_booth_guide/booth_guide.cawl.xml";
 constexpr char kServices[] = "scenarios/s01_booth_guide/booth_guide.rsel.xml";
+constexpr char kJohn[] = "scenarios/s03_johns_service/johns_service.cawl.xml";
+constexpr char kTalk[] = "scenarios/s03_johns_service/talk.rsel.xml";
+constexpr char kDelivery[] = "scenarios/s05_hospital_round/delivery.cawl.xml";
+constexpr char kNight[] = "scenarios/s05_hospital_round/night_round.cawl.xml";
+constexpr char kCare[] = "scenarios/s05_hospital_round/care.rsel.xml";
 constexpr char kDoors[] = "scenarios/s02_real_robot_log/s02.cawl.xml";
 
 struct Mutant {
@@ -110,7 +115,7 @@ const Mutant kMutants[] = {
     {kGuide, "\"together\"", "docent:isAt", "docent:x", "?meeting would have to be a literal",
      "<object>?meeting</object>\n            </constraint>\n          </rule>"},
     {kGuide, "\"robotAt\"", "docent:isAt", "docent:chose", "$robot would have to be",
-     "<subject>$robot</subject>"},
+     "<subject>$robot</subject>\n              <verb>docent:chose"},
     {kGuide, "", "robotThere and userThere", "robotThere and userThere and not robotThere",
      "to hold and not to hold", "<constraint name=\"robotThere\">"},
     {kGuide, "", "robotThere and userThere", "robotThere or userThere or not robotThere", "always holds"},
@@ -154,6 +159,31 @@ const Mutant kMutants[] = {
     {kDoors, "", "docent:Region\">?region", "docent:Regoin\">?region", "the ontology has no class"},
     {kDoors, "", "<sink name=\"Seen\"", "<sink name=\"Entered\"", "source and sink have the same name"},
     {kDoors, "", "<context name=\"Entered\"", "<contxt name=\"Entered\"", "XML:", "</context>"},
+    // ---- s03
+    {kJohn, "", "<invoke subflow=\"BoothGuide\"", "<invoke subflow=\"BoothGiude\"",
+     "there is no flow or application service BoothGiude"},
+    {kJohn, "", "<link from=\"Answer\" to=\"NoAnswer\"", "<link from=\"Answer\" to=\"NoAnswr\"",
+     "there is no node NoAnswr"},
+    {kJohn, "", "docent:suits", "docent:suit", "the ontology has no property"},
+    {kJohn, "", "expression=\"$places - 1\"", "expression=\"$plces - 1\"", "plces"},
+    {kJohn, "", "$user docent:hasSeen $shown", "$user docent:hasSeen $show", "variable $show"},
+    {kJohn, "", "variable=\"guide\"/>\n      </invoke>", "variable=\"gide\"/>\n      </invoke>", "gide"},
+    {kJohn, "", "ext:while=\"$user docent:wouldSee", "ext:while=\"$user docent:wouldsee",
+     "the ontology has no property"},
+    {kTalk, "", "from=\"text\"", "from=\"txt\"", "nothing gives txt"},
+    // ---- s05
+    {kDelivery, "", "ext:compensate=\"bringBack\"", "ext:compensate=\"bringBak\"",
+     "no robot offers operation bringBak"},
+    {kDelivery, "", "ext:onFailure=\"incident\"", "ext:onFailure=\"incidents\"", "incidents"},
+    {kDelivery, "<case name=\"answered\"", "taken or refused", "taken or refusd",
+     "the expression names refusd"},
+    {kDelivery, "", "<verb>care:via", "<verb>care:vai", "the ontology has no property"},
+    {kDelivery, "", "ext:while=\"?floor care:isQuiet true\"", "ext:while=\"?floor care:isQuiet 1\"",
+     "are of xsd:boolean"},
+    {kDelivery, "", "SELECT ?receiver", "SELECT ?reciever", "reciever"},
+    {kNight, "", "at=\"02:30\"", "at=\"25:30\"", "25:30"},
+    {kNight, "", "Europe/Zurich", "Europe/Zürich", "Europe/Zürich"},
+    {kCare, "", "from=\"via\"", "from=\"way\"", "nothing gives way"},
 };
 static_assert(std::size(kMutants) >= 60);
 
@@ -188,7 +218,7 @@ INSTANTIATE_TEST_SUITE_P(All, ScenarioMutants, testing::ValuesIn(kMutants),
                          [](const auto& info) { return std::to_string(info.index); });
 
 TEST(Scenarios, NothingIsFoundInThem) {
-  for (const char* file : {kGuide, kServices, kDoors}) {
+  for (const char* file : {kGuide, kServices, kDoors, kJohn, kTalk, kDelivery, kNight, kCare}) {
     const std::string text = ReadFile(InTree(file));
     const Diagnostics diagnostics = CheckScenarioFile(file, text);
     EXPECT_TRUE(diagnostics.empty()) << Render(diagnostics, text);
@@ -197,7 +227,8 @@ TEST(Scenarios, NothingIsFoundInThem) {
 
 // A document stands for itself there: the robots that it needs are not described.
 TEST(Scenarios, NothingIsFoundInTheDocumentation) {
-  const cawl::QuadEnvironment ontologies = Ontologies("scenarios/s01_booth_guide");
+  const cawl::QuadEnvironment ontologies = Ontologies(
+      {"scenarios/s01_booth_guide", "scenarios/s03_johns_service", "scenarios/s05_hospital_round"});
   for (const TreeDocument& document : DocumentsInTree("CAWL")) {
     if (!document.shipped) continue;
     for (const cawl::QuadEnvironment* environment :
