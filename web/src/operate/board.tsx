@@ -1,87 +1,111 @@
-// Everything that is waited for: all live runs, grouped by the fact that lacks, the oldest first.
-import { CircleCheck, FlaskConical, Hourglass, Timer, Unplug } from "lucide-react";
+// Everything that is waited for: all live runs, grouped by what lacks, the oldest first, with what can be done about it.
+import { Bot, CircleAlert, CircleCheck, CirclePause, Clock3, FlaskConical, Hourglass, LoaderCircle, Unplug, type LucideIcon } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
-import { context } from "../api/client";
+import { context, workflows } from "../api/client";
+import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
-import { useNames } from "../api/prefixes";
+import { useNames, type Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
 import { quadOf } from "../api/terms";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
-import type { ExplainReply } from "../gen/docent/v1/context_pb";
-import type { Node, Run } from "../gen/docent/v1/workflows_pb";
-import { words } from "../cawl/names";
+import type { Quad } from "../gen/docent/v1/term_pb";
+import type { Run, Wait } from "../gen/docent/v1/workflows_pb";
+import { toast } from "../ui/toasts";
 import { RunActions, SettleButtons } from "./run_actions";
 import { useRuns, useTicks } from "./runs";
-import { duration, isLive, nowUs } from "./states";
+import { clock, duration, isLive, nowUs } from "./states";
 import { TellDialog } from "./tell";
-import { shortPattern } from "./why";
+import { type Group, groupWaits, type WaitKind } from "./waits";
 import "./board.css";
 
-interface Waiting {
-  run: Run;
-  node: Node;
+const asked = 60; // runs that are explained at a time, the oldest first
+const shownAtOnce = 12;
+const looks: Record<WaitKind, { words: string; icon: LucideIcon }> = {
+  operator: { words: "Somebody has to decide", icon: CircleAlert },
+  fact: { words: "A fact lacks", icon: Hourglass },
+  robot: { words: "A robot is needed", icon: Bot },
+  time: { words: "A time has to come", icon: Clock3 },
+  resume: { words: "Paused", icon: CirclePause },
+};
+
+function useWaits(runs: readonly Run[]) {
+  const ids = runs.filter((r) => !r.parent && isLive(r.state)).sort((a, b) => Number(a.startedUs - b.startedUs)).slice(0, asked).map((r) => r.id);
+  const polled = usePoll(ids.length > 0 ? `waits ${ids.join(" ")}` : "", async (signal) =>
+    new Map(await Promise.all(ids.map(async (run): Promise<[string, readonly Wait[]]> => [run, (await workflows.explain({ run }, { signal }).catch(() => ({ waits: [] }))).waits]))), 2000);
+  const [last, setLast] = useState<ReadonlyMap<string, readonly Wait[]>>(new Map());
+  useEffect(() => void (polled.data && setLast(polled.data)), [polled.data]);
+  return { waits: last, again: polled.again, left: Math.max(0, runs.filter((r) => !r.parent && isLive(r.state)).length - asked) };
 }
-interface Group {
-  key: string;
-  kind: "fact" | "robot" | "operator" | "paused";
-  title: string[]; // patterns, or words
-  waiting: Waiting[];
-  oldest: bigint;
-  reply: ExplainReply | undefined;
-}
-const asked = 40; // conditions that are asked about at a time
 
 export default function Board() {
   const runs = useRuns();
   const names = useNames();
   useTicks(1000);
   useEffect(() => void (document.title = "Waiting – Docent"), []);
-  const waiting = (runs.data?.runs ?? []).filter((r) => isLive(r.state)).flatMap((run) => run.nodes.filter((n) => ["waiting", "running", "incident"].includes(n.state)).map((node): Waiting => ({ run, node })));
-  const asks = [...new Set(waiting.map((w) => w.node.waitsFor).filter(Boolean))].slice(0, asked);
-  const whyNot = usePoll(asks.length > 0 ? `board ${asks.join("|")}` : "", async (signal) =>
-    new Map(await Promise.all(asks.map(async (ask): Promise<[string, ExplainReply]> => [ask, await context.explain({ question: { case: "whyNot", value: ask }, sets: 1, timeoutMs: 4000 }, { signal })]))), 2000);
-  const [last, setLast] = useState<ReadonlyMap<string, ExplainReply>>(new Map());
-  useEffect(() => void (whyNot.data && setLast(whyNot.data)), [whyNot.data]);
-  const groups = useMemo(() => group(waiting, last, (p) => shortPattern(p, names)), [waiting, last, names]);
-  const [telling, setTelling] = useState<Group | null>(null);
-  const set = telling?.reply?.sets[0];
+  const all = runs.data?.runs ?? [];
+  const { waits, again, left } = useWaits(all);
+  const groups = useMemo(() => groupWaits(all, waits, names, clock), [all, waits, names]);
+  const [telling, setTelling] = useState<{ group: Group; quads: Quad[] } | null>(null);
+  const refresh = () => (runs.again(), again());
+  const count = new Set(groups.flatMap((g) => g.waiting.map((w) => w.root.id))).size;
   return (
     <main className="page view-page">
-      <header className="head"><h1>Waiting</h1><span className="faint small">{groups.length > 0 ? waitWords(new Set(waiting.map((w) => w.run.id)).size, groups.length) : ""}</span></header>
+      <header className="head"><h1>Waiting</h1><span className="faint small">{groups.length > 0 ? waitWords(count, groups.length) : ""}</span></header>
       <div className="view" tabIndex={0} aria-label="What is waited for">
         {runs.error && !runs.data && <div className="nothing"><Unplug size={28} /><h2>{runs.error.title}</h2><p>{runs.error.detail}</p></div>}
         {runs.data && groups.length === 0 && <div className="nothing"><CircleCheck size={28} /><h2>Nothing waits</h2><p>As soon as a run waits for a fact, a robot or a person, it stands here: what lacks, for how long, and what you can do.</p></div>}
         <div className="board">
-          {groups.map((g) => (
-            <section key={g.key} className="card board-group">
-              <header>
-                <span className={`board-icon ${g.kind}`}>{g.kind === "robot" ? <Timer size={16} /> : <Hourglass size={16} />}</span>
-                <div className="grow">
-                  <p className="board-kind faint small">{g.kind === "fact" ? "A fact lacks" : g.kind === "robot" ? "A robot lacks" : g.kind === "paused" ? "Paused" : "Somebody has to decide"}</p>
-                  <div className="board-title">{g.title.map((t, i) => (g.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{t}</span>))}</div>
-                </div>
-                <span className="board-count number" title="Runs that wait for it">{g.waiting.length}</span>
-                {g.reply && g.reply.sets[0]?.add.length ? <button className="button small" onClick={() => setTelling(g)}><FlaskConical size={13} />Simulate or tell</button> : null}
-              </header>
-              <ul>
-                {g.waiting.slice(0, 12).map(({ run, node }) => (
-                  <li key={`${run.id} ${node.name}`}>
-                    <Link href={paths.run(run.id, node.name)} className="run-id">{run.id}</Link>
-                    <span className="faint cut grow">at {node.name}{runFor(run)}</span>
-                    <SettleButtons run={run.id} node={node} again={runs.again} />
-                    <span className="board-actions"><RunActions run={run} again={runs.again} /></span>
-                    <span className="faint small number board-time">{duration(node.sinceUs || run.startedUs, nowUs())}</span>
-                  </li>
-                ))}
-                {g.waiting.length > 12 && <li className="faint small">and {g.waiting.length - 12} more</li>}
-              </ul>
-            </section>
-          ))}
+          {groups.map((group) => <GroupCard key={group.key} group={group} names={names} again={refresh} onTell={(quads) => setTelling({ group, quads })} />)}
+          {left > 0 && <p className="faint small">{left} younger runs are not asked about.</p>}
         </div>
       </div>
-      {telling && set && <TellDialog title="What lacks" quads={set.add.map(quadOf)} patterns={telling.title} names={names} onTold={() => (runs.again(), whyNot.again())} onClose={() => setTelling(null)} />}
+      {telling && <TellDialog title="What lacks" quads={telling.quads} patterns={telling.group.title} names={names} onTold={refresh} onClose={() => setTelling(null)} />}
     </main>
+  );
+}
+
+function GroupCard({ group, names, again, onTell }: { group: Group; names: Names; again: () => void; onTell: (quads: Quad[]) => void }) {
+  const { words, icon: Icon } = looks[group.kind];
+  const [busy, setBusy] = useState(false);
+  const [all, setAll] = useState(false);
+  const tell = async () => {
+    setBusy(true);
+    try {
+      const reply = await context.explain({ question: { case: "whyNot", value: group.ask }, sets: 1, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000 });
+      const quads = reply.sets[0]?.add.map(quadOf) ?? [];
+      if (quads.length > 0) onTell(quads);
+      else toast(reply.holds ? "good" : "bad", reply.holds ? "It holds now" : "Nothing that could be told would make it hold", reply.holds ? "The step opens with the next turn." : reply.text);
+    } catch (error) {
+      toast("bad", "It could not be asked what lacks", sentence(error));
+    }
+    setBusy(false);
+  };
+  const shown = all ? group.waiting : group.waiting.slice(0, shownAtOnce);
+  return (
+    <section className="card board-group" aria-label={`${words}: ${group.title.join(", ")}`}>
+      <header>
+        <span className={`board-icon ${group.kind}`}><Icon size={16} /></span>
+        <div className="grow">
+          <p className="board-kind faint small">{words}</p>
+          <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{i > 0 && " or "}{t}</span>))}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{group.heldBy}</Link> has</span>}</div>
+        </div>
+        <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
+        {group.ask && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}
+      </header>
+      <ul>
+        {shown.map(({ run, node, root, sinceUs }) => (
+          <li key={`${run.id} ${node?.name ?? ""}`}>
+            <Link href={paths.run(run.id, node?.name ?? "")} className="run-id">{run.id}</Link>
+            <span className="faint cut grow">{node && `at ${node.name}`}{run !== root && ` in ${root.id}`}{runFor(root)}</span>
+            {node && <SettleButtons run={run.id} node={node} again={again} />}
+            <span className="board-actions"><RunActions run={root} again={again} /></span>
+            <span className="faint small number board-time">{duration(sinceUs, nowUs())}</span>
+          </li>
+        ))}
+        {group.waiting.length > shown.length && <li><button className="button plain small" onClick={() => setAll(true)}>Show {group.waiting.length - shown.length} more</button></li>}
+      </ul>
+    </section>
   );
 }
 
@@ -93,31 +117,4 @@ function waitWords(runs: number, things: number): string {
 function runFor(run: Run): string {
   const user = run.variables.find((v) => v.name === "user" || v.name === "visitor")?.value?.kind;
   return user?.case === "iri" ? `, for ${localName(user.value)}` : "";
-}
-
-function group(waiting: readonly Waiting[], replies: ReadonlyMap<string, ExplainReply>, short: (pattern: string) => string): Group[] {
-  const groups = new Map<string, Group>();
-  const put = (kind: Group["kind"], title: string[], one: Waiting, reply?: ExplainReply) => {
-    const key = `${kind} ${title.join(" ")}`;
-    const since = one.node.sinceUs || one.run.startedUs;
-    const found = groups.get(key);
-    if (found) {
-      found.waiting.push(one);
-      if (since < found.oldest) found.oldest = since;
-    } else groups.set(key, { key, kind, title, waiting: [one], oldest: since, reply });
-  };
-  for (const one of waiting) {
-    const { node, run } = one;
-    const pending = node.invocations.find((i) => i.state === "pending");
-    if (run.paused) put("paused", [run.workflow], one);
-    else if (node.state === "incident") put("operator", [node.reason || `${node.name} has failed`], one);
-    else if (pending) put("robot", [`a free robot that can ${words(pending.operation).toLowerCase()}`], one);
-    else if (node.state === "waiting" && node.waitsFor) {
-      const reply = replies.get(node.waitsFor);
-      const missing = reply?.sets[0]?.missing.map(short) ?? [];
-      if (missing.length > 0) put("fact", missing, one, reply);
-      else put("fact", [reply?.holds ? "it holds now" : "not known yet"], one, reply);
-    } else if (node.state === "waiting") put("fact", ["other steps of the run"], one);
-  }
-  return [...groups.values()].sort((a, b) => Number(a.oldest - b.oldest));
 }

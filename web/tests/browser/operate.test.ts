@@ -29,6 +29,7 @@ function answers(): Answers {
     "Workflows/Get": ({ run: id }) => (id === "BoothGuide-3" ? run("BoothGuide-3", "Kim", "incident") : id === "BoothGuide-1" ? run("BoothGuide-1", "John") : new Error("not_found")),
     "Workflows/Watch": () => [{ revision: "9", timeUs: "1795666887845000", run: "BoothGuide-1", node: "Move2User", kind: "node", from: "waiting", to: "running", detail: `condition holds with robot = <${expo}R01>` }],
     "Context/Explain": ({ whyNot }) => (whyNot ? { holds: false, sets: [{ missing: [`<${expo}John> <${docent}selected> ?booth .`], add: [quad] }] } : { holds: true, proof: { steps: [{ fact: quad, told: [{ graph: `${expo}R01`, offset: "3", timeUs: "1795666887845000" }] }], roots: [0] } }),
+    "Workflows/Explain": ({ run: id }) => (id === "BoothGuide-3" ? { waits: [{ node: "Move2Booth", kind: "operator", detail: "it failed: the robot does not answer; settle it: docent runs retry, skip or fail BoothGuide-3 Move2Booth" }] } : { waits: [{ node: "Move2Booth", kind: "fact", missing: `<${expo}John> <${docent}selected> ?booth .` }] }),
     "Context/WhatIf": () => ({ transitions: [{ subject: "BoothGuide-1/Move2Booth", from: "waiting", to: "running" }] }),
     "Context/Assert": () => ({ offset: "20", added: "1" }),
     "Workflows/Settle": () => ({}), "Workflows/Cancel": () => ({}), "Workflows/Pause": () => ({}),
