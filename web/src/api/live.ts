@@ -4,7 +4,7 @@ import { fromJson, type DescMessage, type JsonValue, type MessageShape } from "@
 import { useEffect, useRef, useState } from "react";
 import { serverAnswered } from "./connection";
 import { plain, type PlainError } from "./errors";
-import { LiveConnection, type Failure, type LiveState, type Socket } from "./live_connection";
+import { LiveConnection, type Failure, type LiveState, type Socket } from "../../client/src/live_connection";
 import { type Polled, usePoll } from "./poll";
 import { ConnectError } from "@connectrpc/connect";
 

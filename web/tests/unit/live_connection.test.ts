@@ -1,6 +1,6 @@
 // What a tab follows, against a server that is a script: parts of changes, lost connections, servers without live connections.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { LiveConnection, liveTimes, type Failure, type Socket } from "../../src/api/live_connection";
+import { LiveConnection, liveTimes, type Failure, type Socket } from "../../client/src/live_connection";
 
 class ScriptedSocket implements Socket {
   readyState = 1;
@@ -46,7 +46,7 @@ describe("parts of a change", () => {
   it("are held until the message with resume, and come in order", () => {
     follow();
     socket().say({ hello: {} });
-    socket().say({ id: 1, begun: true });
+    socket().say({ id: 1, begun: true, resume: "0" });
     socket().say({ id: 1, message: { part: 1 } });
     socket().say({ id: 1, message: { part: 2 } });
     expect(told).toEqual([]);

@@ -11,6 +11,7 @@ export interface Stream {
   call: string; // "docent.v1.Fleet/List"
   request: JsonValue;
   everyMs: number | undefined; // of a read: the least time between two answers
+  onBegun?: () => void; // what happens from now on is told; again after each lost connection
   onMessage: (message: JsonValue) => void;
   onEnd: (failure: Failure | undefined) => void;
 }
@@ -22,6 +23,7 @@ interface Followed extends Stream {
 interface FromServer {
   hello?: unknown;
   id?: number;
+  begun?: boolean;
   message?: JsonValue;
   resume?: string;
   end?: { error?: Failure };
@@ -143,6 +145,7 @@ export class LiveConnection {
     if (message.id === probe.id && message.message !== undefined) this.send({ id: probe.id, end: true });
     const stream = message.id === undefined ? undefined : this.streams.get(message.id);
     if (!stream || message.id === undefined) return;
+    if (message.begun) stream.onBegun?.();
     if (message.message !== undefined) stream.held.push(message.message);
     if (message.resume !== undefined) {
       stream.places = true;
