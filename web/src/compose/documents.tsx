@@ -1,5 +1,5 @@
 // All workflows: the deployed ones, the drafts of this browser, and ways to begin.
-import { CircleDot, FileUp, PauseCircle, Pencil, Plus, PowerOff, Trash2, Unplug, Workflow } from "lucide-react";
+import { CircleDot, Cloud, FileUp, PauseCircle, Pencil, Plus, PowerOff, Trash2, Unplug, Workflow } from "lucide-react";
 import { useState } from "react";
 import { workflows } from "../api/client";
 import { usePoll } from "../api/poll";
@@ -12,16 +12,19 @@ import { type Template, templates } from "../cawl/templates";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 import { dropDraft, listDrafts, loadDraft, saveDraft } from "./drafts";
+import { listServerDrafts } from "./server_drafts";
 import { openFile } from "./files";
 import { TemplateCards } from "./template_cards";
 import "./documents.css";
 
 export default function Documents() {
   const polled = usePoll("workflows", (signal) => workflows.list({}, { signal }), 3000);
+  const onServer = usePoll("server drafts", listServerDrafts, 5000);
   const [drafts, setDrafts] = useState(listDrafts);
   const [template, setTemplate] = useState<Template | null>(null);
   const deployed = polled.data?.workflows ?? [];
-  const taken = new Set([...deployed.map((w) => w.name), ...drafts.map((d) => d.name)]);
+  const kept = onServer.data ?? [];
+  const taken = new Set([...deployed.map((w) => w.name), ...drafts.map((d) => d.name), ...kept.map((d) => d.name)]);
   const open = async () => {
     const file = await openFile();
     if (!file) return;
@@ -44,6 +47,7 @@ export default function Documents() {
   const rows = [
     ...deployed.map((w) => ({ name: w.name, workflow: w, draft: drafts.find((d) => d.name === w.name)?.draft })),
     ...drafts.filter((d) => !deployed.some((w) => w.name === d.name)).map((d) => ({ name: d.name, workflow: undefined, draft: d.draft })),
+    ...kept.filter((d) => !deployed.some((w) => w.name === d.name) && !drafts.some((x) => x.name === d.name)).map((d) => ({ name: d.name, workflow: undefined, draft: undefined })),
   ];
   return (
     <main className="view">
@@ -63,6 +67,7 @@ export default function Documents() {
                   <span className={`document-icon${workflow ? "" : " draft"}`}>{workflow ? <Workflow size={16} /> : <Pencil size={15} />}</span>
                   <span className="document-words"><b className="cut">{name}</b><span className="faint small cut">{workflow ? [workflow.version && `version ${workflow.version}`, workflow.flows.length > 1 && `${workflow.flows.length} flows`, workflow.activatedFlow ? "starts by itself" : "started by hand"].filter(Boolean).join(" · ") : "never deployed"}</span></span>
                   {draft && <span className="tag accent"><Pencil size={11} />draft of {new Date(draft.savedMs).toLocaleString([], { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" })}</span>}
+                  {kept.filter((d) => d.name === name).map((d) => <span key={d.saved} className="tag" title="Saved on the server: it can be opened in any browser"><Cloud size={11} />on the server, {new Date(d.saved).toLocaleString([], { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" })}</span>)}
                   {workflow?.paused && <span className="tag wait"><PauseCircle size={12} />paused</span>}
                   {workflow?.disabled && <span className="tag"><PowerOff size={11} />off</span>}
                   {workflow && !workflow.paused && !workflow.disabled && <span className="tag good"><CircleDot size={11} />deployed</span>}

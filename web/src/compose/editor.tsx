@@ -21,6 +21,8 @@ import { ImportDialog } from "./import_dialog";
 import { keepImported, usePalette } from "./palette_data";
 import { PalettePanel } from "./palette_panel";
 import { Properties } from "./properties";
+import { ServerDraftBar, ServerDraftButton, useServerDraft } from "./server_draft";
+import { dropServerDraft, keepSeen } from "./server_drafts";
 import { Session } from "./session";
 import { KindIcon } from "./step_card";
 import { TextPane } from "./text_pane";
@@ -81,6 +83,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const [open, setOpen] = useState<Open>(null);
   const [findingsOpen, setFindingsOpen] = useState(false);
   const [other, setOther] = useState<Draft | null>(null);
+  const serverDraft = useServerDraft(name, session);
   const panels = usePanels();
   const palette = usePalette();
   const findings = useFindings(session);
@@ -181,11 +184,13 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         <span className="grow" />
         <button className="button plain icon" aria-label="Undo" title="Undo (Ctrl-Z)" disabled={!session.canUndo} onClick={session.undo}><Undo2 size={15} /></button>
         <button className="button plain icon" aria-label="Redo" title="Redo (Ctrl-Shift-Z)" disabled={!session.canRedo} onClick={session.redo}><Redo2 size={15} /></button>
+        <ServerDraftButton draft={serverDraft} dirty={dirty} />
         <button className="button plain wide-only" title="Arrange the steps (Shift-T)" onClick={() => actions.tidy()}><Sparkles size={14} />Tidy</button>
         <button className="button plain wide-only" aria-pressed={panels.text} title="Show or hide the text (T)" onClick={() => panels.toggle("text")}><Columns2 size={15} />Text</button>
         {deployed !== null || !dirty ? <button className="button wide-only" title="Start a run by hand (R)" onClick={() => setOpen({ what: "start" })}><Play size={13} />Run</button> : null}
         <button className="button primary" onClick={() => setOpen({ what: "deploy" })}><Rocket size={14} />Deploy</button>
       </header>
+      <ServerDraftBar draft={serverDraft} session={session} />
       {other && (
         <div className="stale" role="alert">
           Another tab has changed this draft.
@@ -233,7 +238,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         </Dialog>
       )}
       {open?.what === "import" && <ImportDialog onImported={(entries) => (keepImported(entries), palette.again(), toast("good", `${entries.length} steps are in the palette`))} onClose={() => setOpen(null)} />}
-      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name))} onClose={() => setOpen(null)} />}
+      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
       {open?.what === "start" && <StartDialog workflow={document.name} variables={[...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])].map((v) => ({ name: v.name, type: v.type, initial: v.initial }))} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>
   );

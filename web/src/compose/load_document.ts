@@ -1,7 +1,8 @@
-// The text of a document by its name: the draft of this browser, else what is deployed on the server.
+// The text of a document by its name: the draft of this browser, else the one on the server, else what is deployed.
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { loadDraft } from "./drafts";
+import { keepSeen, readServerDraft } from "./server_drafts";
 
 export interface Loaded {
   text: string | null; // null: nothing of this name is there
@@ -23,7 +24,9 @@ export async function loadDocument(name: string): Promise<Loaded> {
     if (words.kind === "unable") hidden = await isDeployed(name);
     else if (words.kind !== "missing") error = words;
   }
-  return { text: draft?.text ?? deployed, deployed, hidden, error };
+  const kept = draft ? null : await readServerDraft(name).catch(() => null);
+  if (kept) keepSeen(name, kept.saved);
+  return { text: draft?.text ?? kept?.text ?? deployed, deployed, hidden, error };
 }
 
 async function isDeployed(name: string): Promise<boolean> {

@@ -1,0 +1,57 @@
+// The draft on the server, beside the one that is open: saving it, and what to do where another browser has saved one.
+import { CloudCheck, CloudUpload } from "lucide-react";
+import { useEffect, useState } from "react";
+import { sentence } from "../api/errors";
+import { usePoll } from "../api/poll";
+import { useCommands } from "../app/commands";
+import { toast } from "../ui/toasts";
+import { keepSeen, readServerDraft, seenState, writeServerDraft } from "./server_drafts";
+import type { Session } from "./session";
+
+const lookMs = 5000;
+
+export function useServerDraft(name: string, session: Session) {
+  const [seen, setSeen] = useState(() => seenState(name));
+  const polled = usePoll(`server draft ${name}`, (signal) => readServerDraft(name, signal), lookMs);
+  const [busy, setBusy] = useState(false);
+  const there = polled.data ?? null;
+  const same = there !== null && there.text === session.written;
+  const see = (saved: string) => (keepSeen(name, saved), setSeen(saved));
+  // The same text, whoever has saved it: nothing to choose between.
+  useEffect(() => {
+    if (same && there && there.saved !== seen) see(there.saved);
+  }, [same, there?.saved, seen]);
+  const save = async () => {
+    setBusy(true);
+    try {
+      const saved = await writeServerDraft(name, session.written, seen);
+      if (saved) (see(saved), toast("good", "The draft is saved on the server", "It can be opened in any browser. Nothing is deployed."));
+      else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
+      polled.again();
+    } catch (error) {
+      toast("bad", "The draft could not be saved on the server", sentence(error));
+    }
+    setBusy(false);
+  };
+  useCommands([{ title: "Save the draft on the server", group: "Document", icon: CloudUpload, keys: "Mod+Shift+S", inFields: true, run: () => void save() }]);
+  return { there, same, busy, save, newer: there !== null && !same && there.saved !== seen ? there : null, see };
+}
+export type ServerDraftState = ReturnType<typeof useServerDraft>;
+
+export function ServerDraftButton({ draft, dirty }: { draft: ServerDraftState; dirty: boolean }) {
+  if (!dirty && !draft.there) return null;
+  const Icon = draft.same ? CloudCheck : CloudUpload;
+  return <button className="button plain wide-only" disabled={draft.busy || draft.same} title="Save the draft on the server (Ctrl-Shift-S)" onClick={() => void draft.save()}><Icon size={15} />{draft.same ? "Saved" : "Save"}</button>;
+}
+
+export function ServerDraftBar({ draft, session }: { draft: ServerDraftState; session: Session }) {
+  const { newer } = draft;
+  if (!newer) return null;
+  return (
+    <div className="stale" role="alert">
+      Another browser has saved a draft on the server at {new Date(newer.saved).toLocaleTimeString()}.
+      <button className="button small" onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved))}>Take its text</button>
+      <button className="button small" onClick={() => draft.see(newer.saved)}>Keep mine</button>
+    </div>
+  );
+}

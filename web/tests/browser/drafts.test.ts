@@ -1,0 +1,101 @@
+// Drafts on the server: saved in one browser, gone on with in another; two at the same time; gone when it is deployed.
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { draftIri, sparqlString, writeUpdate } from "../../src/compose/server_drafts";
+import { draft, draftNow, patienceMs, seriousFindings } from "./pages";
+import { lacking } from "./processes";
+import { RealStage } from "./real_stage";
+
+const why = lacking();
+if (why) console.log(`skipped: ${why}`);
+
+describe.skipIf(why !== "")("drafts on the server", () => {
+  let stage: RealStage;
+  beforeAll(async () => void (stage = await RealStage.open(null)));
+  afterAll(() => stage?.close());
+  const onServer = async (name: string) => {
+    const answer = await fetch(`${stage.processes.url}/sparql`, { method: "POST", headers: { Accept: "application/sparql-results+json" }, body: new URLSearchParams({ query: `SELECT ?text { GRAPH <urn:docent:drafts> { <${draftIri(name)}> <https://w3id.org/docent#draftText> ?text } }` }) });
+    return ((await answer.json()) as { results: { bindings: { text: { value: string } }[] } }).results.bindings.map((b) => b.text.value);
+  };
+  const save = async (page: Page) => {
+    await page.keyboard.press("Control+Shift+S");
+    await page.locator(".toast", { hasText: "draft" }).last().waitFor();
+  };
+  const add = async (page: Page, step: string) => {
+    await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await page.keyboard.press("/");
+    await page.keyboard.type(step);
+    await page.keyboard.press("Enter");
+    await page.locator(`.react-flow__node[data-id="${step}"]`).waitFor();
+  };
+
+  it("is saved in one browser and gone on with in another, which the first one hears of", async () => {
+    const one = await stage.page("/compose");
+    await one.waitForSelector(".template");
+    await one.keyboard.press("n");
+    await one.keyboard.type("Greeter's \"round\"");
+    await one.keyboard.press("Enter");
+    await one.waitForSelector(".first-steps");
+    const name = "Greeter's \"round\"";
+    await add(one, "Wave");
+    await draft(one, name).toContain('name="Wave"');
+    await save(one);
+    expect(await onServer(name)).toEqual([await draftNow(one, name)]);
+    await stage.picture(one, "drafts-saved");
+    const two = await stage.page("/compose");
+    const row = two.locator(".document", { hasText: "on the server" });
+    await row.waitFor();
+    await stage.picture(two, "drafts-list");
+    await row.click();
+    await two.locator('.react-flow__node[data-id="Wave"]').waitFor();
+    await add(two, "Bow");
+    await save(two);
+    await one.locator(".stale", { hasText: "Another browser has saved a draft" }).waitFor();
+    await one.getByRole("button", { name: "Take its text" }).click();
+    await one.locator('.react-flow__node[data-id="Bow"]').waitFor();
+    await one.locator(".stale").waitFor({ state: "detached" });
+    // Both go on; who saves second is asked, and nothing is lost.
+    await add(one, "Sing");
+    await add(two, "Dance");
+    await save(two);
+    await one.locator(".stale", { hasText: "Another browser" }).waitFor();
+    await one.keyboard.press("Control+Shift+S");
+    await one.locator(".toast.bad", { hasText: "Somebody else has saved a draft" }).waitFor();
+    expect((await onServer(name))[0]).toContain('name="Dance"');
+    await stage.picture(one, "drafts-conflict");
+    expect(await seriousFindings(one)).toEqual([]);
+    await one.getByRole("button", { name: "Keep mine" }).click();
+    await one.keyboard.press("Control+Shift+S");
+    await expect.poll(async () => (await onServer(name))[0], { timeout: patienceMs }).toContain('name="Sing"');
+    await two.locator(".stale", { hasText: "Another browser" }).waitFor();
+    expect(await draftNow(two, name)).toContain('name="Dance"');
+  });
+
+  it("is gone when it is deployed", async () => {
+    const page = await stage.page("/compose/Parting");
+    await page.locator(".template").first().click();
+    await page.waitForSelector(".first-steps");
+    await save(page);
+    expect(await onServer("Parting")).toHaveLength(1);
+    await page.keyboard.press("Control+Enter");
+    await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
+    await page.locator(".toast.good", { hasText: "Parting is deployed" }).waitFor();
+    await expect.poll(() => onServer("Parting"), { timeout: patienceMs }).toEqual([]);
+  });
+
+  it("comes back byte for byte, and is written only over what was seen", async () => {
+    const text = 'a\r\n"b" \\ \\n \t\b\f \'c\' """d""" \u{1F600} 한국어 } { # <urn:x> \u0001';
+    const name = "<odd> %name/\u{1F600}' )";
+    const write = async (content: string, saved: string, seen: string) => (await stage.call<{ added?: string }>("Context/Update", { update: writeUpdate({ name, text: content, saved }, seen) })).added ?? "0";
+    expect(await write(text, "2026-01-01T00:00:00.001Z", "")).not.toBe("0");
+    expect(await onServer(name)).toEqual([text]);
+    expect(await write("other", "2026-01-01T00:00:00.002Z", "")).toBe("0");
+    expect(await write("other", "2026-01-01T00:00:00.002Z", "2026-01-01T00:00:00Z")).toBe("0");
+    expect(await onServer(name)).toEqual([text]);
+    expect(await write("other", "2026-01-01T00:00:00.002Z", "2026-01-01T00:00:00.001Z")).not.toBe("0");
+    expect(await onServer(name)).toEqual(["other"]);
+    expect(sparqlString('"\\')).toBe('"\\"\\\\"');
+  });
+
+  it("no page has thrown", () => stage.noFaults());
+});
