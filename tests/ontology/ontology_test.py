@@ -61,6 +61,19 @@ class Ontology(unittest.TestCase):
         for ontology in ontologies:
             self.assertRegex(self.by_subject[ontology]["owl:versionInfo"][0], r"^\d+\.\d+\.\d+$")
 
+    def test_each_component_of_rois_is_a_class_of_operations(self):
+        triples = rdf_triples.read(ROOT / "ontology/mappings/rois.ttl")
+        equivalent = {s: o for s, p, o in triples if p == "owl:equivalentClass"}
+        self.assertEqual(len(equivalent), 17)
+        self.assertEqual(len(set(equivalent.values())), 17)
+        for component, name in equivalent.items():
+            with self.subTest(component):
+                self.assertTrue(component.startswith("urn:x-rois:def:HRIComponent:OMG::"))
+                above = name
+                while above != "docent:Capability":
+                    above = self.by_subject[above]["rdfs:subClassOf"][0]
+                self.assertTrue(any(s == component and p == "rdfs:label" for s, p, _ in triples))
+
     def test_aligned_with_the_standard_vocabularies(self):
         parents = {(s, o.split(":")[0]) for s, p, o in self.triples
                    if p in ("rdfs:subClassOf", "rdfs:subPropertyOf") and s.startswith("docent:")}
