@@ -30,6 +30,10 @@ AnalyticScanner::AnalyticScanner(const HallLayout& layout, const ScannerSettings
   };
   add_outline(hall_outline_);
   for (const Obstacle& obstacle : layout.obstacles) {
+    const Point2 c = obstacle.disc ? obstacle.disc->center : Point2();
+    const double r = obstacle.disc ? obstacle.disc->radius_m : 0;
+    bounds_.push_back(obstacle.disc ? Bounds{c.x_m - r, c.y_m - r, c.x_m + r, c.y_m + r}
+                                    : BoundsOf(obstacle.outline));
     if (obstacle.height_m < settings_.height_m) continue;
     if (obstacle.disc) {
       discs_.push_back(*obstacle.disc);
@@ -41,9 +45,14 @@ AnalyticScanner::AnalyticScanner(const HallLayout& layout, const ScannerSettings
 
 double AnalyticScanner::CastRay(const Point2& from, double bearing_rad,
                                 const std::vector<Disc>& people) const {
+  return CastRay(from, bearing_rad, segments_, people);
+}
+
+double AnalyticScanner::CastRay(const Point2& from, double bearing_rad, const std::vector<Segment>& segments,
+                                const std::vector<Disc>& people) const {
   const double dx = std::cos(bearing_rad), dy = std::sin(bearing_rad);
   double nearest = settings_.max_range_m;
-  for (const Segment& s : segments_) {
+  for (const Segment& s : segments) {
     // from + t*(dx,dy) = a + u*(b-a), solved by Cramer's rule
     const double ex = s.b.x_m - s.a.x_m, ey = s.b.y_m - s.a.y_m;
     const double determinant = dx * ey - dy * ex;
@@ -69,9 +78,14 @@ LaserScan AnalyticScanner::ExactScan(const Pose2& robot_in_hall, const std::vect
   scan.sensor_in_robot = settings_.sensor_in_robot;
   scan.range_m.resize(n);
   const Pose2 sensor = Compose(robot_in_hall, settings_.sensor_in_robot);
+  // A large building has many more segments than a scan can reach.
+  std::vector<Segment> near;
+  for (const Segment& s : segments_) {
+    if (DistanceToSegment(sensor.position(), s.a, s.b) <= settings_.max_range_m) near.push_back(s);
+  }
   for (int i = 0; i < n; ++i) {
     const double bearing = sensor.heading_rad + scan.first_bearing_rad + i * scan.bearing_step_rad;
-    const double range = CastRay(sensor.position(), bearing, people);
+    const double range = CastRay(sensor.position(), bearing, near, people);
     scan.range_m[i] = range < settings_.max_range_m ? static_cast<float>(range) : 0.0f;
   }
   return scan;
@@ -94,7 +108,13 @@ LaserScan AnalyticScanner::Scan(const Pose2& robot_in_hall, const std::vector<Di
 
 bool AnalyticScanner::Collides(const Point2& p, double radius_m) const {
   if (!Contains(hall_outline_, p) || DistanceToOutline(p, hall_outline_) < radius_m) return true;
-  for (const Obstacle& obstacle : obstacles_) {
+  for (size_t i = 0; i < obstacles_.size(); ++i) {
+    const Obstacle& obstacle = obstacles_[i];
+    const Bounds& b = bounds_[i];
+    if (p.x_m < b.min_x_m - radius_m || p.x_m > b.max_x_m + radius_m || p.y_m < b.min_y_m - radius_m ||
+        p.y_m > b.max_y_m + radius_m) {
+      continue;
+    }
     if (obstacle.disc) {
       if (Distance(p, obstacle.disc->center) < obstacle.disc->radius_m + radius_m) return true;
     } else if (Contains(obstacle.outline, p) || DistanceToOutline(p, obstacle.outline) < radius_m) {

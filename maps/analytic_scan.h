@@ -49,11 +49,14 @@ class AnalyticScanner {
     Point2 a;
     Point2 b;
   };
+  double CastRay(const Point2& from, double bearing_rad, const std::vector<Segment>& segments,
+                 const std::vector<Disc>& people) const;
   ScannerSettings settings_;
   Polygon hall_outline_;
   std::vector<Segment> segments_;    // in the scan plane
   std::vector<Disc> discs_;          // in the scan plane
   std::vector<Obstacle> obstacles_;  // of all heights, for Collides
+  std::vector<Bounds> bounds_;       // of them
 };
 
 }  // namespace docent::maps

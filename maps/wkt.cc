@@ -1,6 +1,8 @@
 #include "maps/wkt.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/charconv.h"
@@ -94,16 +96,6 @@ bool Cross(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   return Cross(a, b, c) * Cross(a, b, d) < 0 && Cross(c, d, a) * Cross(c, d, b) < 0;
 }
 
-bool CrossesItself(const Polygon& ring) {
-  const size_t n = ring.size();
-  for (size_t i = 0; i < n; ++i) {
-    for (size_t j = i + 2; j < n; ++j) {
-      if (Cross(ring[i], ring[(i + 1) % n], ring[j], ring[(j + 1) % n])) return true;
-    }
-  }
-  return false;
-}
-
 absl::StatusOr<Polygon> Checked(Polygon ring) {
   if (ring.size() < 4)
     return absl::InvalidArgumentError("well-known text: a polygon needs at least three corners");
@@ -119,6 +111,32 @@ absl::StatusOr<Polygon> Checked(Polygon ring) {
 }
 
 }  // namespace
+
+bool CrossesItself(const Polygon& ring) {
+  struct Edge {
+    Point2 a, b;
+    Bounds bounds;
+  };
+  std::vector<Edge> edges;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Point2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    edges.push_back({a, b, BoundsOf({a, b})});
+  }
+  // A sweep along x: only edges whose ranges overlap are compared.
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return a.bounds.min_x_m < b.bounds.min_x_m; });
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const Edge& one = edges[i];
+    for (size_t j = i + 1; j < edges.size() && edges[j].bounds.min_x_m <= one.bounds.max_x_m; ++j) {
+      const Edge& other = edges[j];
+      const bool apart =
+          other.bounds.min_y_m > one.bounds.max_y_m || other.bounds.max_y_m < one.bounds.min_y_m;
+      const bool neighbours = one.a == other.b || one.b == other.a;
+      if (!apart && !neighbours && Cross(one.a, one.b, other.a, other.b)) return true;
+    }
+  }
+  return false;
+}
 
 absl::StatusOr<Point2> ReadWktPoint(std::string_view text) {
   WktReader reader(text);

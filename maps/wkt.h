@@ -22,6 +22,9 @@ absl::StatusOr<Point2> ReadWktPoint(std::string_view text);
 // 0.
 absl::StatusOr<Polygon> ReadWktPolygon(std::string_view text);
 
+// True if two edges of the ring cross in a point that is no end of either.
+bool CrossesItself(const Polygon& ring);
+
 }  // namespace docent::maps
 
 #endif  // DOCENT_MAPS_WKT_H_
