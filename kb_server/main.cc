@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   docent::server::AddUpdateCommand(&app, &exit_code);
   docent::server::AddCheckCommand(&app, &exit_code);
   docent::server::AddFmtCommand(&app, &exit_code);
+  docent::server::AddMapCommand(&app, &exit_code);
   docent::server::AddValidateCommand(&app, &exit_code);
   docent::server::AddOntologyCommand(&app, &exit_code);
   docent::server::AddRunCommand(&app, &exit_code);

@@ -12,6 +12,27 @@ namespace {
 constexpr int kTreeDepth = 16;                     // of every octomap::OcTree
 constexpr int kCenterKey = 1 << (kTreeDepth - 1);  // key of the voxel whose corner is the origin
 
+// One row of cells across a polygon: which of its points are inside, by the same rule as maps::Contains (even-odd), but for
+// all of them at the cost of one look at the edges. A large floor has millions of cells and thousands of edges.
+class PolygonRow {
+ public:
+  PolygonRow(const Polygon& polygon, double y_m) {
+    for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+      const Point2 &a = polygon[i], &b = polygon[j];
+      if ((a.y_m > y_m) == (b.y_m > y_m)) continue;
+      crossings_m_.push_back((b.x_m - a.x_m) * (y_m - a.y_m) / (b.y_m - a.y_m) + a.x_m);
+    }
+    std::sort(crossings_m_.begin(), crossings_m_.end());
+  }
+
+  bool Contains(double x_m) const {
+    return (crossings_m_.end() - std::upper_bound(crossings_m_.begin(), crossings_m_.end(), x_m)) % 2 == 1;
+  }
+
+ private:
+  std::vector<double> crossings_m_;
+};
+
 // The hall from above. All solid objects stand on the floor, so a column is one number: the count of solid
 // voxels above the floor.
 class ColumnMap {
@@ -66,13 +87,24 @@ class ColumnMap {
 
   void DrawHall(const Polygon& outline) {
     for (int y = y0_; y < y0_ + height_; ++y) {
+      const PolygonRow row(outline, Center(0, y).y_m);
       for (int x = x0_; x < x0_ + width_; ++x) {
-        const Point2 center = Center(x, y);
-        if (Contains(outline, center)) {
-          solid_[Index(x, y)] = 0;
-        } else if (DistanceToOutline(center, outline) < kOuterWallThickness_m) {
-          solid_[Index(x, y)] = ceiling_;
-        }
+        if (row.Contains(Center(x, y).x_m)) solid_[Index(x, y)] = 0;
+      }
+    }
+    for (size_t i = 0; i < outline.size(); ++i) DrawOuterWall(outline[i], outline[(i + 1) % outline.size()]);
+  }
+
+  // The wall beyond one edge of the outline: what is near it and not inside the hall.
+  void DrawOuterWall(const Point2& a, const Point2& b) {
+    const Bounds bounds = BoundsOf({a, b});
+    const int x1 = std::min(x0_ + width_ - 1, Voxel(bounds.max_x_m + kOuterWallThickness_m));
+    const int y1 = std::min(y0_ + height_ - 1, Voxel(bounds.max_y_m + kOuterWallThickness_m));
+    for (int y = std::max(y0_, Voxel(bounds.min_y_m - kOuterWallThickness_m)); y <= y1; ++y) {
+      for (int x = std::max(x0_, Voxel(bounds.min_x_m - kOuterWallThickness_m)); x <= x1; ++x) {
+        int& solid = solid_[Index(x, y)];
+        if (solid == kUnknownColumn && DistanceToSegment(Center(x, y), a, b) < kOuterWallThickness_m)
+          solid = ceiling_;
       }
     }
   }
@@ -123,11 +155,12 @@ class ColumnMap {
     const int y1 = std::min(y0_ + height_ - 1, Voxel(bounds.max_y_m));
     Footprint footprint = {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1), {}};
     for (int y = y0; y <= y1; ++y) {
+      const PolygonRow row(obstacle.outline, Center(0, y).y_m);
       for (int x = x0; x <= x1; ++x) {
         const Point2 center = Center(x, y);
         footprint.solid.push_back(obstacle.disc
                                       ? Distance(center, obstacle.disc->center) <= obstacle.disc->radius_m
-                                      : Contains(obstacle.outline, center));
+                                      : row.Contains(center.x_m));
       }
     }
     return footprint;

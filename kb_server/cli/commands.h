@@ -28,6 +28,7 @@ void AddWhatIfCommand(CLI::App* app, int* exit_code);
 void AddUpdateCommand(CLI::App* app, int* exit_code);
 void AddCheckCommand(CLI::App* app, int* exit_code);
 void AddFmtCommand(CLI::App* app, int* exit_code);
+void AddMapCommand(CLI::App* app, int* exit_code);
 void AddValidateCommand(CLI::App* app, int* exit_code);
 void AddOntologyCommand(CLI::App* app, int* exit_code);
 void AddRunCommand(CLI::App* app, int* exit_code);

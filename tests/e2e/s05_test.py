@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Scenario s05 with real processes: deliveries in a care home by day and by night, one that is refused and brought back, one
-that a person has to settle, and a round at its time."""
+that a person has to settle, a round at its time; and the same workflow on the floor of a real building."""
+import os
+import pathlib
 import re
 import time
 import unittest
 
-from docent_e2e import PATIENCE_S, SPEED, StageTest, journal
+from docent_e2e import PATIENCE_S, SPEED, StageTest, journal, stage
 import stage_s05
-from stage_s05 import CARE, S05, event, order, wait_for_end, wait_for_node
+from stage_s05 import CARE, S05, event, order, tell, wait_for_end, wait_for_node
 
+DATA = pathlib.Path(os.environ.get("DOCENT_DATA", stage.ROOT.parent / "shared" / "data"))
 SPEED_HERE = max(SPEED, 8)
 
 
@@ -93,6 +96,41 @@ class HospitalRound(StageTest):
         server.wait_for('?run docent:flow "NightRound" ; docent:runState "done"', PATIENCE_S)
         self.assertTrue(server.ask("care:C01 docent:isAt care:Lounge"), "the places in order: kitchen, lounge")
         self.assertEqual([c.split("/")[1] for c in journal(robot)], ["LookIn"] * 4, "by the passage to each place")
+
+
+class RealFloor(StageTest):
+    def test_the_same_workflow_on_the_floor_of_a_real_building(self):
+        aaf = DATA / "buildings" / "aaf"
+        if not (aaf / "aaf_HAN_y4.yaml").exists():
+            self.skipTest("there are no floors of real buildings; DOCENT_DATA names the folder that has them")
+        hall = self.stage.folder / "hall.ttl"
+        done = self.docent("map", "import", aaf / "y4_aaf-cropped.yaml", aaf / "aaf_HAN_y4.yaml", "--namespace", CARE + "aaf/",
+                           "--name", "floor", "--out", hall)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        server = self.stage.server()
+        stage_s05.load_s05(server, hall)
+        stage_s05.make_it(server, night=False)
+        place = CARE + "aaf/"
+        server.command("tell", "--prefix", f"care={CARE}", f"care:Floor care:dayRoute <{place}Rezeption>", "--withdraw",
+                       "care:Floor care:dayRoute care:MainCorridor")
+        self.stage.start("C01", [self.stage.bin / "docent-scripted-adapter", "--server", server.grpc, "--robot", CARE + "C01",
+                                 "--journal", self.stage.folder / "journal", "--operation", "driveTo:place=docent:Region",
+                                 "--operation", "say:text=xsd:string", "--operation", "showText:text=xsd:string"])
+        server.wait_for("care:C01 docent:status docent:Standby", PATIENCE_S)
+        tell(server, "care:C01 docent:localised true")
+        order(server, "D9", f"<{place}Frisoer>", store=f"<{place}Ambulanz>")
+        wait_for_node(server, "D9", "Load", "waiting", PATIENCE_S)
+        event(server, "loaded", "care:D9 care:loadedBy care:Pharmacist")
+        wait_for_node(server, "D9", "HandOver", "waiting", PATIENCE_S)
+        event(server, "taken", "care:D9 care:takenBy care:NurseOnDuty")
+        self.assertEqual(wait_for_end(server, "D9")[1:], ("done", ""))
+        begun = [f[3].split("/")[1] for f in map(lambda line: line.split("\t"), (self.stage.folder / "journal").read_text().splitlines())
+                 if f[0] == "begun"]
+        self.assertEqual(begun[:4], ["Fetch", "Load", "Drive", "Drive"])
+        # the named rooms are there, with where a robot stands and how far it is from one to the next
+        rows = server.select("""SELECT ?name { ?room a docent:Region ; schema:name ?name ; docent:servicePoint ?p }""")
+        self.assertLessEqual({"Kapelle", "Frisoer", "Ambulanz", "Rezeption"}, {row["name"] for row in rows})
+        self.assertTrue(server.ask(f"?c docent:fromPlace <{place}Ambulanz> ; docent:toPlace ?to ; docent:length ?m FILTER (?m > 1)"))
 
 
 if __name__ == "__main__":
