@@ -11,6 +11,7 @@
 #include "graph/command_line/program.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/services/service_commands.h"
+#include "kb_server/cli/visit/visit_command.h"
 
 int main(int argc, char** argv) {
   docent::PrepareStandardStreams();
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   docent::server::AddWorkflowsCommand(&app, &exit_code);
   docent::server::AddRobotsCommand(&app, &exit_code);
   docent::server::AddServicesCommand(&app, &exit_code);
+  docent::server::AddVisitCommand(&app, &exit_code);
   docent::server::AddVerifyCommand(&app, &exit_code);
   docent::server::AddBackupCommand(&app, &exit_code);
   docent::server::AddRestoreCommand(&app, &exit_code);

@@ -9,6 +9,7 @@ namespace docent {
 struct WebLimits {
   size_t web_files = 10000;              // files of the browser app
   size_t web_bytes = 256u << 20;         // bytes of all files of the browser app
+  size_t visit_code_bytes = 1024;        // text of a QR code that leads to the visitors' page
   size_t live_streams = 256;             // streams of one live connection at the same time
   size_t live_message_bytes = 1u << 20;  // one message of a client on a live connection
   size_t live_unread_requests = 1000;    // messages of a client that does not read what it gets

@@ -11,11 +11,14 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "graph/base/text.h"
+#include "graph/rdf/utf8.h"
+#include "kb_server/web/visit_code.h"
 
 namespace docent::server {
 namespace {
 
-constexpr size_t kNonceBytes = 16;  // as Content Security Policy Level 3, section 7.1 asks for
+constexpr size_t kNonceBytes = 16;   // as Content Security Policy Level 3, section 7.1 asks for
+constexpr size_t kLabelBytes = 200;  // of a code
 constexpr char kForEver[] = "public, max-age=31536000, immutable";
 
 constexpr char kNoApp[] = R"(<!doctype html>
@@ -102,6 +105,39 @@ bool AsksForView(const HttpRequest& http) {
          http.path.find('.', http.path.rfind('/')) == std::string::npos;
 }
 
+// GET /visit/code.svg?at=PLACE&base=ADDRESS: the code of a place. `base` is the address of the page that asks, which knows
+// whether a proxy speaks TLS for the server; it names the host that the request is for, so that a code leads nowhere else.
+HttpResponse VisitCode(const HttpRequest& http) {
+  std::string place, base, label;
+  for (const auto& [name, value] : http.parameters) {
+    if (name == "at")
+      place = value;
+    else if (name == "base")
+      base = value;
+    else if (name == "label")
+      label = value;
+    else if (auto refusal = MisspeltParameter(name, {"at", "base", "label"}))
+      return *std::move(refusal);
+  }
+  const std::string host = http.Header("host");
+  if (base.empty()) base = Concat("http://", host);
+  if (base != Concat("http://", host) && base != Concat("https://", host)) {
+    return ErrorResponse(absl::InvalidArgumentError(
+        Concat("base is \"", base, "\"; give http:// or https:// and the host of this request, ", host)));
+  }
+  if (FindInvalidUtf8(label)) return ErrorResponse(absl::InvalidArgumentError("label is not UTF-8"));
+  const absl::StatusOr<std::string> address = VisitAddress(base, place);
+  if (!address.ok()) return ErrorResponse(address.status());
+  absl::StatusOr<std::string> svg = QrCodeSvg(*address, label.substr(0, kLabelBytes));
+  if (!svg.ok()) return ErrorResponse(svg.status());
+  HttpResponse response;
+  response.content_type = "image/svg+xml";
+  response.body = *std::move(svg);
+  response.headers = SecurityHeaders("");
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  return response;
+}
+
 }  // namespace
 
 void AddAppRoutes(HttpRoutes* routes, const AppFiles* app) {
@@ -116,6 +152,9 @@ void AddAppRoutes(HttpRoutes* routes, const AppFiles* app) {
     });
     return;
   }
+  routes->Add("GET", "/visit/code.svg", [](std::shared_ptr<HttpExchange> exchange) {
+    exchange->Respond(VisitCode(exchange->request()));
+  });
   const auto takes = [app](const HttpRequest& http) {
     return app->Find(http.path) != nullptr || AsksForView(http);
   };

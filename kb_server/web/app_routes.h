@@ -14,7 +14,7 @@ namespace docent::server {
 // answer has another one, for libraries that make style elements.
 inline constexpr char kNoncePlaceholder[] = "docent-csp-nonce";
 
-// The routes "/" and whatever no other route has. `app` must outlive the server.
+// The routes "/", "/visit/code.svg" and whatever no other route has. `app` must outlive the server.
 void AddAppRoutes(HttpRoutes* routes, const AppFiles* app);
 
 }  // namespace docent::server

@@ -172,5 +172,21 @@ TEST_F(AppRoutesTest, MoreThanTheLimitsIsRefused) {
   EXPECT_THAT(status.message(), HasSubstr("web_files = 1"));
 }
 
+TEST_F(AppRoutesTest, TheCodeOfAPlaceLeadsToThisHostAlone) {
+  Put("index.html", "<!doctype html>");
+  Start();
+  const std::string host = absl::StrCat("localhost:", server_->port());
+  const HttpReply code = Get("/visit/code.svg?at=B05");
+  EXPECT_EQ(code.status, 200);
+  EXPECT_EQ(code.headers.at("content-type"), "image/svg+xml");
+  EXPECT_THAT(code.body, HasSubstr(absl::StrCat("<title>http://", host, "/visit?at=B05</title>")));
+  EXPECT_THAT(Get(absl::StrCat("/visit/code.svg?at=B05&base=https://", host)).body,
+              HasSubstr("<title>https://"));
+  const HttpReply other = Get("/visit/code.svg?at=B05&base=https://elsewhere.example");
+  EXPECT_EQ(other.status, 400);
+  EXPECT_THAT(other.body, HasSubstr("the host of this request"));
+  EXPECT_EQ(Get("/visit/code.svg").status, 400);
+}
+
 }  // namespace
 }  // namespace docent::server

@@ -113,7 +113,7 @@ function waitWords(runs: number, things: number): string {
   return `${runs === 1 ? "One run waits" : `${runs} runs wait`} for ${things === 1 ? "one thing" : `${things} things`}`;
 }
 
-// Whom a run is for, if it says so.
+// The person that a run is for, if it names one.
 function runFor(run: Run): string {
   const user = run.variables.find((v) => v.name === "user" || v.name === "visitor")?.value?.kind;
   return user?.case === "iri" ? `, for ${localName(user.value)}` : "";

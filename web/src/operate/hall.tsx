@@ -1,5 +1,5 @@
 // The hall live: booths and regions from the graph, robots with pose, trail and task, people where they are.
-import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, Route, Unplug, User, X } from "lucide-react";
+import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, QrCode, Route, Unplug, User, X } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
 import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
@@ -153,6 +153,7 @@ function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: L
             <p className="row" style={{ flexWrap: "wrap", gap: 5 }}>{robot.operations.map((o) => <span key={o} className="tag">{words(o)}</span>)}</p>
           </>
         )}
+        {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
         <h3>Facts</h3>
         {facts.error && !facts.data && <p className="faint small">{facts.error.title}</p>}

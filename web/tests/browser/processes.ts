@@ -39,6 +39,10 @@ export class Processes {
   docent(command: string, ...rest: string[]): string {
     return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
   }
+  // A command that needs no server.
+  docentAlone(...what: string[]): string {
+    return execFileSync(join(binaries, "docent"), what, { encoding: "utf8" });
+  }
   load(...what: string[]) {
     this.docent("load", ...what);
   }

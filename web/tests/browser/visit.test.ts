@@ -1,5 +1,6 @@
 // The visitors' page, with a real server and robot: from the code at a booth to the robot's arrival and what the visitor says
 // of it; without a network; why no robot comes; in other languages.
+import jsQR from "jsqr";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import { fitsTheWindow, patienceMs, seriousFindings } from "./pages";
@@ -27,8 +28,33 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await page.getByRole("button", { name: "Call the robot" }).click();
   };
 
+  // What a phone's camera reads in a picture.
+  const scan = async (svg: string) => {
+    const page = await open("/visit");
+    const { data, width, height } = await page.evaluate(async (text) => {
+      const image = new Image();
+      image.src = `data:image/svg+xml;base64,${btoa(text)}`;
+      await image.decode();
+      const canvas = Object.assign(document.createElement("canvas"), { width: 400, height: Math.round((400 * image.height) / image.width) });
+      const context = canvas.getContext("2d");
+      context?.drawImage(image, 0, 0, canvas.width, canvas.height);
+      return { data: [...(context?.getImageData(0, 0, canvas.width, canvas.height).data ?? [])], width: canvas.width, height: canvas.height };
+    }, svg);
+    await page.close();
+    return jsQR(new Uint8ClampedArray(data), width, height)?.data ?? "";
+  };
+
+  it("the codes of the command line and of the server lead to the page", async () => {
+    expect(await scan(stage.processes.docentAlone("visit", "qr", "--booth", "expo:B07", "--url", stage.processes.url))).toBe(`${stage.processes.url}/visit?at=expo:B07`);
+    const hall = await stage.page("/hall?at=expo:B05");
+    const address = await hall.getByRole("link", { name: "Code for visitors" }).getAttribute("href");
+    const code = await fetch(stage.processes.url + address);
+    expect(code.headers.get("content-type")).toBe("image/svg+xml");
+    expect(await scan(await code.text())).toBe(`${stage.processes.url}/visit?at=expo:B05`);
+  });
+
   it("from the code at a booth to the robot's arrival, the tour and the feedback", async () => {
-    const page = await open("/visit?at=B07");
+    const page = await open(new URL(await scan(stage.processes.docentAlone("visit", "qr", "--booth", "B07", "--url", stage.processes.url))).pathname + "?at=B07");
     await page.getByText("You are at B07").waitFor();
     await stage.picture(page, "visit-services");
     await page.getByRole("button", { name: /Booth guide/ }).click();
