@@ -28,6 +28,8 @@ def main():
 John stands at the entrance. In the app:
   compose   open BoothGuide and change it, or begin a workflow of your own and reuse it
   hall      the robot R01, live; select it to see why it does what it does
+  visit     /visit?at=B07 is what a visitor's phone opens by the code at booth B07: choose the guide, see the robot come
+  desk      favourites of the front desk, started by one touch
   be John   tell the server that he chose the guide, then see Runs and Waiting:
             {stage.binaries() / 'docent'} tell --server {server.grpc} \\
               --prefix expo={stage.EXPO} 'expo:John docent:chose expo:BoothGuideService'
