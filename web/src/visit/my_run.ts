@@ -8,7 +8,7 @@ import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_
 import { ExplainRunReplySchema, type Run, RunSchema, type Wait } from "../gen/docent/v1/workflows_pb";
 import { isLive } from "../operate/states";
 import { docentNs } from "./offers";
-import { change, useVisitor } from "./visitor";
+import { change, useVisitor, withdraw } from "./visitor";
 
 const prologue = `PREFIX docent: <${docentNs}> PREFIX prov: <http://www.w3.org/ns/prov#>\n`;
 // Of the visitor whose IRI is given: its runs, the newest first.
@@ -43,6 +43,6 @@ export function useMyRun(): MyRun {
     return { before: Number(before.rows[0]?.["n"]?.text ?? 0), tookS: seconds };
   }, 5000);
   // A run that the server does not keep any more has ended.
-  useEffect(() => void (run.error?.kind === "missing" && change({ run: "", past: id, asked: false })), [run.error?.kind, id]);
+  useEffect(() => void (run.error?.kind === "missing" && withdraw()), [run.error?.kind, id]);
   return { run: run.data, waits: waits.data?.waits ?? [], robots: robots.data?.robots ?? [], before: queue.data?.before ?? 0, tookS: queue.data?.tookS ?? [] };
 }

@@ -1,7 +1,6 @@
 // How far the visitor's service is: where the robot is and when it comes, why it has to wait, and what the visitor can do.
 import { Bot, CheckCircle2, CircleAlert, Hourglass, MapPin } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
-import { serverAnswered } from "../api/connection";
 import { localName } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { choose } from "./address";
@@ -105,16 +104,14 @@ function Reasons({ reasons, places, booth }: { reasons: readonly Reason[]; place
 function EndButton() {
   const { say } = useWords();
   const [asking, setAsking] = useState(false);
-  const [error, setError] = useState("");
   if (!asking) return <button className="visit-second end" onClick={() => setAsking(true)}>{say("cancel")}</button>;
   return (
     <section className="visit-ask" role="alertdialog" aria-labelledby="end-title">
       <h3 id="end-title">{say("cancel.title")}</h3>
       <p>{say("cancel.text")}</p>
-      {error && <p className="visit-notice" role="alert">{error}</p>}
       <div className="visit-tools">
         <button className="visit-second" autoFocus onClick={() => setAsking(false)}>{say("cancel.no")}</button>
-        <button className="visit-second bad" onClick={() => void end().then(serverAnswered, (e: unknown) => setError(e instanceof Error ? e.message : String(e)))}>{say("cancel.yes")}</button>
+        <button className="visit-second bad" onClick={() => void end()}>{say("cancel.yes")}</button>
       </div>
     </section>
   );

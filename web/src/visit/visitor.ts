@@ -93,10 +93,19 @@ export function withdraw() {
   change({ asked: false, past: visitor.run || visitor.past, run: "" });
   tell([], [...(service ? [fact(id, "chose", service)] : []), ...(booth ? [fact(id, "selected", booth)] : [])]);
 }
+// Ends the run as well, as soon as there is a network.
 export async function end(): Promise<void> {
   const { run } = visitor;
   withdraw();
-  if (run) await workflows.cancel({ run, reason: "the visitor ended it" }, { timeoutMs: 10_000 });
+  for (let pauseMs = 1000; run !== ""; pauseMs = Math.min(pauseMs * 2, 15_000)) {
+    try {
+      await workflows.cancel({ run, reason: "the visitor ended it" }, { timeoutMs: 10_000 });
+      return;
+    } catch (error) {
+      if (!["away", "failed"].includes(plain(error).kind)) return; // it has ended by itself
+      await new Promise((done) => setTimeout(done, pauseMs));
+    }
+  }
 }
 export function rate(run: string, stars: number, text: string, language: string) {
   const id = `urn:uuid:${randomUuid()}`;
