@@ -57,13 +57,19 @@ bool RunStepper::IsOpening(size_t index) const {
   return !flow_.nodes[index].actions.empty() && !run_.nodes[index].actions.begun;
 }
 
-// The actions at="open", then the invocations. `at_once`: the condition opens the node in this round. True if something changed.
+// This run, or one that belongs to the same outermost run.
+bool RunStepper::WroteInThisRound() const {
+  return core_.writing_trees.contains(core_.RootOf(run_));
+}
+
+// The actions at="open", then the invocations, which begin in a world that has what was told. `at_once`: the condition opens
+// the node in this round. True if something changed.
 bool RunStepper::GoOnOpening(size_t index, bool at_once) {
   const Progress progress = DoActions(index, false);
   if (progress != Progress::kDone) return progress == Progress::kEnded;
   MakeInvocations(index);
   for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
-    TryDispatch(index, i, at_once);
+    TryDispatch(index, i, at_once && !WroteInThisRound());
     if (!GoesOn() || run_.nodes[index].state != WorkState::kRunning) return true;
   }
   SettleGuard(index);
@@ -142,8 +148,7 @@ RunStepper::Progress RunStepper::DoActions(size_t index, bool when_done) {
     if (next == actions.size()) return Progress::kDone;
     const cawl::Action& action = actions[next];
     const bool due = action.when_done == when_done;
-    if (due && action.kind == cawl::Action::Kind::kAssign &&
-        core_.writing_trees.contains(core_.RootOf(run_))) {
+    if (due && action.kind == cawl::Action::Kind::kAssign && WroteInThisRound()) {
       core_.awaiting.insert(run_.id);
       return Progress::kWaits;
     }

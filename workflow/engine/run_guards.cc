@@ -15,6 +15,10 @@ bool RunStepper::IsKnown(ConditionHandle handle) const {
 }
 
 RunStepper::Answer RunStepper::Ask(const Guard& guard, const TermBinding& match) {
+  if (WroteInThisRound()) {
+    core_.awaiting.insert(run_.id);  // what it and its sub-flows wrote is seen in the next round
+    return Answer::kUnknown;
+  }
   if (guard.armed.handle == 0) return Answer::kYes;  // it is only asked for when something waits
   if (!IsKnown(guard.armed.handle)) {
     core_.awaiting.insert(run_.id);  // its level comes with the next round

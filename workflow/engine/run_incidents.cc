@@ -87,6 +87,8 @@ void RunStepper::SkipNode(size_t index, const TermBinding& values, const std::st
   for (const InvocationState& invocation : node.invocations)
     node.first_attempt = std::max(node.first_attempt, invocation.attempt + 1);
   node.invocations.clear();
+  node.actions.begun = true;  // what it had left to do before them, too
+  node.actions.awaited.clear();
   node.reason.clear();
   SetNode(index, WorkState::kRunning, ByOperator("skips it", reason));
   SetVariables(values);

@@ -32,10 +32,12 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
   std::vector<Notification> all;
   for (const TermBinding& binding : BindingsOf(index)) {
     Notification one;
-    // With the time, as commands: a server whose older backup was put back counts its runs anew.
-    one.id = CommandId(absl::StrCat(Subject(index), "/", node.iteration, "/notify.",
-                                    node.actions.next[action.when_done], ".", all.size(), "@",
-                                    core_.input->now_us));
+    // With the time, as commands: a server whose older backup was put back counts its runs anew. A node that opens again in the
+    // same turn notifies again.
+    for (int again = 1; one.id.empty() || core_.outbox.contains(one.id); ++again)
+      one.id = CommandId(absl::StrCat(Subject(index), "/", node.iteration, "/notify.",
+                                      node.actions.next[action.when_done], ".", all.size(),
+                                      again > 1 ? absl::StrCat(".", again) : "", "@", core_.input->now_us));
     absl::StatusOr<std::string> target = TextOf(action.target, &binding);
     if (!target.ok()) return refused(target.status());
     absl::StatusOr<std::string> subject = TextOf(action.event_subject, &binding);

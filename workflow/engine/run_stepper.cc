@@ -103,7 +103,7 @@ void RunStepper::DeadEnd(const std::string& from, const std::string& to) {
 // Does the join of an inactive node open, stay shut, or can it not open any more?
 void RunStepper::Resolve(size_t index) {
   NodeState& node = run_.nodes[index];
-  if (node.state != WorkState::kInactive) return;
+  if (!GoesOn() || node.state != WorkState::kInactive) return;  // a node before it may have ended the run
   std::set<std::string> predecessors = Predecessors(flow_, index);
   bool all_known = std::all_of(predecessors.begin(), predecessors.end(), [&](const std::string& name) {
     return node.arrived.count(name) > 0 || node.dead.count(name) > 0;

@@ -90,6 +90,7 @@ class RunStepper {
   enum class Progress { kDone, kWaits, kEnded };
   bool IsOpening(size_t index) const;
   bool GoOnOpening(size_t index, bool at_once);
+  bool WroteInThisRound() const;
   Progress DoActions(size_t index, bool when_done);
   absl::Status DoAction(size_t index, const cawl::Action& action);
   std::vector<std::pair<size_t, TermBinding>> EachBinding(size_t index) const;

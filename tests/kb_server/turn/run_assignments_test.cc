@@ -35,6 +35,18 @@ TEST_F(RunAssignments, ASelectSetsTheVariablesOfItsColumns) {
   EXPECT_THAT(Said(turn), Contains("F-1/A running>running: assigned x = <urn:w:b>, y = 7"));
 }
 
+TEST_F(RunAssignments, ARunThatItEndsBeginsNoOtherNode) {
+  Deploy(
+      "<node name=\"A\"><ext:assign>SELECT ?x WHERE { ?x w:none ?x }</ext:assign></node><node name=\"B\">" +
+          When("w:it", "w:p", "?y") + "</node>",
+      {}, "",
+      "<link from=\"s\" to=\"A\"/><link from=\"s\" to=\"B\"/><link from=\"A\" to=\"e\"/><link from=\"B\" "
+      "to=\"e\"/>");
+  const TurnResult turn = Run();
+  EXPECT_THAT(Said(turn), Contains(HasSubstr("F-1 running>failed")));
+  EXPECT_THAT(Said(turn), Not(Contains(HasSubstr("F-1/B"))));
+}
+
 TEST_F(RunAssignments, OfSeveralSolutionsTheFirstInTermOrderCounts) {
   Must(Tell({Fact("it", "p", "c"), Fact("it", "p", "b"), Fact("it", "p", Integer(1))}));
   DeployOne(std::string("<ext:assign>SELECT ?x WHERE { w:it w:p ?x }</ext:assign>") + kTellXY);

@@ -66,6 +66,56 @@ TEST_F(RunNotifications, ThenAFailureIsOneOfTheNode) {
   EXPECT_THAT(Said(end), Contains(HasSubstr("F-1/Sorry running>done")));
 }
 
+TEST_F(RunNotifications, ANodeThatIsSkippedBeforeItsInvocationsMakesNone) {
+  Must(test::WorldFacts());
+  Deploy(
+      "<node name=\"A\" ext:onFailure=\"incident\"><invoke operation=\"greet\"/><ext:notify "
+      "to=\"http://h/x\" "
+      "wait=\"true\"/><ext:tell>w:it w:is w:told</ext:tell></node>",
+      {"A"});
+  EXPECT_THAT(Said(Ended(Run().notifications[0].id, CommandReport::Outcome::kFailed, "given up")),
+              Contains(HasSubstr("F-1/A running>incident")));
+  WriteBatch skip;
+  RunRequest request;
+  request.kind = RunRequest::Kind::kSkipNode;
+  request.target = "F-1";
+  request.node = "A";
+  skip.run_requests.push_back(request);
+  const TurnResult skipped = Must(skip);
+  EXPECT_TRUE(skipped.record.commands.empty());
+  EXPECT_THAT(Said(skipped), Contains(HasSubstr("F-1 running>done")));
+  EXPECT_FALSE(Has(Fact("it", "is", "told")));
+}
+
+TEST_F(RunNotifications, ANodeThatOpensTwiceInOneTurnNotifiesTwice) {
+  Must(test::Tell({Fact("a", "is", "here"), Fact("b", "is", "here")}));
+  DeployOne(When("?z", "w:is", "w:here") +
+            "<invoke operation=\"greet\"/><ext:withdraw source=\"any\">?z w:is w:here</ext:withdraw>"
+            "<ext:notify to=\"http://h/x\"/>");
+  const TurnResult turn = Run();
+  ASSERT_EQ(turn.notifications.size(), 2u);
+  EXPECT_NE(turn.notifications[0].id, turn.notifications[1].id);
+  EXPECT_EQ(stages_.engine.OpenNotifications().size(), 2u);
+}
+
+TEST_F(RunNotifications, ASkippedNodeWaitsForNoDelivery) {
+  Deploy("<node name=\"A\" ext:onFailure=\"incident\" ext:forEach=\"?z\">" + When("?z", "w:is", "w:here") +
+             "<ext:notify to=\"http://h/x\" wait=\"true\"/></node>",
+         {"A"});
+  Must(test::Tell({Fact("a", "is", "here"), Fact("b", "is", "here")}));
+  const TurnResult turn = Run();
+  ASSERT_EQ(turn.notifications.size(), 2u);
+  Ended(turn.notifications[0].id, CommandReport::Outcome::kFailed, "given up");
+  Ended(turn.notifications[1].id, CommandReport::Outcome::kSucceeded);
+  WriteBatch skip;
+  RunRequest request;
+  request.kind = RunRequest::Kind::kSkipNode;
+  request.target = "F-1";
+  request.node = "A";
+  skip.run_requests.push_back(request);
+  EXPECT_THAT(Said(Must(skip)), Contains(HasSubstr("F-1 running>done")));
+}
+
 TEST_F(RunNotifications, AReportThatIsRepeatedIsNoNews) {
   DeployOne("<ext:notify to=\"http://h/x\" wait=\"true\"/>");
   const CommandId id = Run().notifications[0].id;

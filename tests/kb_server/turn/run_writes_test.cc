@@ -93,6 +93,57 @@ TEST_F(RunWrites, AtDoneIsAfterTheInvokes) {
   EXPECT_EQ(stages_.engine.live_runs(), 0u);
 }
 
+constexpr char kTakesBack[] = "<ext:withdraw source=\"any\">w:it w:p ?any</ext:withdraw>";
+
+TEST_F(RunWrites, NothingIsSentWhereItMakesItsOwnConditionFall) {
+  Must(test::WorldFacts());
+  Must(Tell({Fact("it", "p", "b")}));
+  DeployOne(When("w:it", "w:p", "?y") + "<invoke operation=\"greet\"/>" + kTakesBack);
+  const TurnResult turn = Run();
+  EXPECT_TRUE(turn.record.commands.empty());
+  EXPECT_THAT(Said(turn), Contains("F-1/A running>waiting: condition c ceased to hold"));
+  EXPECT_TRUE(Must(Tell({Fact("it", "p", "b")})).record.commands.empty());
+}
+
+TEST_F(RunWrites, NorWhereItMakesFallWhatHasToHold) {
+  Must(test::WorldFacts());
+  Must(Tell({Fact("it", "p", "b")}));
+  Deploy("<node name=\"A\" ext:while-holds=\"w:it w:p ?y\"><invoke operation=\"greet\"/>" +
+             std::string(kTakesBack) + "</node>",
+         {"A"});
+  EXPECT_TRUE(Run().record.commands.empty());
+  EXPECT_EQ(Must(Tell({Fact("it", "p", "b")})).record.commands.size(), 1u);
+}
+
+TEST_F(RunWrites, NorWhereAParallelNodeDoes) {
+  Must(test::WorldFacts());
+  Must(Tell({Fact("it", "p", "b")}));
+  Deploy("<node name=\"A\">" + std::string(kTakesBack) + "</node><node name=\"B\">" +
+             When("w:it", "w:p", "?y") + "<invoke operation=\"greet\"/></node>",
+         {}, "",
+         "<link from=\"s\" to=\"A\"/><link from=\"s\" to=\"B\"/><link from=\"A\" to=\"e\"/><link from=\"B\" "
+         "to=\"e\"/>");
+  EXPECT_TRUE(Run().record.commands.empty());
+}
+
+TEST_F(RunWrites, WhatItTellsDoesNotKeepItFromSending) {
+  Must(test::WorldFacts());
+  Must(Tell({Fact("it", "p", "b")}));
+  DeployOne(When("w:it", "w:p", "?y") + "<invoke operation=\"greet\"/><ext:tell>w:it w:q ?y</ext:tell>");
+  EXPECT_EQ(Run().record.commands.size(), 1u);
+}
+
+TEST_F(RunWrites, AnEventThatOpensANodeThatWritesSendsItsCommand) {
+  Must(test::WorldFacts());
+  DeployOne(
+      "<condition><case><event operation=\"ring\"/></case></condition><invoke operation=\"greet\"/>"
+      "<ext:tell>w:it w:q w:c</ext:tell>");
+  Run();
+  const TurnResult rang = Must(
+      Tell({Fact("bell", "a", "docent:Event"), Fact("bell", "docent:operation", Term::Literal("ring"))}));
+  EXPECT_EQ(rang.record.commands.size(), 1u);
+}
+
 TEST_F(RunWrites, WhatFailsIsNotToldAtDone) {
   Must(test::WorldFacts());
   DeployOne("<invoke operation=\"greet\"/><ext:tell at=\"done\">w:it w:p w:done</ext:tell>");
