@@ -50,6 +50,8 @@ class WaitCollector {
                                       node.name()));
       } else if (node.state() == "running") {
         for (int i = 0; i < node.invocations_size(); ++i) AddInvocation(run, node, i, place, depth);
+        if (absl::StartsWith(node.reason(), "what it notifies"))
+          New(place, node, "notification")->set_detail(node.reason());
       } else if (node.state() == "inactive" && !only.empty()) {
         AddJoin(run, node, place);
       }
