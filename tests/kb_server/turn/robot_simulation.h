@@ -1,14 +1,13 @@
-// Seeded simulation of a fleet under random workflows: adapters that are slow, deaf, die and come back; reports that are
-// late, repeated and out of order; statuses, conditions and restarts at any time; and an operator who pauses, resumes, cancels,
-// settles incidents, sets variables and takes robots out of service. Each seed makes the same world, the same documents and the same course.
+// The robots of the simulation: adapters that are slow, deaf, die and come back; reports that are late, repeated, out of order,
+// and lies. Each seed makes the same course.
 //
-// Fleet is what the robots really do; Documents what they are asked to; robot_simulation_test.cc plays turns and checks them.
+// Fleet is what the robots really do; random_documents.h what they are asked to; simulated_world.h what else is outside of the
+// server; robot_simulation_test.cc plays turns and checks them.
 #ifndef DOCENT_TESTS_KB_SERVER_TURN_ROBOT_SIMULATION_H_
 #define DOCENT_TESTS_KB_SERVER_TURN_ROBOT_SIMULATION_H_
 
 #include <algorithm>
 #include <map>
-#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,19 +15,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "tests/kb_server/test_world.h"
+#include "tests/kb_server/turn/simulation_dice.h"
 #include "workflow/engine/state/ports.h"
 
 namespace docent::server::test {
-
-class Dice {
- public:
-  explicit Dice(uint32_t seed) : random_(seed) {}
-  int Below(int bound) { return static_cast<int>(random_() % static_cast<uint32_t>(bound)); }
-  bool OneIn(int n) { return Below(n) == 0; }
-
- private:
-  std::mt19937 random_;
-};
 
 struct SimulatedOperation {
   std::string name;
@@ -50,128 +40,10 @@ inline const SimulatedOperation& OperationNamed(const std::string& name) {
   return SimulatedOperations().back();
 }
 
-constexpr int kSimulatedRobots = 3;
-constexpr int kSimulatedWords = 4;  // conditions are "a person wants N"
-
-// Random small CAWL documents, and one of robot services.
-class RandomDocuments {
- public:
-  explicit RandomDocuments(Dice* dice) : dice_(*dice) {}
-
-  WriteBatch Services() {
-    std::string text = "<rsel name=\"S\" xmlns:ext=\"https://w3id.org/docent/rsel-ext#\">";
-    for (int p = 0; p < 2; ++p) {
-      absl::StrAppend(&text, "<process name=\"service", p, "\">");
-      const int steps = 1 + dice_.Below(3);
-      for (int s = 0; s < steps; ++s) {
-        absl::StrAppend(&text, "<invoke operation=\"", Operation(), "\"",
-                        s > 0 && dice_.OneIn(3) ? " ext:parallel=\"true\"" : "",
-                        dice_.OneIn(2) ? absl::StrCat(" ext:timeout=\"", 1 + dice_.Below(6), "s\"") : "",
-                        dice_.OneIn(2) ? " ext:retry=\"1\"" : "",
-                        dice_.OneIn(6) ? " ext:onFailure=\"continue\"" : "", "/>");
-      }
-      absl::StrAppend(&text, "</process>");
-    }
-    return Put(Document::Kind::kRsel, "s.rsel.xml", text + "</rsel>");
-  }
-
-  // Workflow W0 … W2; a workflow may invoke those after it as sub-flows.
-  WriteBatch Workflow(int number) {
-    nodes_ = 1 + dice_.Below(4);
-    std::string text = absl::StrCat(
-        "<CAWL name=\"W", number, "\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F", number,
-        "\"", Urgency(), dice_.OneIn(4) ? " ext:onFailure=\"incident\"" : "",
-        "><variable name=\"target\"/><source name=\"s\"/>");
-    std::string links;
-    for (int n = 0; n < nodes_; ++n) {
-      absl::StrAppend(&text, Node(number, n));
-      const bool parallel = n == 0 || dice_.OneIn(2);
-      absl::StrAppend(&links, "<link from=\"", parallel ? "s" : absl::StrCat("N", n - 1), "\" to=\"N", n,
-                      "\"/>");
-      absl::StrAppend(&links, "<link from=\"N", n, "\" to=\"t\"/>");
-    }
-    if (dice_.OneIn(3)) {
-      absl::StrAppend(&text, "<node name=\"Repair\"><invoke operation=\"", Operation(), "\"/></node>");
-      absl::StrAppend(&links, "<link from=\"N0\" to=\"Repair\" ext:on",
-                      dice_.OneIn(2) ? "Interrupt" : "Failure",
-                      "=\"true\"/><link from=\"Repair\" to=\"t\"/>");
-    }
-    return Put(Document::Kind::kCawl, absl::StrCat("w", number, ".cawl.xml"),
-               text + "<sink name=\"t\"/>" + links + "</flow></CAWL>");
-  }
-
-  // What a node waits for: 0 … kSimulatedWords - 1; -1: nothing.
-  static int WordOf(const std::map<std::string, int>& words, const std::string& flow_and_node) {
-    const auto word = words.find(flow_and_node);
-    return word == words.end() ? -1 : word->second;
-  }
-  // Flow/node → the word of its condition; → that of its ext:while-holds.
-  std::map<std::string, int> words, holds;
-
- private:
-  std::string RetryPolicy() {
-    std::string text;
-    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry-delay=\"", 1 + dice_.Below(4), "s\"");
-    if (!text.empty() && dice_.OneIn(2)) text += " ext:retry-backoff=\"2\"";
-    if (dice_.OneIn(3)) text += " ext:retry-other-robot=\"true\"";
-    return text;
-  }
-  // Some runs are more urgent than others, and some of these take robots from them.
-  std::string Urgency() {
-    if (dice_.OneIn(3)) return "";
-    return absl::StrCat(" ext:priority=\"", dice_.Below(4) - 1, "\"",
-                        dice_.OneIn(3) ? "" : " ext:preempt=\"true\"");
-  }
-  std::string Operation() { return SimulatedOperations()[static_cast<size_t>(dice_.Below(5))].name; }
-  std::string Node(int number, int n) {
-    const std::string place = absl::StrCat("F", number, "/N", n);
-    words.erase(place);
-    holds.erase(place);
-    const bool condition = dice_.OneIn(2);
-    const bool each = condition && dice_.OneIn(4);
-    std::string text = absl::StrCat("<node name=\"N", n, "\"");
-    if (dice_.OneIn(4)) absl::StrAppend(&text, " ext:timeout=\"", 5 + dice_.Below(20), "s\"");
-    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"1\"", RetryPolicy());
-    if (dice_.OneIn(5)) absl::StrAppend(&text, " ext:onFailure=\"incident\"");
-    if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:compensate=\"", Operation(), "\"");
-    if (each)
-      absl::StrAppend(&text, " ext:forEach=\"?who\"", dice_.OneIn(2) ? " ext:sequential=\"true\"" : "");
-    if (dice_.OneIn(4)) {
-      const int word = dice_.Below(kSimulatedWords);
-      holds[place] = word;
-      absl::StrAppend(&text, " ext:while-holds=\"?any &lt;urn:w:wants", word, "&gt; ?thing\"");
-    } else if (condition && !each && dice_.OneIn(3)) {
-      absl::StrAppend(&text, " ext:while-holds=\"true\"");
-    }
-    text += ">";
-    if (condition) {
-      const int word = dice_.Below(kSimulatedWords);
-      words[place] = word;
-      absl::StrAppend(&text,
-                      "<condition><context name=\"c\"><rule><constraint><subject>?who</subject><verb>"
-                      "&lt;urn:w:wants",
-                      word, "&gt;</verb><object>", dice_.OneIn(3) ? "$target" : "?what",
-                      "</object></constraint></rule></context></condition>");
-    }
-    const int invokes = 1 + dice_.Below(2);
-    for (int i = 0; i < invokes; ++i) {
-      const int kind = dice_.Below(5);
-      absl::StrAppend(&text, "<invoke ");
-      if (kind == 0 && number < 2)
-        absl::StrAppend(&text, "subflow=\"W", number + 1, "\"");
-      else
-        absl::StrAppend(&text, "operation=\"",
-                        kind == 1 ? absl::StrCat("service", dice_.Below(2)) : Operation(), "\"");
-      if (dice_.OneIn(2)) absl::StrAppend(&text, " ext:timeout=\"", 1 + dice_.Below(10), "s\"");
-      if (dice_.OneIn(3)) absl::StrAppend(&text, " ext:retry=\"", 1 + dice_.Below(2), "\"", RetryPolicy());
-      text += "/>";
-    }
-    return text + "</node>";
-  }
-
-  Dice& dice_;
-  int nodes_ = 0;
-};
+inline int SimulatedRobots() {
+  static const int robots = NumberFromEnvironment("DOCENT_SIMULATION_ROBOTS", 3);
+  return robots;
+}
 
 // What the robots really do with their commands, and what becomes known of it.
 class Fleet {
@@ -184,7 +56,7 @@ class Fleet {
   WriteBatch Joins() {
     WriteBatch batch = Tell({Fact("docent:status", "a", "docent:StateProperty"),
                              Fact("docent:incarnation", "a", "docent:StateProperty")});
-    for (int r = 0; r < kSimulatedRobots; ++r) {
+    for (int r = 0; r < SimulatedRobots(); ++r) {
       for (const TermQuad& fact : Presence(r)) Add(&batch, fact);
       for (const SimulatedOperation& operation : SimulatedOperations()) {
         const std::string iri = absl::StrCat("urn:docent:operation:", operation.name);
@@ -205,16 +77,17 @@ class Fleet {
     Command& sent = commands_[command.id];
     sent.command = command;
     sent.ends_us = now_us + Seconds(8);
-    if (dice_.OneIn(8)) sent.ends_us += 40'000'000;  // hangs
+    if (dice_.OneIn(8, "hang")) sent.ends_us += 40'000'000;  // hangs
     if (command.expected_incarnation != Incarnation(NumberOf(command.robot)) &&
         !command.expected_incarnation.empty())
       End(&sent, CommandReport::Outcome::kUnknown, now_us);
-    else if (dice_.OneIn(12))
+    else if (dice_.OneIn(12, "failure"))
       End(&sent, CommandReport::Outcome::kFailed, now_us);  // turned away
   }
   void Cancel(const CommandId& id, TimeMicros now_us) {
     const auto found = commands_.find(id);
-    if (found == commands_.end() || found->second.ended || dice_.OneIn(5)) return;  // ended, lost or deaf
+    if (found == commands_.end() || found->second.ended || dice_.OneIn(5, "deaf"))
+      return;  // ended, lost or deaf
     found->second.cancelled = true;
     found->second.ends_us = std::min(found->second.ends_us, now_us + Seconds(5));
   }
@@ -235,22 +108,26 @@ class Fleet {
     std::vector<CommandReport> reports;
     for (auto& [id, command] : commands_) {
       if (!command.ended && command.ends_us <= now_us) {
-        const int fate = dice_.Below(10);
+        const int fate = dice_.OneIn(5, "failure") ? 0 : 9;
         End(&command,
-            command.cancelled && fate > 1 ? CommandReport::Outcome::kCancelled
-            : fate < 2                    ? CommandReport::Outcome::kFailed
+            command.cancelled && fate > 0 ? CommandReport::Outcome::kCancelled
+            : fate == 0                   ? CommandReport::Outcome::kFailed
                                           : CommandReport::Outcome::kSucceeded,
             now_us);
       }
       if (!command.ended && dice_.OneIn(6))
         reports.push_back(Of(
             id, dice_.OneIn(2) ? CommandReport::Outcome::kProgress : CommandReport::Outcome::kUnreachable));
-      if (command.ended && command.arrives_us <= now_us && (!command.reported || dice_.OneIn(10))) {
+      if (command.ended && command.arrives_us <= now_us && (!command.reported || dice_.OneIn(10, "repeat"))) {
         reports.push_back(Of(id, command.outcome));
+        Results(&reports.back());
         command.reported = true;
       }
+      if (dice_.OneIn(30, "lie")) reports.push_back(Lie(id));
     }
-    std::reverse(reports.begin(), reports.begin() + dice_.Below(static_cast<int>(reports.size()) + 1));
+    const int reversed = dice_.Below(static_cast<int>(reports.size()) + 1);
+    if (!dice_.OneIn(1, "reorder")) return reports;
+    std::reverse(reports.begin(), reports.begin() + reversed);
     return reports;
   }
   // Everything ends and becomes known.
@@ -276,7 +153,7 @@ class Fleet {
   void End(Command* command, CommandReport::Outcome outcome, TimeMicros now_us) {
     command->ended = true;
     command->outcome = outcome;
-    command->arrives_us = now_us + (dice_.OneIn(3) ? Seconds(6) : 0);
+    command->arrives_us = now_us + (dice_.OneIn(3, "late") ? Seconds(6) : 0);
   }
   std::string Incarnation(int robot) { return absl::StrCat("life", lives_[robot]); }
   std::vector<TermQuad> Presence(int robot) {
@@ -289,6 +166,19 @@ class Fleet {
   }
   static CommandReport Of(const CommandId& id, CommandReport::Outcome outcome) {
     return {id, outcome, "", 0.5, "i", {}};
+  }
+
+  // A result is of the type that it should be, or not.
+  void Results(CommandReport* report) {
+    const int kind = dice_.Below(4);
+    if (kind == 0 || report->outcome != CommandReport::Outcome::kSucceeded) return;
+    report->results.emplace_back("level", kind == 1 ? Term::Literal("warm") : Term::Integer(dice_.Below(9)));
+    if (kind == 2) report->results.emplace_back("count", Term::Literal("many"));
+    if (kind == 3) report->results.emplace_back("target", Iri(dice_.OneIn(2) ? "Thing" : "Nothing"));
+  }
+  // An end of a command that there never was.
+  CommandReport Lie(const CommandId& id) {
+    return Of(CommandId(id.value() + "0"), CommandReport::Outcome::kSucceeded);
   }
 
   Dice& dice_;

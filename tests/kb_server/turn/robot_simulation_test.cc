@@ -5,28 +5,35 @@
 //   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
 //     guard_revision, or of a run that is paused;
 //   - every live run waits for a thing that Workflows.Explain names;
+//   - an activator fires once for each event and each occurrence of its time, and not without one;
+//   - what was told for as long as a run lives is gone when it has ended; a variable has only values of its type;
+//   - a notification is decided once, and kept until its answer comes;
 //   - the log, replayed, comes to the same decisions and the same graph, whatever restarts there were.
-// DOCENT_SIMULATION_SEEDS=10000 plays more seeds; DOCENT_SIMULATION_SEED=17 plays one, and tells its course.
+// DOCENT_SIMULATION_SEEDS=10000 plays more seeds, from DOCENT_SIMULATION_FIRST on; DOCENT_SIMULATION_SEED=17 plays one, and
+// tells its course. simulation_dice.h says how to leave parts of it out; `scripts/soak simulation` does that to a failing one.
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <iostream>
 #include <memory>
 
 #include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "gmock/gmock.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
+#include "kb_server/door/workflow_removal.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/run_waits.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/random_world.h"
+#include "tests/kb_server/turn/firing_model.h"
+#include "tests/kb_server/turn/random_documents.h"
 #include "tests/kb_server/turn/robot_simulation.h"
+#include "tests/kb_server/turn/simulated_world.h"
 
 namespace docent::server {
 namespace {
@@ -36,12 +43,6 @@ using test::Fact;
 using test::Fleet;
 using test::Iri;
 using test::Tell;
-
-int FromEnvironment(const char* name, int otherwise) {
-  const char* text = std::getenv(name);
-  int value = 0;
-  return text != nullptr && absl::SimpleAtoi(text, &value) ? value : otherwise;
-}
 
 bool IsFinal(CommandReport::Outcome outcome) {
   using Outcome = CommandReport::Outcome;
@@ -67,18 +68,28 @@ struct IdParts {
 class Simulation {
  public:
   Simulation(uint32_t seed, bool tells)
-      : tells_(tells), dice_(seed), fleet_(&dice_), documents_(&dice_), stages_(NewStages(&dictionary_)) {}
+      : tells_(tells),
+        dice_(seed),
+        fleet_(&dice_),
+        documents_(&dice_),
+        postman_(&dice_),
+        stages_(NewStages(&dictionary_)) {}
 
   void Play() {
     Turn(fleet_.Joins());
     Turn(documents_.Services());
     for (int number : {2, 1, 0}) Turn(documents_.Workflow(number));
-    for (int i = 0; i < 70 && !Failed(); ++i) {
+    for (int i = 0; i < kSteps && !Failed(); ++i) {
+      dice_.Begin(static_cast<uint32_t>(i) + 1);
+      if (!dice_.Plays(i)) continue;
+      Note(absl::StrCat("step ", i));
       now_us_ += dice_.Below(2500) * TimeMicros{1000};
+      const bool restarts = dice_.OneIn(20, "restart");
       Deliver();
       Turn(Anything());
-      if (dice_.OneIn(20)) Restart();
+      if (restarts && !Failed()) Restart();
     }
+    dice_.Begin(kSteps + 1);
     if (!Failed()) Drain();
     if (!Failed()) Replay();
   }
@@ -88,6 +99,7 @@ class Simulation {
   size_t preempted() const { return preempted_; }
 
  private:
+  static constexpr int kSteps = 70;
   struct UnderWay {
     RobotCommand command;
     std::string root;
@@ -119,28 +131,49 @@ class Simulation {
                            reports.begin() + static_cast<long>(part.second));
       Turn(std::move(batch));
     }
+    if (std::vector<CommandReport> answers = postman_.Reports(now_us_); !answers.empty()) {
+      WriteBatch batch;
+      batch.reports = std::move(answers);
+      Turn(std::move(batch));
+    }
     const std::optional<TimeMicros> due = stages_->NextDeadline();
-    if (!due || *due > now_us_) return;
-    WriteBatch tick;
-    tick.clock_tick = true;
-    Turn(std::move(tick));
+    if (due && *due <= now_us_) {
+      WriteBatch tick;
+      tick.clock_tick = true;
+      Turn(std::move(tick));
+    }
+    for (int looks = 0; looks < 5 && !Failed(); ++looks) {
+      Graph();
+      WriteBatch told = test::ClockTells(now_us_, dictionary_, *version_);
+      if (told.operations.empty()) return;
+      Turn(std::move(told));
+    }
+    if (!Failed()) ADD_FAILURE() << "the clock always has something to tell";
   }
 
   WriteBatch Anything() {
-    const int robot = dice_.Below(test::kSimulatedRobots);
-    if (dice_.OneIn(4)) return Steering();
-    switch (dice_.Below(14)) {
+    const int robot = dice_.Below(test::SimulatedRobots());
+    if (dice_.OneIn(4)) return dice_.OneIn(1, "steering") ? Steering() : WriteBatch();
+    switch (dice_.Below(18)) {
       case 0:
       case 1:
       case 2:
-        if (stages_->engine.live_runs() < 15) return test::Start(absl::StrCat("W", dice_.Below(3)));
-        [[fallthrough]];
+        if (stages_->engine.live_runs() < 15)
+          return test::Start(absl::StrCat("W", dice_.Below(test::kSimulatedWorkflows)), Arguments());
+        return WriteBatch();
       case 3: {
         WriteBatch batch;
         if (stages_->engine.live_runs() < 15)
           batch.run_requests.push_back(
-              {RunRequest::Kind::kInvokeService, absl::StrCat("service", dice_.Below(2)), {}});
+              {RunRequest::Kind::kInvokeService, absl::StrCat("service", dice_.Below(2)), Arguments()});
         return batch;
+      }
+      case 14:
+      case 15:
+        return dice_.OneIn(1, "event") ? Ring() : WriteBatch();
+      case 16: {
+        const int number = dice_.Below(test::kSimulatedWorkflows);
+        return dice_.OneIn(3, "again") ? documents_.Again(number) : WriteBatch();
       }
       case 4:
       case 5: {
@@ -162,13 +195,15 @@ class Simulation {
             {Fact(Fleet::Robot(robot), "docent:status", absl::StrCat("docent:", kStatuses[dice_.Below(6)]))});
       }
       case 8:
-        return dice_.OneIn(3) ? fleet_.Die(robot, now_us_) : WriteBatch();
+        return dice_.OneIn(3, "die") ? fleet_.Die(robot, now_us_) : WriteBatch();
       case 9: {
-        const int number = dice_.Below(3);
         WriteBatch batch;
-        if (dice_.OneIn(3))
-          batch.documents.push_back(
-              {Document::Kind::kCawl, Document::Action::kRemove, absl::StrCat("W", number), ""});
+        static constexpr const char* kHow[] = {"", kRemovesRuns, kRemovesStarts, kRemovesDisablement,
+                                               kRemovesDisablement};
+        const std::string workflow = absl::StrCat("W", dice_.Below(test::kSimulatedWorkflows));
+        const char* how = kHow[dice_.Below(5)];
+        if (dice_.OneIn(2, "remove"))
+          batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, workflow, how});
         return batch;
       }
       default: {
@@ -179,6 +214,27 @@ class Simulation {
     }
   }
 
+  std::vector<std::pair<std::string, Term>> Arguments() {
+    std::vector<std::pair<std::string, Term>> arguments;
+    if (dice_.OneIn(2)) arguments.emplace_back("target", Iri(dice_.OneIn(3) ? "Nothing" : "Thing"));
+    if (dice_.OneIn(4)) arguments.emplace_back("count", Term::Integer(dice_.Below(5)));
+    return arguments;
+  }
+
+  // An event, told in one of many ways.
+  WriteBatch Ring() {
+    const Term event = dice_.OneIn(2) ? Term::Blank("b1") : Iri("bell");
+    WriteBatch batch;
+    for (const TermQuad& fact :
+         {TermQuad{event, Iri("a"), Iri("docent:Event"), Term()},
+          TermQuad{event, Iri("docent:operation"),
+                   Term::Literal(absl::StrCat("ring", dice_.Below(test::kSimulatedWorkflows))), Term()}})
+      batch.operations.push_back({QuadOperation::Kind::kAdd, fact});
+    if (dice_.OneIn(3)) batch.source = "urn:w:Bell";
+    if (dice_.OneIn(3)) batch.mode = WriteBatch::Mode::kLoad;
+    return batch;
+  }
+
   // What an operator asks for: some of it twice, or of what is not in the state for it.
   WriteBatch Steering() {
     using Kind = RunRequest::Kind;
@@ -187,13 +243,13 @@ class Simulation {
     RunRequest request;
     request.cancels_commands = dice_.OneIn(2);
     if (!live.empty()) request.target = live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))];
-    const auto workflow = [&] { request.target = absl::StrCat("W", dice_.Below(3)); };
+    const auto workflow = [&] { request.target = absl::StrCat("W", dice_.Below(test::kSimulatedWorkflows)); };
     switch (dice_.Below(10)) {
       case 0:
-        return OutOfService(dice_.Below(test::kSimulatedRobots), true);
+        return OutOfService(dice_.Below(test::SimulatedRobots()), true);
       case 1:
       case 2:
-        return OutOfService(dice_.Below(test::kSimulatedRobots), false);
+        return OutOfService(dice_.Below(test::SimulatedRobots()), false);
       case 3:
         request.kind = Kind::kPause;
         break;
@@ -207,7 +263,7 @@ class Simulation {
         break;
       case 7:
         request.kind = Kind::kSetVariable;
-        request.arguments = {{"target", Iri(dice_.OneIn(2) ? "Thing" : "Nothing")}};
+        request.arguments = Arguments();
         break;
       default: {
         const std::vector<std::string> incidents =
@@ -220,7 +276,7 @@ class Simulation {
         static constexpr Kind kHow[] = {Kind::kRetryNode, Kind::kRetryNode, Kind::kSkipNode, Kind::kFailNode};
         request.kind = kHow[dice_.Below(4)];
         if (request.kind == Kind::kRetryNode && dice_.OneIn(2))
-          request.robot = test::Name(Fleet::Robot(dice_.Below(test::kSimulatedRobots)));
+          request.robot = test::Name(Fleet::Robot(dice_.Below(test::SimulatedRobots())));
       }
     }
     if (!request.target.empty()) batch.run_requests.push_back(std::move(request));
@@ -256,6 +312,7 @@ class Simulation {
       return;
     }
     log_.push_back(result->record);
+    firings_.Check(batch, result->record.transitions, documents_.activators);
     for (const Transition& t : result->record.transitions)
       Note(absl::StrCat(t.subject, "  ", t.from, " → ", t.to, "  ", t.cause));
     for (const CommandReport& report : batch.reports) {
@@ -263,9 +320,14 @@ class Simulation {
       if (IsFinal(report.outcome)) under_way_.erase(report.command);
     }
     GraphReader* graph = Graph();
-    Remember(*graph);
+    Remember(*graph, result->record.transitions);
+    for (const Notification& notification : result->notifications) postman_.Send(notification, now_us_);
+    CheckWrites(*graph);
     for (const RobotCommand& command : result->record.commands) {
-      CheckCommand(*graph, command);
+      // one that is cancelled in the turn that decided it is ended before the robot begins it
+      const bool stays =
+          std::find(result->cancels.begin(), result->cancels.end(), command.id) == result->cancels.end();
+      CheckCommand(*graph, command, stays);
       under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run)};
     }
     CheckHolds(*graph);
@@ -277,7 +339,14 @@ class Simulation {
       preempted_ += transition.cause.starts_with("pre-empted") ? 1 : 0;
   }
 
-  void Remember(const GraphReader& graph) {
+  // What is wanted after the turn, and who wrote in it: RUN/NODE, or a RUN that ended.
+  void Remember(const GraphReader& graph, const std::vector<Transition>& transitions) {
+    writers_.resize(log_.size() + 1);
+    for (const Transition& t : transitions) {
+      const bool writes = t.cause.starts_with("told ") || t.cause.starts_with("withdrew ");
+      const bool ends = !absl::StrContains(t.subject, '/') && t.from == "running" && t.to != "running";
+      if (writes || ends) writers_.back().insert(t.subject);
+    }
     std::array<bool, test::kSimulatedWords> wanted{};
     for (int word = 0; word < test::kSimulatedWords; ++word)
       wanted[static_cast<size_t>(word)] =
@@ -292,7 +361,7 @@ class Simulation {
     return RunOfIri(iri)->value();
   }
 
-  void CheckCommand(const GraphReader& graph, const RobotCommand& command) {
+  void CheckCommand(const GraphReader& graph, const RobotCommand& command, bool stays) {
     const IdParts id(command.id);
     Note(absl::StrCat("command ", command.id.value(), " ", command.operation, " on ", command.robot.value()));
     const std::string root = RootOf(graph, id.run);
@@ -320,10 +389,15 @@ class Simulation {
     const std::string status = graph.Object(command.robot.value(), DocentIri("status"));
     EXPECT_TRUE(status == DocentIri("Standby") || (status == DocentIri("Busy") && robot_has_command))
         << command.id.value() << " to a robot that is " << status;
-    CheckGuard(command, id);
+    if (stays) CheckGuard(command, id);
   }
 
+  // Another node that wrote in the turn may have made it fall right after it was asked.
   void CheckGuard(const RobotCommand& command, const IdParts& id) {
+    const std::set<std::string>& writers = writers_.at(command.guard_revision.value());
+    const std::string own = absl::StrCat(id.run, "/", id.node);
+    if (std::any_of(writers.begin(), writers.end(), [&own](const std::string& w) { return w != own; }))
+      return;
     const std::string place = absl::StrCat(id.flow(), "/", id.node);
     if (const auto word = documents_.words.find(place); word != documents_.words.end()) {
       const uint64_t at = command.guard_revision.value();
@@ -338,7 +412,7 @@ class Simulation {
   }
 
   void CheckHolds(const GraphReader& graph) {
-    for (int r = 0; r < test::kSimulatedRobots; ++r) {
+    for (int r = 0; r < test::SimulatedRobots(); ++r) {
       const RobotId robot(test::Name(Fleet::Robot(r)));
       const RunId* holder = stages_->engine.HolderOf(robot);
       const std::string told = graph.Object(robot.value(), DocentIri("heldBy"));
@@ -355,6 +429,26 @@ class Simulation {
           << robot.value() << " is held by a run that has ended with all its commands";
     }
     EXPECT_EQ(stages_->engine.OpenCommands().size(), under_way_.size());
+  }
+
+  // What runs wrote.
+  void CheckWrites(const GraphReader& graph) {
+    const auto mark = dictionary_.FindIri(test::Name("mark"));
+    if (mark) {
+      version_->ForEach({{}, *mark, {}, {}}, [&](const Quad& quad) {
+        const std::string source = dictionary_.Decode(quad.graph).lexical;
+        EXPECT_EQ(graph.Object(source, DocentIri("runState")), "running")
+            << source << " has ended, and what it told for its life is still there";
+        return true;
+      });
+    }
+    for (const std::string& variable : graph.Subjects(DocentIri("variableName"), Term::Literal("count"))) {
+      if (!variable.starts_with("urn:docent:run:F")) continue;  // a service's, which says no type
+      for (const Term& value : graph.Objects(variable, DocentIri("variableValue")))
+        EXPECT_EQ(value.datatype, "http://www.w3.org/2001/XMLSchema#integer")
+            << variable << " is " << value.lexical;
+    }
+    postman_.Check(stages_->engine.OpenNotifications());
   }
 
   // Each live run waits for a thing that can be named; a command that it is said to wait for is under way.
@@ -395,14 +489,18 @@ class Simulation {
 
   // All that is under way ends; then every robot has to be free.
   void Drain() {
-    for (int r = 0; r < test::kSimulatedRobots; ++r) {
+    for (int r = 0; r < test::SimulatedRobots(); ++r) {
       Turn(Tell({Fact(Fleet::Robot(r), "docent:status", "docent:Standby")}));
       Turn(OutOfService(r, false));
     }
-    for (int w = 0; w < 3; ++w) {
+    for (int w = 0; w < test::kSimulatedWorkflows; ++w) {
       WriteBatch batch;
       batch.run_requests.push_back({RunRequest::Kind::kResumeWorkflow, absl::StrCat("W", w), {}});
       Turn(std::move(batch));
+      WriteBatch remove;  // what starts runs by itself
+      remove.documents.push_back(
+          {Document::Kind::kCawl, Document::Action::kRemove, absl::StrCat("W", w), ""});
+      Turn(std::move(remove));
     }
     for (int i = 0; i < 40 && !Failed(); ++i) {
       now_us_ += 1'000'000;
@@ -417,7 +515,10 @@ class Simulation {
     }
     EXPECT_EQ(stages_->engine.live_runs(), 0u);
     EXPECT_TRUE(stages_->engine.OpenCommands().empty());
-    for (int r = 0; r < test::kSimulatedRobots; ++r)
+    EXPECT_TRUE(stages_->engine.OpenNotifications().empty());
+    EXPECT_THAT(Graph()->Subjects(kRdfType, Term::Iri(DocentIri("TimeTrigger"))), ::testing::IsEmpty())
+        << "a time is asked for though nothing waits for it";
+    for (int r = 0; r < test::SimulatedRobots(); ++r)
       EXPECT_EQ(stages_->engine.HolderOf(RobotId(test::Name(Fleet::Robot(r)))), nullptr);
   }
 
@@ -438,6 +539,7 @@ class Simulation {
   Dice dice_;
   Fleet fleet_;
   test::RandomDocuments documents_;
+  test::Postman postman_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   RequestMemory requests_{10};
@@ -447,16 +549,19 @@ class Simulation {
   TimeMicros now_us_ = 1'700'000'000'000'000;
   std::vector<log::TurnRecord> log_;
   std::vector<std::array<bool, test::kSimulatedWords>> wanted_;  // by revision
+  std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
+  test::FiringModel firings_;
   size_t commands_ = 0;
   size_t preempted_ = 0;
 };
 
 TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
-  const int only = FromEnvironment("DOCENT_SIMULATION_SEED", -1);
-  const int seeds = FromEnvironment("DOCENT_SIMULATION_SEEDS", 300);
+  const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
+  const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
+  const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
   size_t commands = 0, preempted = 0;
-  for (int seed = only < 0 ? 0 : only; seed < (only < 0 ? seeds : only + 1); ++seed) {
+  for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
     simulation.Play();
