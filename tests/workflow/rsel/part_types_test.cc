@@ -30,6 +30,35 @@ TEST(PartTypes, ANumberIsOfTheDatatypesThatItCanBe) {
   EXPECT_FALSE(Is(Term::Literal("3"), Xsd("integer")));
 }
 
+TEST(PartTypes, ZeroIsNeitherPositiveNorNegative) {
+  for (const char* zero : {"0", "-0", "+00"}) {
+    const Term value = Term::Literal(zero, Xsd("integer"));
+    EXPECT_TRUE(Is(value, Xsd("nonNegativeInteger"))) << zero;
+    EXPECT_TRUE(Is(value, Xsd("nonPositiveInteger"))) << zero;
+    EXPECT_TRUE(Is(value, Xsd("unsignedByte"))) << zero;
+    EXPECT_FALSE(Is(value, Xsd("positiveInteger"))) << zero;
+    EXPECT_FALSE(Is(value, Xsd("negativeInteger"))) << zero;
+  }
+  EXPECT_TRUE(Is(Term::Integer(1), Xsd("positiveInteger")));
+  EXPECT_FALSE(Is(Term::Integer(-1), Xsd("positiveInteger")));
+  EXPECT_TRUE(Is(Term::Integer(-1), Xsd("negativeInteger")));
+  EXPECT_FALSE(Is(Term::Integer(1), Xsd("nonPositiveInteger")));
+}
+
+TEST(PartTypes, RangesEndWhereTheyEnd) {
+  const auto in = [](const std::string& lexical, const std::string& type) {
+    return Is(Term::Literal(lexical, Xsd("integer")), Xsd(type));
+  };
+  EXPECT_TRUE(in("127", "byte") && in("-128", "byte") && in("+127", "byte"));
+  EXPECT_FALSE(in("128", "byte") || in("-129", "byte"));
+  EXPECT_TRUE(in("255", "unsignedByte") && in("65535", "unsignedShort"));
+  EXPECT_FALSE(in("256", "unsignedByte") || in("65536", "unsignedShort") || in("-1", "unsignedByte"));
+  EXPECT_TRUE(in("2147483647", "int") && in("-2147483648", "int"));
+  EXPECT_FALSE(in("2147483648", "int") || in("-2147483649", "int"));
+  EXPECT_TRUE(in("18446744073709551615", "unsignedLong") && in("-9223372036854775808", "long"));
+  EXPECT_FALSE(in("18446744073709551616", "unsignedLong") || in("9223372036854775808", "long"));
+}
+
 TEST(PartTypes, ALiteralNeedsTheFormOfItsDatatype) {
   EXPECT_FALSE(Is(Term::Literal("three", Xsd("integer")), Xsd("integer")));
   EXPECT_FALSE(Is(Term::Literal("yes", Xsd("boolean")), Xsd("boolean")));

@@ -239,6 +239,23 @@ TEST(Generator, StepsAreMappedByNameAndType) {
             *text);
 }
 
+TEST(Generator, APartWhoseNamesAreTakenGetsTheNextNumber) {
+  std::vector<OfferedOperation> offered(2);
+  offered[0].robot = offered[1].robot = RobotId("urn:r1");
+  offered[0].name = "measure";
+  offered[0].inputs = {"a", "mix_a"};
+  offered[0].input_types = {{"a", std::string(kXsdInteger)}, {"mix_a", std::string(kXsdBoolean)}};
+  offered[1].name = "mix";
+  offered[1].inputs = {"a"};
+  offered[1].input_types = {{"a", DocentIri("Region")}};
+  ServiceRegistry registry;
+  const absl::StatusOr<std::string> text =
+      GenerateDocument({"T", "", {"measure", "mix"}, RobotId()}, offered, registry);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_THAT(registry.Put(Parse(*text)), IsEmpty());
+  EXPECT_THAT(registry.Find("T")->inputs, ElementsAre("a", "mix_a", "a2"));
+}
+
 TEST(Generator, AnOperationWithoutInputsIsGivenNone) {
   const std::vector<OfferedOperation> offered = TypedOperations();
   ServiceRegistry registry;
