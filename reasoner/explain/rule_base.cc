@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/count_form.h"
@@ -58,7 +59,7 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
       if (absl::Status status = base->Add(name, rule, ++number, dictionary); !status.ok()) return status;
     }
   }
-  base->MarkWhatClausesRestOn();
+  base->MarkWhatRestsOnAbsence();
   base->FindEquality();
   return std::shared_ptr<const RuleBase>(std::move(base));
 }
@@ -117,27 +118,48 @@ void RuleBase::FindEquality() {
   if (found.size() == rules::kEqualityRules) equality_ = std::move(found);
 }
 
-void RuleBase::MarkWhatClausesRestOn() {
-  for (RuleClause& clause : clauses_) {
-    clause.rests_on_absence = !clause.body.absences.empty();
-    for (const Atom& atom : clause.body.atoms) clause.rests_on.insert(atom.terms[1].constant);
-  }
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (RuleClause& clause : clauses_) {
-      const bool absence = clause.rests_on_absence;
-      const size_t predicates = clause.rests_on.size();
-      for (const Atom& atom : clause.body.atoms) {
-        ForEachHead(atom.terms[1].constant, [&](Head head) {
-          const RuleClause& maker = clauses_[head.clause];
-          if (&maker == &clause) return;
-          clause.rests_on_absence = clause.rests_on_absence || maker.rests_on_absence;
-          clause.rests_on.insert(maker.rests_on.begin(), maker.rests_on.end());
-        });
+std::vector<bool> RuleBase::WithUsersOf(std::vector<uint32_t> clauses) const {
+  std::vector<bool> found(clauses_.size());
+  for (const uint32_t c : clauses) found[c] = true;
+  std::vector<uint32_t> open = std::move(clauses);
+  const auto add_users = [&](const std::vector<uint32_t>& users) {
+    for (const uint32_t c : users) {
+      if (!found[c]) open.push_back(c);
+      found[c] = true;
+    }
+  };
+  absl::flat_hash_set<TermId> made;
+  while (!open.empty()) {
+    const uint32_t clause = open.back();
+    open.pop_back();
+    for (const Atom& head : clauses_[clause].heads) {
+      const TermId predicate = head.terms[1].constant;
+      if (!made.insert(predicate).second) continue;
+      for (const TermId used : {predicate, TermId()}) {
+        if (const auto users = users_.find(used); users != users_.end()) add_users(users->second);
       }
-      changed = changed || absence != clause.rests_on_absence || predicates != clause.rests_on.size();
+      if (!predicate.IsNone()) continue;
+      for (const auto& [used, users] : users_) add_users(users);
     }
   }
+  return found;
+}
+
+void RuleBase::MarkWhatRestsOnAbsence() {
+  std::vector<uint32_t> absent;
+  for (uint32_t c = 0; c < clauses_.size(); ++c) {
+    absl::flat_hash_set<TermId> used;
+    for (const Atom& atom : clauses_[c].body.atoms) used.insert(atom.terms[1].constant);
+    for (const TermId predicate : used) users_[predicate].push_back(c);
+    if (!clauses_[c].body.absences.empty()) absent.push_back(c);
+  }
+  const std::vector<bool> found = WithUsersOf(std::move(absent));
+  for (uint32_t c = 0; c < clauses_.size(); ++c) clauses_[c].rests_on_absence = found[c];
+}
+
+std::vector<bool> RuleBase::RestingOn(TermId predicate) const {
+  const auto users = users_.find(predicate);
+  return WithUsersOf(users == users_.end() ? std::vector<uint32_t>() : users->second);
 }
 
 void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const {

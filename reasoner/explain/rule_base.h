@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "graph/base/limits.h"
@@ -37,10 +36,8 @@ struct RuleClause {
   // assert.
   bool proves = true, tells = true;
   std::optional<rules::EqualityRule> equality;  // set if the rule is a rule of equality
-  // Over the body and the bodies of rules that may make its facts: true if an absence is among them, and the
-  // predicates used (kNone: any).
+  // An absence is in the body, or in the body of a rule that may make its facts.
   bool rests_on_absence = false;
-  absl::flat_hash_set<TermId> rests_on;
 };
 
 class RuleBase {
@@ -64,11 +61,15 @@ class RuleBase {
   void ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const;
   // True if a rule head names this predicate, and for rdf:type also this class.
   bool IsMadeByName(TermId predicate, TermId object) const;
+  // By clause: true if the predicate (kNone: any) is in its body, or in the body of a rule that may make its facts.
+  std::vector<bool> RestingOn(TermId predicate) const;
   // True if a check forbids all facts of this form ("?x a owl:Nothing"). kNone: any.
   bool IsForbidden(const QuadPattern& fact) const;
 
  private:
-  void MarkWhatClausesRestOn();
+  void MarkWhatRestsOnAbsence();
+  // By clause: true for these, and for those whose bodies use facts that one of them may make, however indirectly.
+  std::vector<bool> WithUsersOf(std::vector<uint32_t> clauses) const;
   void FindEquality();
   absl::Status Add(const std::string& set, const rules::Rule& rule, int number, Dictionary& dictionary);
   // The clauses of the last rule, for this form of its body.
@@ -79,6 +80,7 @@ class RuleBase {
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
   absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // kNone: the predicate is a variable
+  absl::flat_hash_map<TermId, std::vector<uint32_t>> users_;     // clauses by the predicates of their bodies
   std::vector<uint32_t> equality_;
   std::vector<QuadPattern> forbidden_;
   TermId type_;

@@ -194,7 +194,8 @@ class Solver {
   bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
   bool Leaf();
   bool IsTellable(const Goal& goal) const;
-  bool MayServe(const RuleClause& rule);
+  bool MayServe(uint32_t clause);
+  bool RestsOn(uint32_t clause, TermId predicate);
   bool IsGivenAxiom(const Goal& goal) const;
   bool IsInOwnChain(int goal) const;
   MissingFact FactOf(const Atom& atom, int base) const;
@@ -227,7 +228,8 @@ class Solver {
   std::vector<Goal> goals_;
   std::vector<Pending> pending_;
   std::vector<Undo> trail_;
-  std::vector<int> missing_;  // goals
+  std::vector<int> missing_;                                   // goals
+  absl::flat_hash_map<TermId, std::vector<bool>> resting_on_;  // RuleBase::RestingOn, as asked so far
   bool missing_limit_reached_ = false;
   bool rules_skipped_ = false;
   int missing_in_parts_ = 0;

@@ -21,14 +21,19 @@ bool Solver::IsInOwnChain(int goal) const {
 
 // True if a rule may help although no further fact may be missing: by an absence, or by using a fact already
 // missing.
-bool Solver::MayServe(const RuleClause& rule) {
-  if (rule.rests_on_absence) return true;
+bool Solver::MayServe(uint32_t clause) {
+  if (options_.rules->clauses()[clause].rests_on_absence) return true;
   for (const int goal : missing_) {
-    const TermId predicate = PatternOf(goals_[goal]).predicate;
-    if (rule.rests_on.contains(predicate)) return true;
-    rules_skipped_ = rules_skipped_ || rule.rests_on.contains(TermId());
+    if (RestsOn(clause, PatternOf(goals_[goal]).predicate)) return true;
+    rules_skipped_ = rules_skipped_ || RestsOn(clause, TermId());
   }
   return false;
+}
+
+bool Solver::RestsOn(uint32_t clause, TermId predicate) {
+  const auto [known, is_new] = resting_on_.try_emplace(predicate);
+  if (is_new) known->second = options_.rules->RestingOn(predicate);
+  return known->second[clause];
 }
 
 // Tries the rules. If every fact of a body held, its head would hold, too; so this is for bodies with missing
@@ -44,7 +49,7 @@ bool Solver::TryRules(int goal, bool room) {
   options_.rules->ForEachHead(TermOf(atom.terms[1], base), [&](RuleBase::Head h) { heads.push_back(h); });
   for (const RuleBase::Head& head : heads) {
     const RuleClause& rule = options_.rules->clauses()[head.clause];
-    if (!rule.tells || (!room && !MayServe(rule))) continue;
+    if (!rule.tells || (!room && !MayServe(head.clause))) continue;
     if (depth >= options_.rule_depth) {
       rules_skipped_ = true;
       break;

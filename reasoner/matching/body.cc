@@ -4,6 +4,9 @@
 #include <bit>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_cat.h"
+#include "graph/base/rule_limits.h"
 #include "graph/base/step_costs.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "reasoner/matching/body_plan.h"
@@ -79,9 +82,15 @@ class BodyBuilder {
                       patterns_.size() <= Body::FlatPlan::kMaxPatterns;
     if (!flat) {
       body_.columns_.clear();
+      numbers_.clear();
       for (const sparql::Variable& v : sparql::InScopeVariables(where)) {
         if (!v.IsHidden()) AddColumn(v);
       }
+    }
+    if (body_.columns_.size() > kRuleLimits.body_variables) {
+      return absl::ResourceExhaustedError(absl::StrCat("the pattern has ", body_.columns_.size(),
+                                                       " variables; the limit body_variables is ",
+                                                       kRuleLimits.body_variables));
     }
     for (Body::Column& column : body_.columns_) {
       column.seedable = analysis.seedable.contains(column.name);
@@ -96,11 +105,18 @@ class BodyBuilder {
   }
 
  private:
+  // -1: none has this name.
+  int16_t ColumnOf(const std::string& name) const {
+    const auto known = numbers_.find(name);
+    return known == numbers_.end() ? int16_t{-1} : known->second;
+  }
+
+  // Beyond the limit body_variables the number is of no use, and Build refuses the body.
   int16_t AddColumn(const sparql::Variable& variable) {
-    const int known = body_.ColumnOf(variable.name);
-    if (known >= 0) return static_cast<int16_t>(known);
-    body_.columns_.push_back({variable.name, !variable.IsHidden(), false});
-    return static_cast<int16_t>(body_.columns_.size() - 1);
+    const auto [known, is_new] =
+        numbers_.try_emplace(variable.name, static_cast<int16_t>(body_.columns_.size()));
+    if (is_new) body_.columns_.push_back({variable.name, !variable.IsHidden(), false});
+    return known->second;
   }
 
   // Splits `node` into patterns_ and filters_; false if it is not a conjunction.
@@ -148,11 +164,11 @@ class BodyBuilder {
     const bool b_variable = b.kind == Expression::Kind::kVariable;
     if (!a_variable && !b_variable) return std::nullopt;
     NumberTest test{0, a_variable ? *op : Mirror(*op), Trigger::kNoColumn, TermId()};
-    const int left = body_.ColumnOf(a_variable ? a.variable.name : b.variable.name);
+    const int left = ColumnOf(a_variable ? a.variable.name : b.variable.name);
     if (left < 0) return std::nullopt;
     test.left = static_cast<int16_t>(left);
     if (a_variable && b_variable) {
-      const int right = body_.ColumnOf(b.variable.name);
+      const int right = ColumnOf(b.variable.name);
       if (right < 0) return std::nullopt;
       test.right = static_cast<int16_t>(right);
       return test;
@@ -175,9 +191,9 @@ class BodyBuilder {
     if (a->kind != Expression::Kind::kVariable) return std::nullopt;
     TermTest test;
     test.equal = expression.kind == Expression::Kind::kEqual;
-    test.left = static_cast<int16_t>(body_.ColumnOf(a->variable.name));
+    test.left = static_cast<int16_t>(ColumnOf(a->variable.name));
     if (b->kind == Expression::Kind::kVariable) {
-      test.right = static_cast<int16_t>(body_.ColumnOf(b->variable.name));
+      test.right = static_cast<int16_t>(ColumnOf(b->variable.name));
       if (test.right < 0) return std::nullopt;
     } else if (b->kind == Expression::Kind::kTerm && b->term.IsIri()) {
       test.constant = dictionary_.Intern(b->term);
@@ -206,7 +222,7 @@ class BodyBuilder {
         continue;
       }
       const std::string& name = terms[i]->variable().name;
-      test.pattern.columns[i] = static_cast<int16_t>(body_.ColumnOf(name));
+      test.pattern.columns[i] = static_cast<int16_t>(ColumnOf(name));
       if (test.pattern.columns[i] >= 0) continue;
       test.pattern.columns[i] = Trigger::kNoColumn;
       if (std::find(open.begin(), open.end(), name) != open.end()) return std::nullopt;
@@ -241,7 +257,7 @@ class BodyBuilder {
           *ids[i] = dictionary_.Intern(terms[i]->term());
         } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable().name) !=
                    source.seeds.end()) {
-          trigger.columns[i] = static_cast<int16_t>(body_.ColumnOf(terms[i]->variable().name));
+          trigger.columns[i] = static_cast<int16_t>(ColumnOf(terms[i]->variable().name));
         }
       }
       trigger.match.equal = EqualPositions(terms);
@@ -256,7 +272,7 @@ class BodyBuilder {
     body_.has_filters_ = !filters_.empty();
     for (const Expression* filter : filters_) {
       for (const sparql::Variable& v : sparql::MentionedVariables(*filter)) {
-        body_.filter_columns_.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
+        body_.filter_columns_.push_back(static_cast<int16_t>(ColumnOf(v.name)));
       }
     }
     int8_t next = 0;
@@ -326,7 +342,7 @@ class BodyBuilder {
       if (filter.exists && filter.exists->negated) MarkRejecting(filter.exists->pattern);
       filter.source = conjunct->Clone();
       for (const sparql::Variable& v : sparql::MentionedVariables(*conjunct)) {
-        filter.columns.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
+        filter.columns.push_back(static_cast<int16_t>(ColumnOf(v.name)));
       }
       filters.push_back(std::move(filter));
     }
@@ -353,6 +369,7 @@ class BodyBuilder {
   Body& body_;
   Dictionary& dictionary_;
   const sparql::FunctionRegistry* functions_;
+  absl::flat_hash_map<std::string, int16_t> numbers_;  // of columns, by name
   std::vector<Body::FlatPlan::Pattern> patterns_;
   std::vector<const Expression*> filters_;
 };

@@ -6,6 +6,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/rule_limits.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
 #include "reasoner/matching/trigger_analysis.h"
@@ -416,6 +417,31 @@ class RulesReader {
   sparql::ProductionParser parser_;
 };
 
+size_t PatternsIn(const Algebra& node);
+
+size_t PatternsIn(const sparql::Expression& expression) {
+  size_t count = expression.pattern ? PatternsIn(*expression.pattern) : 0;
+  for (const auto& argument : expression.arguments) count += PatternsIn(*argument);
+  return count;
+}
+
+size_t PatternsIn(const Algebra& node) {
+  size_t count = node.triples.size();
+  if (node.expression) count += PatternsIn(*node.expression);
+  for (const auto& child : node.children) count += PatternsIn(*child);
+  return count;
+}
+
+void CheckSize(const Rule& rule, const std::string& file, Diagnostics& diagnostics) {
+  const size_t patterns = PatternsIn(*rule.body.algebra);
+  if (patterns <= kRuleLimits.rule_patterns) return;
+  diagnostics.push_back(
+      {file, rule.span,
+       absl::StrCat("the body has ", patterns, " triple patterns; the limit rule_patterns is ",
+                    kRuleLimits.rule_patterns),
+       "derive parts of it by rules of their own, and match what these derive"});
+}
+
 }  // namespace
 
 std::string ShortName(const Rule& rule) {
@@ -437,9 +463,20 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
   options.rule_elements = true;
   options.limits.query_text_bytes = limits.document_bytes;
   ParsedRules result;
+  if (text.size() > limits.document_bytes) {
+    result.diagnostics.push_back({std::string(file),
+                                  {},
+                                  absl::StrCat("the text has ", text.size(),
+                                               " bytes; the limit document_bytes is ", limits.document_bytes),
+                                  "make several rule sets of it"});
+    return result;
+  }
   RulesReader(text, options).Read(result);
   for (Rule& rule : result.rules) NoteGrowth(rule);
-  for (const Rule& rule : result.rules) Checker(file, result.diagnostics).Check(rule);
+  for (const Rule& rule : result.rules) {
+    if (origin == RuleTextOrigin::kNew) CheckSize(rule, options.file, result.diagnostics);
+    Checker(file, result.diagnostics).Check(rule);
+  }
   if (!result.ok()) result.rules.clear();
   return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
@@ -30,6 +31,37 @@ void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_
   for (const int by_axioms : {0, 1}) {
     if (any[by_axioms]) out.push_back(found[by_axioms]);
   }
+}
+
+// Of all rules with all: each only with those whose heads have a predicate of its body.
+std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rules) {
+  const auto count = static_cast<uint32_t>(rules.size());
+  absl::flat_hash_map<TermId, std::vector<uint32_t>> makers;  // by predicate; kNone: of any
+  for (uint32_t b = 0; b < count; ++b) {
+    for (const HeadTriple& head : rules[b].head) {
+      std::vector<uint32_t>& of_predicate = makers[head.Pattern().predicate];
+      if (of_predicate.empty() || of_predicate.back() != b) of_predicate.push_back(b);
+    }
+  }
+  std::vector<RuleDependency> dependencies;
+  for (uint32_t a = 0; a < count; ++a) {
+    std::vector<uint32_t> used;
+    for (const matching::Trigger& trigger : rules[a].body->triggers()) {
+      const TermId predicate = trigger.match.constants.predicate;
+      for (const auto& [made, makers_of] : makers) {
+        if (!predicate.IsNone()) break;
+        used.insert(used.end(), makers_of.begin(), makers_of.end());
+      }
+      for (const TermId made : {predicate, TermId()}) {
+        const auto found = makers.find(made);
+        if (found != makers.end()) used.insert(used.end(), found->second.begin(), found->second.end());
+      }
+    }
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (const uint32_t b : used) AddDependencies(rules, a, b, dependencies);
+  }
+  return dependencies;
 }
 
 std::vector<RuleDependency> WithoutAxioms(const std::vector<RuleDependency>& dependencies) {
@@ -337,10 +369,7 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   auto program = std::make_shared<RuleProgram>();
   if (!program->Compile(sets, dictionary, functions, diagnostics)) return nullptr;
   program->FindEquality(sets, dictionary);
-  const auto count = static_cast<uint32_t>(program->rules.size());
-  for (uint32_t a = 0; a < count; ++a) {
-    for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, program->dependencies_);
-  }
+  program->dependencies_ = DependenciesOf(program->rules);
   if (!program->FindOrdered(diagnostics)) return nullptr;
   if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics))
     return nullptr;

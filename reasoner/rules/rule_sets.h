@@ -18,8 +18,8 @@ std::vector<std::string> BuiltInRuleSets();
 std::string BuiltInRuleSet(std::string_view name);
 
 // Longest lists for which owl2rl has a rule of that length: classes of one intersection (cls-int1; longer
-// ones go cell by cell), properties of one chain (prp-spo2) and of one key (prp-key). A body has at most 32
-// patterns.
+// ones go cell by cell), properties of one chain (prp-spo2) and of one key (prp-key). With these, a body has at most
+// 32 patterns, which are joined on ids (reasoner/matching/body.h).
 inline constexpr int kIntersectionClasses = 10;
 inline constexpr int kChainProperties = 8;
 inline constexpr int kKeyProperties = 6;

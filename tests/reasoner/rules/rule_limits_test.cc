@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/match.h"
+#include "graph/base/rule_limits.h"
+#include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/rules/rule_engine_fixture.h"
 
 namespace docent::rules {
@@ -41,6 +43,42 @@ TEST_F(RuleLimitsTest, ARuleThatFeedsItselfIsStoppedAndNamed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()),
               HasSubstr("loop.rules rule 1 (line 2) goes beyond the limit rule_rounds = 50"));
+}
+
+TEST_F(RuleLimitsTest, PatternsOfABodyAreLimitedAtTheLimitAndOnePast) {
+  const auto errors = [](size_t patterns, RuleTextOrigin origin) {
+    std::string text = "PREFIX : <http://example.org/>\nRULE { ?x :p 1 } WHERE { ?x :q 1";
+    for (size_t i = 1; i < patterns; ++i) absl::StrAppend(&text, " . ?x :q", i, " 1");
+    return Render(ParseRules(text + " }", "r.rules", {}, nullptr, origin).diagnostics, "");
+  };
+  EXPECT_EQ(errors(kRuleLimits.rule_patterns, RuleTextOrigin::kNew), "");
+  EXPECT_THAT(
+      errors(kRuleLimits.rule_patterns + 1, RuleTextOrigin::kNew),
+      HasSubstr("r.rules:2:1: error: the body has 10001 triple patterns; the limit rule_patterns is 10000"));
+  EXPECT_EQ(errors(kRuleLimits.rule_patterns + 1, RuleTextOrigin::kAccepted), "") << "of an old log";
+}
+
+TEST_F(RuleLimitsTest, ABodyOfMoreThan32PatternsHasTheSameResults) {
+  std::string body = "?x :q0 ?y";
+  for (int i = 1; i < 40; ++i) absl::StrAppend(&body, " . ?x :q", i, " ?y", i);
+  TestWorld world;
+  RuleEngine engine(world.dictionary, {});
+  EXPECT_THAT(
+      engine.PutRules("r", "PREFIX : <http://example.org/>\nRULE { ?x :all ?y } WHERE { " + body + " }"),
+      IsEmpty());
+  std::vector<std::string> facts;
+  for (int i = 0; i < 40; ++i) facts.push_back(absl::StrCat("a q", i, " b", i));
+  ASSERT_TRUE(engine.Update(world.writer, world.Apply(facts)).ok());
+  EXPECT_THAT(world.Inferred(), ::testing::SizeIs(1));
+}
+
+TEST_F(RuleLimitsTest, VariablesOfABodyAreLimited) {
+  std::string text = "PREFIX : <http://example.org/>\nRULE { ?x :p 1 } WHERE { ?x :q ?y";
+  for (int i = 0; i < 33000; ++i) absl::StrAppend(&text, " . ?x :q ?y", i);
+  TestWorld world;
+  RuleEngine engine(world.dictionary, {});
+  EXPECT_THAT(Render(engine.PutRules("r", text + " }", RuleTextOrigin::kAccepted), ""),
+              HasSubstr("has 33002 variables; the limit body_variables is 32000"));
 }
 
 TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
