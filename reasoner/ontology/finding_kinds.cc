@@ -48,6 +48,11 @@ const std::vector<FindingKind>& FindingKinds() {
        "Correct or remove one of the facts of the proof, or the rule."},
       {"limit", "warning", "all", "The file has more findings than are shown, or an explanation is too long.",
        "Correct the findings that are shown first."},
+      {"load", "error", "all",
+       "A server refuses to load the file, alone or after those that are named before it: it goes beyond a "
+       "limit of a "
+       "turn, or its name cannot be one of a document. The message is the server's.",
+       "See the message: it names the limit."},
       {"long-list", "warning", "RDF",
        "A property chain or key is longer than the rule set owl2rl follows; nothing is inferred from it.",
        "Give a part of the chain a property of its own, or name fewer properties, or write a rule."},
@@ -125,6 +130,13 @@ const std::vector<FindingKind>& FindingKinds() {
        "Initialize it, or bind it in a condition before."},
       {"unused-prefix", "warning", "RDF, SPARQL, rules", "A prefix is declared and not used.",
        "Remove the declaration."},
+      {"value-range", "warning", "RDF",
+       "A literal has a value that its datatype allows and the server does not compute with: a year beyond "
+       "200000, a "
+       "number of more than 38 digits. It is kept as it is written, equals only the same text, and "
+       "comparisons with it "
+       "are errors.",
+       "Write a value that can be computed with, if it is to be compared."},
       {"workflow", "error or warning", "CAWL",
        "A workflow is not valid: an unknown word, a condition that does not compile.",
        "See the hint of the finding, and the reference of CAWL."},

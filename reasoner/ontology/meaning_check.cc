@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/value.h"
 #include "reasoner/ontology/hierarchy.h"
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/shapes/datatype_check.h"
@@ -21,6 +22,18 @@ std::string Show(std::string_view iri) {
 std::string DatatypeOf(const Term& literal) {
   if (!literal.language.empty()) return std::string(kRdfLangString);
   return literal.datatype.empty() ? std::string(kXsdString) : literal.datatype;
+}
+
+// A text that its datatype allows, with a value that queries, rules and conditions cannot compute with.
+bool IsBeyondValues(const Term& literal) {
+  static constexpr std::string_view kComputed[] = {
+      "dateTime",       "date",    "duration",           "yearMonthDuration",  "dayTimeDuration",
+      "decimal",        "integer", "nonPositiveInteger", "nonNegativeInteger", "positiveInteger",
+      "negativeInteger"};
+  if (!literal.datatype.starts_with(kXsdNs)) return false;
+  const std::string_view name = std::string_view(literal.datatype).substr(kXsdNs.size());
+  return std::find(std::begin(kComputed), std::end(kComputed), name) != std::end(kComputed) &&
+         sparql::Value::OfTerm(literal).type() == sparql::Value::Type::kOther;
 }
 
 class MeaningCheck {
@@ -53,7 +66,16 @@ class MeaningCheck {
   }
 
   void CheckLiteral(const Term& literal, const SourceSpan& span) {
-    if (shapes::IsValidLexicalForm(literal.lexical, DatatypeOf(literal)).value_or(true)) return;
+    if (shapes::IsValidLexicalForm(literal.lexical, DatatypeOf(literal)).value_or(true)) {
+      if (!IsBeyondValues(literal)) return;
+      return findings_.Warning(
+          "value-range", span,
+          Concat("\"", literal.lexical.substr(0, 100), "\" is beyond the values of ", Show(literal.datatype),
+                 " that the server computes with; it is kept, and equals only the same text"),
+          "years are computed from -200000 to 200000, numbers to 38 digits; write a value between, if it is "
+          "to "
+          "be compared");
+    }
     findings_.Error("bad-literal", span,
                     Concat("\"", literal.lexical.substr(0, 100), "\" is not a text that ",
                            Show(literal.datatype), " allows"),

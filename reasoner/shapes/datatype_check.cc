@@ -1,8 +1,10 @@
 #include "reasoner/shapes/datatype_check.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/time_text.h"
@@ -180,7 +182,20 @@ bool IsLanguageTag(std::string_view text) {
   return run > 0;
 }
 
-bool IsTime(std::string_view name, std::string_view text) {
+// With the year (section D.3.1: yearFrag), which may be of any length, as one of four digits with the same leap days;
+// nullopt: the text does not begin with a year.
+std::optional<std::string> WithShortYear(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  const size_t begin = negative ? 1 : 0;
+  const size_t end = std::min(text.find_first_not_of("0123456789", begin), text.size());
+  const std::string_view digits = text.substr(begin, end - begin);
+  if (digits.size() < 4 || (digits.size() > 4 && digits[0] == '0')) return std::nullopt;
+  int of_cycle = 0;  // the calendar repeats itself after 400 years
+  for (const char c : digits) of_cycle = (of_cycle * 10 + (c - '0')) % 400;
+  return absl::StrCat(2000 + (negative ? (400 - of_cycle) % 400 : of_cycle), ToAbsl(text.substr(end)));
+}
+
+bool IsTimeOfShortYear(std::string_view name, std::string_view text) {
   if (name == "dateTime") return sparql::ParseDateTimeText(text).has_value();
   if (name == "dateTimeStamp") {
     const auto time = sparql::ParseDateTimeText(text);
@@ -193,6 +208,14 @@ bool IsTime(std::string_view name, std::string_view text) {
   if (name == "gMonth") return text.starts_with("--") && IsDatePart("2000-", text.substr(2), "-01");
   if (name == "gMonthDay") return text.starts_with("--") && IsDatePart("2000-", text.substr(2), "");
   return text.starts_with("---") && IsDatePart("2000-01-", text.substr(3), "");  // gDay
+}
+
+bool IsTime(std::string_view name, std::string_view text) {
+  if (name == "dateTime" || name == "dateTimeStamp" || name == "date" || name.starts_with("gYear")) {
+    const std::optional<std::string> dated = WithShortYear(text);
+    return dated && IsTimeOfShortYear(name, *dated);
+  }
+  return IsTimeOfShortYear(name, text);
 }
 
 constexpr std::array<std::string_view, 9> kTimeTypes = {

@@ -149,6 +149,22 @@ TEST_F(OntologyCheckTest, ClassesBelowDisjointOnesAndBadLiterals) {
   EXPECT_THAT(text, HasSubstr("<http://e/Odder> is below "));
 }
 
+TEST_F(OntologyCheckTest, ValuesThatAreAllowedAndNotComputedAreNoErrors) {
+  const std::string text = Check(
+      "\n:R2 :since \"999999999999-02-28T00:00:00Z\"^^xsd:dateTime , \"-250000-01-01\"^^xsd:date ,\n"
+      "  123456789012345678901234567890123456789012345 , \"012345-01-01\"^^xsd:date , "
+      "\"200000-01-01\"^^xsd:date ,\n"
+      "  \"999999999999-02-30T00:00:00Z\"^^xsd:dateTime .");
+  EXPECT_THAT(
+      text,
+      HasSubstr("value-range f.ttl:3:12: warning: \"999999999999-02-28T00:00:00Z\" is beyond the values"));
+  EXPECT_THAT(text, HasSubstr("value-range f.ttl:3:59: warning: \"-250000-01-01\""));
+  EXPECT_THAT(text, HasSubstr("value-range f.ttl:4:3: warning: \"123456"));
+  EXPECT_THAT(text, HasSubstr("bad-literal f.ttl:4:51: error: \"012345-01-01\"")) << "XSD has no such year";
+  EXPECT_THAT(text, HasSubstr("bad-literal f.ttl:5:3: error: \"999999999999-02-30T00:00:00Z\""));
+  EXPECT_EQ(text.find("\"200000-01-01\""), std::string::npos);
+}
+
 TEST_F(OntologyCheckTest, CirclesAreToldOnce) {
   const std::string text = Check(
       ":Robot rdfs:subClassOf :Guide .\n:p a owl:ObjectProperty ; rdfs:subPropertyOf :q ; "
