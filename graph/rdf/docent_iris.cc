@@ -4,6 +4,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "graph/base/text.h"
 #include "graph/base/workflow_limits.h"
 #include "graph/rdf/iri.h"
@@ -68,6 +69,17 @@ std::optional<std::string> NameFault(std::string_view name) {
   for (size_t at = 0, end = 0; at < name.size(); at = end) {
     const char32_t c = NextCodePoint(name, &end);
     if (IsControl(c)) return absl::StrFormat("holds the control character U+%04X", static_cast<uint32_t>(c));
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> DocumentNameFault(std::string_view name) {
+  if (name.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is empty";
+  if (std::optional<std::string> fault = NameFault(name)) return fault;
+  if (name.front() == ' ' || name.back() == ' ') return "begins or ends with a blank";
+  for (const absl::string_view part : absl::StrSplit(ToAbsl(name), '/')) {
+    if (part == "." || part == "..")
+      return absl::StrCat("has the part ", part, ", which stands for another folder in an IRI");
   }
   return std::nullopt;
 }

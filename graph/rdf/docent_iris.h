@@ -21,6 +21,10 @@ std::string NameOfSegment(std::string_view segment);
 // U+000A", "is not UTF-8". nullopt: it is valid. The caller checks for the empty text.
 std::optional<std::string> NameFault(std::string_view name);
 
+// Why this cannot name a document (an ontology or rule set): as above, and "is empty", "begins or ends with a blank", "has
+// the part .., which stands for another folder in an IRI". nullopt: it can.
+std::optional<std::string> DocumentNameFault(std::string_view name);
+
 // urn:docent:operation:NAME, urn:docent:service:NAME, urn:docent:service-document:NAME, urn:docent:workflow:NAME.
 std::string OperationIri(std::string_view name);
 std::string ServiceIri(std::string_view name);

@@ -1,13 +1,17 @@
 #include "kb_server/door/inbox.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "graph/base/overload.h"
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/text_bytes.h"
+#include "kb_server/door/parsed_document.h"
 
 namespace docent::server {
 namespace {
@@ -34,26 +38,63 @@ std::string Beyond(std::string_view what, size_t value, std::string_view limit_n
                       "; nothing was applied");
 }
 
-}  // namespace
+// "the name of the rule set …", of each name that the document gives to something.
+absl::Status CheckName(std::string_view of_what, std::string_view name) {
+  const std::optional<std::string> fault = DocumentNameFault(name);
+  if (!fault) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("the name of the ", ToAbsl(of_what), " ", *fault, "; name it otherwise"));
+}
 
-absl::Status Inbox::CheckSize(const WriteBatch& batch, size_t bytes) const {
+// Workflows and robot services are named by their text.
+absl::Status CheckNames(const ParsedDocument& parsed) {
+  if (parsed.cawl != nullptr) return CheckName("workflow", parsed.cawl->name.value);
+  if (parsed.rsel == nullptr) return absl::OkStatus();
+  absl::Status status = CheckName("RSEL document", parsed.rsel->name.value);
+  for (const rsel::Process& process : parsed.rsel->processes) {
+    if (status.ok()) status = CheckName("process", process.name.value);
+  }
+  return status;
+}
+
+absl::Status CheckNames(const WriteBatch& batch) {
+  for (const Document& document : batch.documents) {
+    if (document.action != Document::Action::kPut) continue;
+    absl::Status status;
+    if (document.kind == Document::Kind::kRules) status = CheckName("rule set", document.name);
+    if (document.kind == Document::Kind::kOntology) status = CheckName("ontology", document.name);
+    if (const auto* parsed = dynamic_cast<const ParsedDocument*>(document.parsed.get()))
+      status = CheckNames(*parsed);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSize(const WriteBatch& batch, size_t bytes, const Limits& limits) {
   bool load = batch.mode == WriteBatch::Mode::kLoad;
-  size_t operations_limit = load ? limits_.load_operations : limits_.batch_operations;
+  size_t operations_limit = load ? limits.load_operations : limits.batch_operations;
   if (batch.OperationCount() > operations_limit) {
     return absl::ResourceExhaustedError(Beyond("the batch has operations:", batch.OperationCount(),
                                                load ? "load_operations" : "batch_operations",
                                                operations_limit));
   }
   for (const Document& document : batch.documents) {
-    if (document.text.size() <= limits_.document_bytes) continue;
+    if (document.text.size() <= limits.document_bytes) continue;
     return absl::ResourceExhaustedError(
-        Beyond("a document has bytes:", document.text.size(), "document_bytes", limits_.document_bytes));
+        Beyond("a document has bytes:", document.text.size(), "document_bytes", limits.document_bytes));
   }
-  if (!load && batch.documents.empty() && bytes > limits_.batch_bytes) {
+  if (!load && batch.documents.empty() && bytes > limits.batch_bytes) {
     return absl::ResourceExhaustedError(
-        Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes));
+        Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits.batch_bytes));
   }
   return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status CheckBatch(const WriteBatch& batch, const Limits& limits) {
+  const absl::Status names = CheckNames(batch);
+  return names.ok() ? CheckSize(batch, BytesOf(batch), limits) : names;
 }
 
 absl::Status Inbox::CheckRoom(size_t bytes) const {
@@ -71,7 +112,8 @@ absl::Status Inbox::CheckRoom(size_t bytes) const {
 void Inbox::Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare) {
   if (!done) done = [](const absl::StatusOr<BatchOutcome>&) {};
   size_t bytes = BytesOf(batch);
-  absl::Status refusal = CheckSize(batch, bytes);
+  absl::Status refusal = CheckNames(batch);
+  if (refusal.ok()) refusal = CheckSize(batch, bytes, limits_);
   if (refusal.ok()) refusal = Add({std::move(batch), done, std::move(prepare), nullptr}, bytes);
   if (!refusal.ok()) done(refusal);
 }

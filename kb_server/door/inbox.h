@@ -65,13 +65,18 @@ struct PendingBatch {
   StateVisit visit;          // not null: there is no batch
 };
 
+// Why a batch is refused by itself, whatever waits beside it. INVALID_ARGUMENT: a document, or what it defines, has a
+// name that cannot be one (graph/rdf/docent_iris.h). RESOURCE_EXHAUSTED: beyond batch_operations or batch_bytes (kLoad:
+// load_operations), or one of its documents beyond document_bytes. Any thread. The log may hold batches that an earlier
+// version took and this one refuses: a replay does not ask.
+absl::Status CheckBatch(const WriteBatch& batch, const Limits& limits);
+
 class Inbox {
  public:
   Inbox(const Clock* clock, const Limits& limits) : clock_(*clock), limits_(limits) {}
 
-  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or
-  // batch_bytes (kLoad: load_operations), one of its documents beyond document_bytes, or with those that wait
-  // it would exceed inbox_batches or inbox_bytes (an overload). UNAVAILABLE: the inbox is closed. A null `done` is allowed.
+  // To `done`, at once, from this thread: what CheckBatch says; RESOURCE_EXHAUSTED: with those that wait the batch
+  // would exceed inbox_batches or inbox_bytes (an overload). UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare = nullptr);
 
   // `done` is called once: with OK when what the visit saw is durable, or with why it was not made, or why what it saw did
@@ -102,8 +107,7 @@ class Inbox {
 
   // Into the queue, or why not.
   absl::Status Add(PendingBatch pending, size_t bytes);
-  // Why this batch of `bytes` is refused by itself; and why it is refused now.
-  absl::Status CheckSize(const WriteBatch& batch, size_t bytes) const;
+  // Why a batch of `bytes` is refused now.
   absl::Status CheckRoom(size_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const Clock& clock_;

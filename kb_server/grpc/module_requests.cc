@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/formats/located_parser.h"
@@ -89,9 +90,11 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
   if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
   }
-  if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
-    return absl::InvalidArgumentError(
-        "name is empty; an ontology or rule set is replaced and removed by its name");
+  if (request.kind() != v1::LoadRequest::DATA) {
+    if (const std::optional<std::string> fault = DocumentNameFault(request.name())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the name ", *fault, "; an ontology or rule set is replaced and removed by its name"));
+    }
   }
   if (request.kind() == v1::LoadRequest::DATA && request.mode() != v1::LoadRequest::PUT) {
     return absl::InvalidArgumentError("data has no name to add or replace; leave mode out");

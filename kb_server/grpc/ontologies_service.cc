@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/cancellation.h"
-#include "graph/rdf/document_name.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -173,6 +173,10 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
   const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));
+    if (const auto fault = DocumentNameFault(request->name()); fault && !request->remove()) {
+      return reactor->Finish(ToGrpc(absl::InvalidArgumentError(
+          absl::StrCat("the name of the rule set ", *fault, "; name it otherwise"))));
+    }
     std::optional<std::string> text;
     if (!request->remove()) text = request->text();
     const auto change = PreviewRuleChange(ports_, request->name(), text,

@@ -40,6 +40,19 @@ TEST(DocentIris, NamesAreAnyTextWithoutControlCharacters) {
   EXPECT_EQ(NameFault("a\xff"), "is not UTF-8");
 }
 
+TEST(DocentIris, ADocumentIsNotNamedByWhatMeansAnotherFolderOrNothing) {
+  for (const char* good : {"place.ttl", "a b (1).ttl", "robots/arm.ttl", "...", "안내", ".hidden", "a..b"})
+    EXPECT_EQ(DocumentNameFault(good), std::nullopt) << good;
+  for (const char* bad : {"..", ".", "a/../b", "../a", "a/."})
+    EXPECT_NE(DocumentNameFault(bad).value_or("").find("stands for another folder"), std::string::npos)
+        << bad;
+  EXPECT_EQ(DocumentNameFault(""), "is empty");
+  EXPECT_EQ(DocumentNameFault(" \n"), "is empty");
+  EXPECT_EQ(DocumentNameFault("a "), "begins or ends with a blank");
+  EXPECT_EQ(DocumentNameFault(std::string("a\0b", 3)), "holds the control character U+0000");
+  EXPECT_EQ(DocumentNameFault(std::string(257, 'x')), "has 257 bytes; the limit name_bytes is 256");
+}
+
 TEST(DocentIris, EachKindHasItsOwn) {
   EXPECT_EQ(OperationIri("move"), "urn:docent:operation:move");
   EXPECT_EQ(ServiceIri("Guide me"), "urn:docent:service:Guide%20me");

@@ -1,5 +1,7 @@
 #include "kb_server/door/inbox.h"
 
+#include "kb_server/door/parsed_document.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -77,6 +79,41 @@ TEST(InboxTest, AtEachLimitAndOnePast) {
   EXPECT_EQ(Answer(&inbox, document), "OK");
   document.documents[0].text += "x";
   EXPECT_THAT(Answer(&inbox, document), HasSubstr("the limit document_bytes is 40"));
+}
+
+TEST(InboxTest, WhatCannotNameADocumentIsRefusedWhenItIsPutAndStillRemoved) {
+  ManualClock clock;
+  Inbox inbox(&clock, {});
+  for (const Document::Kind kind : {Document::Kind::kRules, Document::Kind::kOntology}) {
+    for (const std::string& name : {std::string("a\nb"), std::string("a\0b", 3), std::string(257, 'x'),
+                                    std::string(".."), std::string()}) {
+      WriteBatch batch;
+      batch.documents.push_back({kind, Document::Action::kPut, name, ""});
+      EXPECT_THAT(Answer(&inbox, batch),
+                  HasSubstr(kind == Document::Kind::kRules ? "INVALID_ARGUMENT: the name of the rule set "
+                                                           : "INVALID_ARGUMENT: the name of the ontology "))
+          << name;
+      batch.documents[0].action = Document::Action::kRemove;
+      EXPECT_EQ(Answer(&inbox, batch), "OK") << "an earlier version took it";
+    }
+  }
+}
+
+TEST(InboxTest, WorkflowsAndServicesAreNamedByTheirTexts) {
+  ManualClock clock;
+  Inbox inbox(&clock, {});
+  auto workflow = std::make_shared<cawl::Document>();
+  workflow->name.value = "..";
+  WriteBatch batch;
+  batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, "a\nfile", "",
+                             std::make_shared<ParsedDocument>(cawl::DocumentPtr(workflow))});
+  EXPECT_THAT(Answer(&inbox, batch), HasSubstr("INVALID_ARGUMENT: the name of the workflow has the part .."));
+  auto services = std::make_shared<rsel::Document>();
+  services->name.value = "S";
+  services->processes.emplace_back().name.value = "a/..";
+  batch.documents[0] = {Document::Kind::kRsel, Document::Action::kPut, "a\nfile", "",
+                        std::make_shared<ParsedDocument>(rsel::DocumentPtr(services))};
+  EXPECT_THAT(Answer(&inbox, batch), HasSubstr("INVALID_ARGUMENT: the name of the process has the part .."));
 }
 
 TEST(InboxTest, BytesThatWaitAreBounded) {
