@@ -1,6 +1,7 @@
 #include "graph/store/batch_applier.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -9,11 +10,14 @@
 #include "graph/base/text.h"
 #include "graph/rdf/term_check.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/own_states.h"
 #include "graph/store/reading_mapper.h"
 #include "graph/store/server_graphs.h"
 
 namespace docent {
 namespace {
+
+constexpr std::string_view kSubClassOf = "http://www.w3.org/2000/01/rdf-schema#subClassOf";
 
 absl::Status Reserved(const std::string& graph) {
   return absl::InvalidArgumentError(
@@ -58,9 +62,11 @@ BatchApplier::BatchApplier(Dictionary& dictionary, const Limits& limits)
       type_(dictionary.InternIri(kRdfType)),
       state_property_(dictionary.InternIri(DocentIri("StateProperty"))),
       default_graph_(dictionary.InternIri(kDefaultGraph)),
-      subclass_(dictionary.InternIri(Concat(kRdfsNs, "subClassOf"))),
+      subclass_(dictionary.InternIri(kSubClassOf)),
       event_(dictionary.InternIri(DocentIri("Event"))),
-      event_classes_{event_} {}
+      event_classes_{event_} {
+  for (const std::string_view name : kOwnStates) own_states_.insert(dictionary.InternIri(DocentIri(name)));
+}
 
 absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   if (!batch.source.empty()) {
@@ -122,7 +128,7 @@ void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
   const QuadPattern declarations{{}, type_, state_property_, {}};
   uint64_t count = version.Count(declarations);
   if (count == state_declarations_) return;
-  state_properties_.clear();
+  state_properties_ = own_states_;
   version.ForEach(declarations, [this](const Quad& quad) {
     state_properties_.insert(quad.subject);
     return true;
@@ -134,20 +140,59 @@ void BatchApplier::RefreshEventClasses(const GraphVersion& version) {
   const uint64_t count = version.Count({{}, subclass_, {}, {}});
   if (count == subclass_declarations_) return;
   event_classes_ = {event_};
-  for (std::vector<TermId> open = {event_}; !open.empty();) {
-    const TermId above = open.back();
+  AddClassesBelow(event_, version);
+  subclass_declarations_ = count;
+}
+
+std::vector<TermId> BatchApplier::AddClassesBelow(TermId above, const GraphVersion& version) {
+  std::vector<TermId> added;
+  for (std::vector<TermId> open = {above}; !open.empty();) {
+    const TermId next = open.back();
     open.pop_back();
-    version.ForEach({{}, subclass_, above, {}}, [&](const Quad& quad) {
-      if (event_classes_.insert(quad.subject).second) open.push_back(quad.subject);
+    version.ForEach({{}, subclass_, next, {}}, [&](const Quad& quad) {
+      if (!event_classes_.insert(quad.subject).second) return true;
+      added.push_back(quad.subject);
+      open.push_back(quad.subject);
       return true;
     });
   }
-  subclass_declarations_ = count;
+  return added;
+}
+
+void BatchApplier::Announce(const WriteBatch& batch, const GraphVersion& version) {
+  announced_classes_.clear();
+  RefreshEventClasses(version);
+  std::multimap<Term, Term> below;  // as the batch says
+  for (const QuadOperation& operation : batch.operations) {
+    const TermQuad& quad = operation.quad;
+    if (operation.kind == QuadOperation::Kind::kAdd && quad.predicate.lexical == kSubClassOf)
+      below.emplace(quad.object, quad.subject);
+  }
+  std::vector<Term> open;
+  const auto open_below = [&](const Term& above) {
+    const auto [first, last] = below.equal_range(above);
+    for (auto it = first; it != last; ++it) open.push_back(it->second);
+  };
+  for (const auto& [above, subclass] : below) {
+    if (IsEventClass(above)) open.push_back(subclass);
+  }
+  while (!open.empty()) {
+    const Term subclass = std::move(open.back());
+    open.pop_back();
+    if (IsEventClass(subclass)) continue;
+    announced_classes_.insert(subclass);
+    open_below(subclass);
+    const std::optional<TermId> known = dictionary_.Find(subclass);
+    if (!known) continue;
+    subclass_declarations_ = kUnknown;  // what is added here holds for this batch
+    event_classes_.insert(*known);
+    for (const TermId of_graph : AddClassesBelow(*known, version)) open_below(dictionary_.Decode(of_graph));
+  }
 }
 
 bool BatchApplier::IsEventClass(const Term& type) const {
   const std::optional<TermId> id = dictionary_.Find(type);
-  return id && event_classes_.contains(*id);
+  return (id && event_classes_.contains(*id)) || announced_classes_.contains(type);
 }
 
 void BatchApplier::SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline) {
@@ -212,11 +257,13 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
                                           absl::Span<const QuadOperation> first) {
   if (absl::Status status = Check(batch); !status.ok()) return status;
   RefreshStateProperties(writer.current());
-  RefreshEventClasses(writer.current());
+  if (announced_classes_.empty()) RefreshEventClasses(writer.current());
   told_events_.clear();
   absl::StatusOr<std::vector<QuadOperation>> read =
       MapReadings(batch.readings, dictionary_, writer.current());
   if (!read.ok()) return read.status();
+
+  for (const Term& announced : announced_classes_) event_classes_.insert(dictionary_.Intern(announced));
 
   DeltaSum sum;
   Expire(batch.time_us, writer, &sum);
@@ -258,6 +305,7 @@ void BatchApplier::RestoreLifetimes(const std::vector<std::pair<TimeMicros, Quad
 
 void BatchApplier::Commit() {
   undo_.clear();
+  announced_classes_.clear();
 }
 
 void BatchApplier::Rollback() {
@@ -267,6 +315,7 @@ void BatchApplier::Rollback() {
   undo_.clear();
   state_declarations_ = kUnknown;
   subclass_declarations_ = kUnknown;
+  announced_classes_.clear();
   told_events_.clear();
 }
 

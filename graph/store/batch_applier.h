@@ -2,8 +2,8 @@
 //
 //  - terms are checked and interned; quads without a graph go to the batch's source, or to
 //    docent:default
-//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same
-//    subject and graph; the last in the batch wins
+//  - kAssert: a new value of a property that the graph types docent:StateProperty, or that is a state of the
+//    server's own (own_states.h), replaces the old one of the same subject and graph; the last in the batch wins
 //  - a fact with a lifetime is withdrawn when the lifetime ends, unless it is asserted again: with a new
 //    lifetime, or without one (then it stays). The first batch at or after that time withdraws it, or a
 //    clock batch if no other comes
@@ -48,7 +48,9 @@ class BatchApplier {
   // The `… rdf:type C` of the last Apply where C is docent:Event or a class below it, in order, whether or not the graph had
   // them; those of graphs that documents fill included. Until the next Apply.
   const std::vector<Quad>& told_events() const { return told_events_; }
-  // Whether a type makes a thing an event, as the graph of the last Apply says.
+  // Looks at a batch before anything of it is applied: the classes that it puts below docent:Event count for its own events.
+  void Announce(const WriteBatch& batch, const GraphVersion& version);
+  // Whether a type makes a thing an event, as the graph and the batch of the last Announce say.
   bool IsEventClass(const Term& type) const;
 
   // Removes facts with their lifetimes.
@@ -83,6 +85,8 @@ class BatchApplier {
   void SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline);
   void RefreshStateProperties(const GraphVersion& version);
   void RefreshEventClasses(const GraphVersion& version);
+  // Makes the classes below it in the graph event classes; those that were none.
+  std::vector<TermId> AddClassesBelow(TermId above, const GraphVersion& version);
   void NoteEvent(const Quad& quad) {
     if (quad.predicate == type_ && event_classes_.contains(quad.object)) told_events_.push_back(quad);
   }
@@ -95,11 +99,13 @@ class BatchApplier {
   const TermId subclass_;
   const TermId event_;
 
-  absl::flat_hash_set<TermId> state_properties_;
-  uint64_t state_declarations_ = kUnknown;  // number of declarations when state_properties_ was read
+  absl::flat_hash_set<TermId> own_states_;
+  absl::flat_hash_set<TermId> state_properties_;  // with these
+  uint64_t state_declarations_ = kUnknown;        // number of declarations when state_properties_ was read
 
   absl::flat_hash_set<TermId> event_classes_;  // docent:Event and the classes below it
   uint64_t subclass_declarations_ = kUnknown;  // number of rdfs:subClassOf when event_classes_ was read
+  std::set<Term> announced_classes_;           // those that the batch makes event classes
   std::vector<Quad> told_events_;
 
   absl::flat_hash_map<Quad, TimeMicros> deadlines_;

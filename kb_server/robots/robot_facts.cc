@@ -13,6 +13,7 @@
 #include "graph/rdf/iri.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "graph/store/own_states.h"
 
 namespace docent::server {
 namespace {
@@ -46,12 +47,16 @@ class RobotFacts {
     const std::optional<TermId> robot = dictionary_.FindIri(robot_);
     const std::optional<TermId> type = dictionary_.FindIri(kRdfType);
     const std::optional<TermId> state = dictionary_.FindIri(DocentIri("StateProperty"));
-    if (!robot || !type || !state) return;
+    if (!robot) return;
+    const auto is_state = [&](const Quad& quad, const std::string& predicate) {
+      return IsOwnState(predicate) ||
+             (type && state && version_.ContainsMatch({quad.predicate, *type, *state, {}}));
+    };
     version_.ForEach({*robot, {}, {}, *robot}, [&](const Quad& quad) {
       const std::string predicate = dictionary_.Decode(quad.predicate).lexical;
       const bool kept = std::any_of(std::begin(kKeptOfOffline), std::end(kKeptOfOffline),
                                     [&](std::string_view local) { return predicate == DocentIri(local); });
-      if (!kept && version_.ContainsMatch({quad.predicate, *type, *state, {}}))
+      if (!kept && is_state(quad, predicate))
         Change(QuadOperation::Kind::kRemove, robot_, predicate, dictionary_.Decode(quad.object));
       return true;
     });

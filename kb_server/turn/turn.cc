@@ -62,6 +62,7 @@ absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint
 }
 
 absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, TurnResult* result) {
+  stages->applier.Announce(given, stages->writer.current());
   const std::optional<WriteBatch> named = stages->events.WithOwnNames(given, stages->applier, offset);
   const WriteBatch& batch = named ? *named : given;
   for (const RunRequest& request : batch.run_requests) {
@@ -145,6 +146,11 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   }
   stages->events.Settle(stages->engine.AwaitedEvents(), stages->writer.current(), batch.time_us);
   result->delta = sum.Net();
+  const GraphVersion& after = stages->writer.current();
+  result->told_again = static_cast<size_t>(
+      std::count_if(withdrawn->removed.begin(), withdrawn->removed.end(), [&after](const Quad& quad) {
+        return after.ContainsMatch({quad.subject, quad.predicate, quad.object, quad.graph});
+      }));
   result->addresses = stages->robots.AddressesIn(result->delta);
   return absl::OkStatus();
 }

@@ -31,7 +31,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "15";
+inline constexpr char kEngineVersion[] = "16";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
@@ -78,9 +78,11 @@ struct Stages {
 
 struct TurnResult {
   log::TurnRecord record;
-  GraphVersionPtr version;         // null unless Stages::freezes
-  Delta delta;                     // everything that changed in the graph, net
-  size_t inferred = 0;             // facts that rules added or withdrew
+  GraphVersionPtr version;  // null unless Stages::freezes
+  Delta delta;              // everything that changed in the graph, net
+  size_t told_again =
+      0;                // facts of events that left and came back in this turn, so that `delta` has them not
+  size_t inferred = 0;  // facts that rules added or withdrew
   std::vector<CommandId> cancels;  // commands to be ended
   std::vector<Notification> notifications;
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back

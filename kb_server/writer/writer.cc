@@ -35,7 +35,7 @@ uint64_t MonotonicNanos() {
 BatchOutcome OutcomeOf(const TurnResult& result) {
   BatchOutcome outcome;
   outcome.offset = result.record.offset;
-  outcome.added = result.delta.added.size();
+  outcome.added = result.delta.added.size() + result.told_again;
   outcome.removed = result.delta.removed.size();
   outcome.inferred = result.inferred;
   outcome.started = result.started;

@@ -6,9 +6,12 @@
 #include <set>
 #include <utility>
 
+#include "absl/algorithm/container.h"
 #include "absl/status/status.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/syntax/parser.h"
 #include "workflow/cawl/ask_writer.h"
 #include "workflow/cawl/formula.h"
@@ -256,6 +259,51 @@ std::vector<ConditionText> ConditionTexts(const Document& document, const Limits
     }
   }
   return writer.Take();
+}
+
+namespace {
+
+using EventOperations = std::map<std::string, std::string>;  // by the event's variable
+
+// The events of one alternative, and those of its alternatives.
+void CollectEvents(const sparql::Algebra& node, const CompiledAsk& ask, EventOperations* own,
+                   std::vector<EventOperations>* alternatives) {
+  for (const sparql::TriplePattern& triple : node.triples) {
+    if (!triple.subject.IsVariable() || triple.predicate.IsVariable() || triple.object.IsVariable() ||
+        triple.predicate.term().lexical != DocentIri("operation"))
+      continue;
+    const std::string& name = triple.subject.variable().name;
+    if (absl::c_linear_search(ask.event_variables, name)) (*own)[name] = triple.object.term().lexical;
+  }
+  for (const auto& child : node.children) {
+    if (node.kind != sparql::Algebra::Kind::kUnion) {
+      CollectEvents(*child, ask, own, alternatives);
+      continue;
+    }
+    EventOperations of_alternative;
+    CollectEvents(*child, ask, &of_alternative, alternatives);
+    alternatives->push_back(std::move(of_alternative));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> JointEventsOf(const CompiledAsk& ask) {
+  std::vector<std::string> operations;
+  if (ask.event_variables.size() < 2) return operations;
+  const sparql::ParsedQuery parsed = sparql::ParseQuery(ask.ask, {});
+  if (!parsed.ok()) return operations;
+  std::vector<EventOperations> alternatives(1);
+  EventOperations whole;
+  CollectEvents(*parsed.query.algebra, ask, &whole, &alternatives);
+  alternatives[0] = std::move(whole);
+  for (const EventOperations& of_alternative : alternatives) {
+    for (const auto& [name, operation] : of_alternative) {
+      if (of_alternative.size() > 1 && !absl::c_linear_search(operations, operation))
+        operations.push_back(operation);
+    }
+  }
+  return operations;
 }
 
 }  // namespace docent::cawl

@@ -100,6 +100,9 @@ struct ConditionText {
 std::vector<ConditionText> ConditionTexts(const Document& document, const Limits& limits,
                                           xml::ElementReader* reader);
 
+// What CompiledAsk::joint_events is of an ask that was compiled before it had them: read from its text.
+std::vector<std::string> JointEventsOf(const CompiledAsk& ask);
+
 }  // namespace docent::cawl
 
 #endif  // DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_

@@ -4,6 +4,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 
@@ -112,6 +113,7 @@ absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int ind
     if (!status.ok()) return status;
   }
   if (!negated) {
+    TellEventsApart(conjunction, &group);
     for (const Formula& absent : conjunction.absent) AddKnownTimes(absent, &group);
   }
   for (const std::string& line : group.triples) AppendLine(indent, line, out);
@@ -190,6 +192,34 @@ void AskWriter::AddEvent(const Event& event, bool negated, Group* group) {
       Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."));
   group->AddTriple(Concat("?", name, " ", Short(DocentIri("operation")), " ",
                           ToNTriples(Term::Literal(event.operation.value)), " ."));
+}
+
+// A variable of a constraint that stands for an event of an operation that is waited for stands for the event that is
+// counted: of several that one batch tells, each goes with what is told of itself.
+void AskWriter::TellEventsApart(const Conjunction& conjunction, Group* group) {
+  std::map<std::string, std::vector<std::string>> events;  // by operation: their variables
+  for (const Event* event : conjunction.events)
+    events[event->operation.value].push_back(absl::StrCat("?", EventVariable(event, /*negated=*/false)));
+  if (events.empty()) return;
+  std::vector<std::string> variables;
+  for (const Constraint* constraint : conjunction.constraints) {
+    for (const Word* word : {&constraint->subject, &constraint->object}) {
+      if (word->comparison != Word::Comparison::kNone) continue;
+      if (word->kind == Word::Kind::kFree) Note("?" + word->name, &variables);
+      if (word->kind == Word::Kind::kVariable && !ValueOf(*word))
+        Note(absl::StrCat("?", VariableText(word->name)), &variables);
+    }
+  }
+  for (const auto& [operation, of_operation] : events) {
+    for (const std::string& variable : variables) {
+      const std::string same = of_operation.size() == 1
+                                   ? Concat(variable, " = ", of_operation[0])
+                                   : Concat(variable, " IN (", absl::StrJoin(of_operation, ", "), ")");
+      group->AddFilter(Concat("FILTER (", same, " || NOT EXISTS { ", variable, " ",
+                              Short(DocentIri("operation")), " ", ToNTriples(Term::Literal(operation)),
+                              " })"));
+    }
+  }
 }
 
 std::string AskWriter::EventVariable(const void* event, bool negated) {

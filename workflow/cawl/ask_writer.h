@@ -55,6 +55,7 @@ class AskWriter {
   absl::Status AddType(const Word& word, const std::string& value, Group* group);
   void AddEvent(const Event& event, bool negated, Group* group);
   // The ?_event_N of an event, or of a time that occurs.
+  void TellEventsApart(const Conjunction& conjunction, Group* group);
   std::string EventVariable(const void* event, bool negated);
   // A time under `not` is asked for only once the clock has told of it: it is not absent before.
   void AddKnownTimes(const Formula& formula, Group* group);

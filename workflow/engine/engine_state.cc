@@ -34,6 +34,18 @@ void Complete(Packed* packed) {
   }
 }
 
+// A state of format 5 likewise: conditions know which events they need together.
+void CompleteEvents(Packed* packed) {
+  for (PackedRun& run : packed->runs) {
+    for (PackedNode& node : run.nodes) {
+      for (ArmedCondition& armed : node.state.armed) armed.ask.joint_events = cawl::JointEventsOf(armed.ask);
+    }
+  }
+  for (auto& [name, deployment] : packed->deployments) {
+    for (ArmedCondition& armed : deployment.armed) armed.ask.joint_events = cawl::JointEventsOf(armed.ask);
+  }
+}
+
 // Gives each distinct object a number in order of first use.
 template <class T>
 class Numbers {
@@ -195,7 +207,10 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     Complete(&packed);
   else
     AddedFields(reader, packed);
-  if (!reader.AtEnd()) AddedIn6(reader, packed);
+  if (reader.AtEnd())
+    CompleteEvents(&packed);
+  else
+    AddedIn6(reader, packed);
   if (!reader.AtEnd()) AddedIn7(reader, packed);
   if (!reader.AtEnd()) AddedIn8(reader, packed);
   if (!reader.AtEnd()) AddedIn9(reader, packed);

@@ -393,5 +393,25 @@ TEST_F(ReadingTest, WhatCannotBeMappedIsNamed) {
   EXPECT_THAT(Refusal(mixed), HasSubstr("readings[1]"));
 }
 
+// A robot stayed docent:Busy for ever where no ontology declared docent:status.
+TEST_F(BatchApplierTest, StatesThatTheServerReadsReplaceWhateverOntologyIsLoaded) {
+  for (const char* state :
+       {"status", "currentCommand", "progress", "localised", "x", "outOfService", "heldBy"}) {
+    const std::string fact = std::string("e:R docent:") + state;
+    ASSERT_TRUE(Turn(Batch(fact + " e:a .")).ok());
+    const auto changed = Turn(Batch(fact + " e:b ."));
+    ASSERT_TRUE(changed.ok());
+    EXPECT_THAT(changed->second, testing::SizeIs(1)) << state;
+    ASSERT_TRUE(Turn(Removing(fact + " e:b .")).ok());
+  }
+  ASSERT_TRUE(Turn(Batch("e:R docent:offers e:a .")).ok());
+  EXPECT_THAT(Turn(Batch("e:R docent:offers e:b ."))->second, testing::IsEmpty());
+  ASSERT_TRUE(Turn(Batch("docent:status a docent:StateProperty .")).ok());
+  ASSERT_TRUE(Turn(Removing("docent:status a docent:StateProperty .")).ok());
+  ASSERT_TRUE(Turn(Batch("e:R docent:status e:a .")).ok());
+  EXPECT_THAT(Turn(Batch("e:R docent:status e:b ."))->second, testing::SizeIs(1))
+      << "an ontology that leaves takes nothing away";
+}
+
 }  // namespace
 }  // namespace docent

@@ -47,6 +47,35 @@ class RobotFactsTest : public ::testing::Test {
   BatchApplier applier_{dictionary_, Limits{}};
 };
 
+// It was docent:Busy for ever after its first command, and kept its states when it was lost.
+TEST_F(RobotFactsTest, ARobotThatIsDoneIsFreeThoughNoOntologyIsLoaded) {
+  Join(Guide());
+  const auto tell = [&](const char* property, Term value) {
+    WriteBatch batch;
+    batch.source = "urn:r1";
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd,
+         {Term::Iri("urn:r1"), Term::Iri(DocentIri(property)), std::move(value), Term()}});
+    Apply(batch);
+  };
+  for (int i = 0; i < 2; ++i) {
+    tell("status", Term::Iri(DocentIri("Busy")));
+    EXPECT_EQ(Robots()[0].state, RobotRecord::State::kBusy);
+    tell("status", Term::Iri(DocentIri("Standby")));
+    EXPECT_EQ(Robots()[0].state, RobotRecord::State::kStandby);
+    GraphRobotDirectory directory(&dictionary_);
+    directory.Refresh(writer_.current(), Delta());
+    ASSERT_EQ(directory.Offers("drive").size(), 1u);
+    EXPECT_FALSE(directory.Offers("drive")[0].busy);
+  }
+  tell("currentCommand", Term::Literal("c1"));
+  tell("x", Term::Integer(3));
+  Lose("urn:r1", 5'000'000);
+  EXPECT_EQ(Robots()[0].state, RobotRecord::State::kOffline);
+  EXPECT_EQ(Robots()[0].x_m, 3);
+  EXPECT_EQ(writer_.current().Count({{}, *dictionary_.FindIri(DocentIri("currentCommand")), {}, {}}), 0u);
+}
+
 TEST_F(RobotFactsTest, AJoinIsReadBack) {
   Join(Guide());
   const std::vector<RobotRecord> robots = Robots();

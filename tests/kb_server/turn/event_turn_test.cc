@@ -5,6 +5,7 @@
 #include "graph/base/workflow_limits.h"
 #include "gtest/gtest.h"
 #include "tests/kb_server/turn/turn_fixture.h"
+#include "tests/kb_server/writer/old_formats.h"
 
 namespace docent::server {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 using test::Fact;
 using test::Iri;
 using test::Put;
+using test::StateInFormat;
 using test::Tell;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -148,6 +150,49 @@ TEST_F(EventTurnTest, TheRunHasWhatTheEventSaidThoughItIsGone) {
   EXPECT_EQ(stages_->writer.current().Count({{}, *value, *john, {}}), 1u);
 }
 
+// Each run of one batch was started for each of the others, too.
+TEST_F(EventTurnTest, EventsOfOneBatchEachStartARunWithWhatIsToldOfThem) {
+  Turn(Put(
+      Document::Kind::kCawl, "bell",
+      OnCase(
+          "<condition expression=\"rang and c\"><case name=\"rang\"><event operation=\"doorbell\"/></case>" +
+          Context("?ring", "w:by", "?user") + "</condition>")));
+  Turn(Tell({Fact("Letter", "by", "Zoe")}));
+  Settle();
+  WriteBatch rings;
+  for (const char* user : {"John", "Ann", "Eve"}) {
+    const WriteBatch ring = Event(std::string("ring") + user);
+    rings.operations.insert(rings.operations.end(), ring.operations.begin(), ring.operations.end());
+    rings.operations.push_back({QuadOperation::Kind::kAdd, Fact(std::string("ring") + user, "by", user)});
+  }
+  // what is no event of this operation may stand in the context, too: three rings with Zoe's letter
+  EXPECT_THAT(Started(Turn(rings)), SizeIs(6));
+  const auto value = dictionary_.FindIri(DocentIri("variableValue"));
+  for (const char* user : {"John", "Ann", "Eve"}) {
+    EXPECT_EQ(
+        stages_->writer.current().Count({{}, *value, *dictionary_.FindIri(std::string("urn:w:") + user), {}}),
+        1u)
+        << user;
+  }
+  Settle();
+  EXPECT_THAT(Started(Turn(rings)), SizeIs(6)) << "told again";
+}
+
+TEST_F(EventTurnTest, AnEventThatAContextNamesAsTheObjectIsTheOneThatIsCounted) {
+  Turn(Put(Document::Kind::kCawl, "bell",
+           OnCase("<condition expression=\"both and c\"><case name=\"both\" expression=\"doorbell and "
+                  "knock\"><event operation=\"doorbell\"/>"
+                  "<event operation=\"knock\"/></case>" +
+                  Context("?user", "w:made", "?what") + "</condition>")));
+  WriteBatch batch;
+  for (const auto& [node, operation] : {std::pair("r1", "doorbell"), {"r2", "doorbell"}, {"k1", "knock"}}) {
+    const WriteBatch event = Event(node, operation);
+    batch.operations.insert(batch.operations.end(), event.operations.begin(), event.operations.end());
+    batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "made", node)});
+  }
+  EXPECT_THAT(Started(Turn(batch)), SizeIs(4)) << "each ring with itself and with the knock";
+}
+
 TEST_F(EventTurnTest, ALifetimeDoesNotKeepAnEvent) {
   Turn(Put(Document::Kind::kCawl, "bell", OnCase(kRang)));
   for (int i = 0; i < 2; ++i) {
@@ -174,6 +219,84 @@ TEST_F(EventTurnTest, AnEventOfASubclassIsOneToo) {
   Settle();
   EXPECT_EQ(Events(), 0u);
   EXPECT_EQ(Count("docent:operation"), 0u);
+}
+
+TEST_F(EventTurnTest, AClassThatTheSameBatchPutsBelowEventIsOneToo) {
+  const std::string below = std::string(kRdfsNs) + "subClassOf";
+  Turn(Put(Document::Kind::kRules, "types",
+           "PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>\n"
+           "RULE { ?x a ?above } WHERE { ?x a ?class . ?class rdfs:subClassOf ?above }"));
+  Turn(Put(Document::Kind::kCawl, "bell", OnCase(kRang)));
+  const auto told = [](const std::string& node, const std::string& type) {
+    return std::vector<TermQuad>{Fact(node, "a", type),
+                                 Fact(node, "docent:operation", Term::Literal("doorbell"))};
+  };
+  std::vector<TermQuad> facts = told("r", "Ring");
+  facts.push_back(Fact("Ring", below, "docent:Event"));
+  EXPECT_THAT(Started(Turn(Tell(facts))), SizeIs(1));
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+  Turn(Tell({Fact("Short", below, "Knock")}));
+  facts = told("k", "Short");
+  facts.push_back(Fact("Bang", below, "docent:Event"));
+  facts.push_back(Fact("Knock", below, "Bang"));
+  EXPECT_THAT(Started(Turn(Tell(facts))), SizeIs(1)) << "by what the graph says and by what the batch says";
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+  EXPECT_THAT(Started(Turn(Tell(told("k", "Short")))), SizeIs(1)) << "later it is in the graph";
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+}
+
+TEST_F(EventTurnTest, AnEventToldAgainIsCountedWhetherTheClockCameBetweenOrNot) {
+  const TurnResult first = Turn(Event("ring"));
+  EXPECT_EQ(first.delta.added.size() + first.told_again, 2u);
+  const TurnResult at_once = Turn(Event("ring"));
+  EXPECT_EQ(at_once.delta.added.size() + at_once.told_again, 2u);
+  EXPECT_THAT(at_once.delta.removed, IsEmpty());
+  Settle();
+  const TurnResult later = Turn(Event("ring"));
+  EXPECT_EQ(later.delta.added.size() + later.told_again, 2u);
+  const TurnResult other = Turn(Tell({Fact("John", "knows", "Ann")}));
+  EXPECT_EQ(other.delta.added.size() + other.told_again, 1u);
+}
+
+TEST_F(EventTurnTest, JointEventsAreAwaitedAfterAStartFromAnyFormat) {
+  for (uint64_t format = 4; format <= 10; ++format) {
+    stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
+    Turn(Put(
+        Document::Kind::kCawl, "bell",
+        OnCase("<condition><case expression=\"(doorbell and knock) or shout\"><event operation=\"doorbell\"/>"
+               "<event operation=\"knock\"/><event operation=\"shout\"/></case></condition>")));
+    RestartFrom(StateInFormat(format, State(), dictionary_));
+    EXPECT_THAT(Started(Turn(BlankEvent("doorbell"))), IsEmpty()) << format;
+    Settle();
+    EXPECT_EQ(Events(), 1u) << format << ": the bell waits for the knock";
+    RestartFrom(StateInFormat(std::max<uint64_t>(format, 6), State(), dictionary_));
+    EXPECT_THAT(Started(Turn(BlankEvent("knock"))), SizeIs(1)) << format;
+    Settle();
+    EXPECT_EQ(Events(), 0u) << format;
+    EXPECT_THAT(Started(Turn(BlankEvent("shout"))), SizeIs(1)) << format;
+  }
+}
+
+TEST_F(EventTurnTest, WhatWaitsForARobotGoesOnAfterAStartFromAnyFormat) {
+  for (uint64_t format = 4; format <= 10; ++format) {
+    stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
+    Turn(test::WorldFacts());
+    Turn(Put(Document::Kind::kCawl, "bell",
+             Cawl("", "<node name=\"N\"><condition>" + Context("?robot", "docent:isAt", "w:Hall") +
+                          "</condition><invoke operation=\"greet\"/></node>"
+                          "<link from=\"s\" to=\"N\"/><link from=\"N\" to=\"e\"/>")));
+    const TurnResult first = Turn(test::Start("Bell"));
+    ASSERT_THAT(first.record.commands, SizeIs(1)) << format;
+    EXPECT_THAT(Turn(test::Start("Bell")).record.commands, IsEmpty()) << format;
+    RestartFrom(StateInFormat(format, State(), dictionary_));
+    EXPECT_THAT(
+        Turn(test::Report(first.record.commands[0].id, CommandReport::Outcome::kSucceeded)).record.commands,
+        SizeIs(1))
+        << format << ": the robot is free for the second run";
+  }
 }
 
 TEST_F(EventTurnTest, EventsThatAreNeededTogetherWaitForEachOther) {

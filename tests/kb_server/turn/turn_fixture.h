@@ -32,12 +32,16 @@ class TurnTest : public ::testing::Test {
     tick.clock_tick = true;
     return Turn(std::move(tick));
   }
+  ServerState State() const {
+    return TakeState(*stages_, RequestMemory(10), stages_->writer.Freeze(Revision(head_)), now_us_);
+  }
   void Restart() {
-    auto bytes =
-        EncodeState(TakeState(*stages_, RequestMemory(10), stages_->writer.Freeze(Revision(head_)), now_us_),
-                    dictionary_);
+    auto bytes = EncodeState(State(), dictionary_);
     ASSERT_TRUE(bytes.ok()) << bytes.status();
-    auto state = DecodeState(*bytes, &dictionary_, &functions_, Limits());
+    RestartFrom(*bytes);
+  }
+  void RestartFrom(const std::string& bytes) {
+    auto state = DecodeState(bytes, &dictionary_, &functions_, Limits());
     ASSERT_TRUE(state.ok()) << state.status();
     stages_ = std::move(state->stages);
   }
