@@ -30,6 +30,8 @@ struct Inflater {
 }  // namespace
 
 absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name) {
+  if (bytes.size() > 2 && !IsGzip(bytes))
+    return absl::InvalidArgumentError("this is not gzip data: it does not begin with the bytes 1F 8B 08");
   Inflater inflater;
   if (!inflater.ready) return absl::ResourceExhaustedError("not enough memory to unpack gzip");
   z_stream& stream = inflater.stream;

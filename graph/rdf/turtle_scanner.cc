@@ -67,6 +67,14 @@ void TurtleScanner::SkipSpace() {
   while (Peek() == ' ' || Peek() == '\t') ++position_;
 }
 
+void TurtleScanner::SkipSpaceWithinLiteral() {
+  const size_t before = position_;
+  SkipSpace();
+  const std::string_view rest = text_.substr(position_);
+  const bool tag = rest.starts_with('@') && !rest.starts_with("@prefix") && !rest.starts_with("@base");
+  if (!tag && !rest.starts_with("^^")) position_ = before;
+}
+
 void TurtleScanner::SkipLines() {
   while (!AtEnd()) {
     char c = text_[position_];

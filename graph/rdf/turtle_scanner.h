@@ -37,6 +37,8 @@ class TurtleScanner {
   }
   // White space and comments within a statement (a line-based one holds neither ends of lines nor comments).
   void SkipSpace();
+  // White space after a string, if a language tag or a datatype follows: it may stand between any two tokens.
+  void SkipSpaceWithinLiteral();
   // White space, ends of lines and comments between statements.
   void SkipLines();
   // Moves past `c` if it is the next character.

@@ -212,11 +212,12 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
     return;
   }
   for (TermQuad& quad : parsed.quads) {
-    if (!quad.graph.lexical.empty()) {
+    if (!quad.graph.lexical.empty() && quad.graph != address.graph) {
       content->refusal = TextResponse(400, "the body names the graph " + ToDisplay(quad.graph) +
                                                "; what is sent to one graph cannot name others");
       return;
     }
+    quad.graph = Term();
     const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
     content->triples.push_back(std::move(quad));
     if (fits) continue;
@@ -230,6 +231,12 @@ Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Addre
   Content content;
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
+  // RFC 9110 section 14.5: a part of a graph is not put in place of the graph.
+  if (!http.Header("content-range").empty()) {
+    content.refusal =
+        TextResponse(400, "Content-Range: a graph is sent whole; POST adds to one that is there");
+    return content;
+  }
   HttpBody body;
   UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", &body);
   if ((content.refusal = std::move(body.refusal))) return content;

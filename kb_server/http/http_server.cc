@@ -59,6 +59,12 @@ const HttpRoute* HttpRoutes::Find(const HttpRequest& request, HttpResponse* refu
   std::string allowed;
   for (const auto& [name, ignored] : methods->second)
     absl::StrAppend(&allowed, allowed.empty() ? "" : ", ", name);
+  if (request.method == "OPTIONS") {  // RFC 9110 section 9.3.7
+    *refusal = HttpResponse();
+    refusal->status = 200;
+    refusal->headers.emplace_back("Allow", absl::StrCat(allowed, ", OPTIONS"));
+    return nullptr;
+  }
   *refusal = TextResponse(405, absl::StrCat(path, " answers only ", allowed));
   refusal->headers.emplace_back("Allow", allowed);
   return nullptr;

@@ -418,6 +418,7 @@ class TurtleParser {
   bool ReadLiteral(Term* term) {
     std::string value;
     if (!scan_.ReadString(&value)) return false;
+    scan_.SkipSpaceWithinLiteral();
     if (scan_.Peek() == '@') {
       std::string_view language;
       if (!scan_.ReadLanguage(&language)) return false;
@@ -432,6 +433,7 @@ class TurtleParser {
     if (scan_.Peek(1) != '^') return scan_.Fail("expected '^^' before the datatype");
     scan_.Take('^');
     scan_.Take('^');
+    scan_.SkipSpace();
     size_t at = scan_.position();
     if (!ReadIriTerm(&datatype)) return false;
     if (datatype.lexical == kRdfLangString) {

@@ -43,6 +43,7 @@ TEST(GzipTest, DamagedDataAreAnError) {
   for (size_t size = 3; size < packed.size(); ++size) {
     EXPECT_THAT(Message(packed.substr(0, size), 1000), HasSubstr("ends too early")) << size;
   }
+  EXPECT_THAT(Message("@prefix : <urn:x> .", 1000), HasSubstr("this is not gzip data"));
   EXPECT_THAT(Message(packed + "x", 1000), HasSubstr("bytes follow the end of the gzip data"));
   std::string flipped = packed;
   flipped[packed.size() / 2] ^= 0x55;

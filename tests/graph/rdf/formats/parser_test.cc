@@ -85,6 +85,27 @@ TEST(ParserTest, BlankNodeLabelsNeverMeet) {
   EXPECT_EQ(parsed.quads[2].object, Term::Blank("d7-b3"));
 }
 
+// The grammar allows white space between any two tokens (Turtle section 6.1).
+TEST(ParserTest, WhiteSpaceMayStandWithinALiteral) {
+  const ParsedRdf turtle = ParseRdf(
+      "@prefix : <http://e/> . :a :b \"1\" ^^ :int , 'x'\n@en , \"2\" # two\n^^:int , \"y\" .\n:a :b \"z\" . "
+      "@prefix x: <http://x/> .",
+      RdfFormat::kTurtle);
+  ASSERT_TRUE(turtle.ok()) << Render(turtle.diagnostics, "");
+  std::vector<Term> objects;
+  for (const TermQuad& quad : turtle.quads) objects.push_back(quad.object);
+  EXPECT_THAT(objects,
+              ElementsAre(Term::Literal("1", "http://e/int"), Term::LangString("x", "en"),
+                          Term::Literal("2", "http://e/int"), Term::Literal("y"), Term::Literal("z")));
+  const ParsedRdf lines =
+      ParseRdf("<urn:a> <urn:b> \"1\"\t^^ <urn:int> .\n<urn:a> <urn:b> \"x\" @en .", RdfFormat::kNTriples);
+  ASSERT_TRUE(lines.ok()) << Render(lines.diagnostics, "");
+  EXPECT_EQ(lines.quads[0].object, Term::Literal("1", "urn:int"));
+  EXPECT_EQ(lines.quads[1].object, Term::LangString("x", "en"));
+  EXPECT_THAT(Mistakes("@prefix : <http://e/> .\n:a :b \"x\"\n@prefix x: <http://x/> ."),
+              HasSubstr("3:1: error: expected '.'"));
+}
+
 TEST(ParserTest, NumbersBeforeADot) {
   ParsedRdf parsed = ParseRdf("@prefix e: <http://e/>. e:s e:p 1.e:t e:p 2.5.e:u e:p .5e1.e:v e:p -1.E2.",
                               RdfFormat::kTurtle);
