@@ -1,6 +1,8 @@
 #include "kb_server/grpc/convert.h"
 
 #include <optional>
+#include <set>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
@@ -205,8 +207,11 @@ absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::NamedTerm>& terms, const std::string& what,
     const Limits& limits) {
   std::vector<std::pair<std::string, Term>> out;
+  std::set<std::string> names;
   for (const v1::NamedTerm& named : terms) {
     const std::string place = absl::StrCat(what, ".", named.name());
+    if (!names.insert(named.name()).second)
+      return absl::InvalidArgumentError(absl::StrCat(place, " is given twice; give it one value"));
     auto term = FromProto(named.value(), place);
     if (!term.ok()) return term.status();
     if (absl::Status status = CheckTerm(*term, limits.term_bytes); !status.ok()) {

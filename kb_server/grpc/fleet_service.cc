@@ -8,6 +8,7 @@
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/imports/import_target.h"
 #include "kb_server/robots/robot_facts.h"
 #include "kb_server/robots/robot_records.h"
 #include "spdlog/spdlog.h"
@@ -106,6 +107,8 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     return refuse(std::string(term.status().message()));
   if (request->address().empty())
     return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
+  if (absl::Status address = CheckTarget(request->address()); !address.ok())
+    return refuse(absl::StrCat("address: ", address.message()));
   if (description.incarnation().empty())
     return refuse("description.incarnation is empty; it must change at every start");
   const std::string speaker = leases_.Claim(description.robot(), request->address());

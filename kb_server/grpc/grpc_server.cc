@@ -2,10 +2,13 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/support/server_interceptor.h>
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace docent::server {
 namespace {
@@ -13,6 +16,44 @@ namespace {
 constexpr size_t kBesideDocument = 1u << 20;  // of a message that brings a document
 constexpr int kKeepaliveMs = 60000;
 constexpr int kHandshakeMs = 10000;  // from a connection's begin to the first frame of HTTP/2
+
+// What to say to a request that is no message of its type. gRPC itself answers UNIMPLEMENTED without a text to it, which no
+// method of ours does (CallbackUnaryHandler in grpcpp/impl/codegen/server_callback_handlers.h).
+constexpr char kUnreadable[] =
+    "the request is not a message of the type that this method takes: its bytes are damaged or of another "
+    "type, or a text in "
+    "it is not UTF-8; see the .proto files";
+
+class UnreadableRequest : public grpc::experimental::Interceptor {
+ public:
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    using Point = grpc::experimental::InterceptionHookPoints;
+    if (methods->QueryInterceptionHookPoint(Point::PRE_SEND_STATUS)) {
+      const grpc::Status status = methods->GetSendStatus();
+      if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_message().empty())
+        methods->ModifySendStatus(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, kUnreadable));
+    }
+    methods->Proceed();
+  }
+};
+
+class UnreadableRequests : public grpc::experimental::ServerInterceptorFactoryInterface {
+ public:
+  grpc::experimental::Interceptor* CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) override {
+    using Type = grpc::experimental::ServerRpcInfo::Type;
+    // A method that is not there is a stream in both directions; it stays UNIMPLEMENTED.
+    const bool takes_one = info->type() == Type::UNARY || info->type() == Type::SERVER_STREAMING;
+    return takes_one ? new UnreadableRequest() : nullptr;
+  }
+};
+
+// gRPC unpacks a message whole before it looks at its size: a small one could take all memory. The client is told that
+// gzip and deflate are not read, and what it may send.
+void RefuseCompression(grpc::ServerBuilder* builder) {
+  builder->AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
+    builder->SetCompressionAlgorithmSupportStatus(algorithm, false);
+}
 
 }  // namespace
 
@@ -48,6 +89,10 @@ absl::Status GrpcServer::Build(const Limits& limits) {
        {v1::RobotServices::service_full_name(), &robot_services_},
        {v1::Fleet::service_full_name(), &fleet_}}};
   for (const auto& [name, service] : services) builder.RegisterService(service);
+  RefuseCompression(&builder);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<UnreadableRequests>());
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::InternalError("the gRPC server does not start");
   for (const auto& [name, service] : services) server_->GetHealthCheckService()->SetServingStatus(name, true);

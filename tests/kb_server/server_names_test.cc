@@ -1,9 +1,11 @@
 // Names with blanks, slashes and other characters work from the document to the robot; names that cannot work
 // are refused at their place, or left out with a warning.
 #include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -108,6 +110,22 @@ TEST_F(ServerNamesTest, ASlashIsTriedAsPartOfTheWorkflowsNameFirst) {
   EXPECT_EQ(workflow_of("A/B/A/B"), "A/B");
 }
 
+TEST_F(ServerNamesTest, AVariableIsGivenOneValue) {
+  StartServer();
+  ASSERT_TRUE(Deploy("a.xml", Workflow("A")).ok());
+  v1::StartRequest request;
+  request.set_workflow("A");
+  for (const char* value : {"1", "2"}) {
+    v1::NamedTerm* variable = request.add_variables();
+    variable->set_name("user");
+    variable->mutable_value()->mutable_literal()->set_lexical(value);
+  }
+  v1::StartReply reply;
+  const grpc::Status status = Call(workflows_, &v1::Workflows::Stub::Start, request, &reply);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("variables.user is given twice"));
+}
+
 TEST_F(ServerNamesTest, WhatCannotBeANameIsRefusedAtItsLine) {
   StartServer();
   const std::string text =
@@ -126,6 +144,79 @@ TEST_F(ServerNamesTest, WhatCannotBeANameIsRefusedAtItsLine) {
       Register("<rsel name=\"S\">\n<process name=\"a&#9;b\"><invoke operation=\"x\"/></process></rsel>");
   EXPECT_THAT(status.error_message(),
               HasSubstr("services.xml:2:16: error: the name holds the control character U+0009"));
+}
+
+TEST_F(ServerNamesTest, AModuleIsNotNamedByControlCharactersOrOtherFolders) {
+  StartServer();
+  for (const std::string& name :
+       {std::string("a\nb.ttl"), std::string("a\0b", 3), std::string("a\x7f"), std::string(300, 'x'),
+        std::string(".."), std::string("a/../b"), std::string()}) {
+    for (const auto kind : {v1::LoadRequest::ONTOLOGY, v1::LoadRequest::RULES}) {
+      v1::LoadRequest request;
+      request.set_kind(kind);
+      request.set_name(name);
+      v1::LoadReply reply;
+      const grpc::Status status = Call(ontologies_, &v1::Ontologies::Stub::Load, request, &reply);
+      EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << name;
+      EXPECT_THAT(status.error_message(), HasSubstr("the name "));
+    }
+    v1::PreviewRulesRequest preview;
+    preview.set_name(name);
+    v1::PreviewRulesReply of_preview;
+    EXPECT_EQ(Call(ontologies_, &v1::Ontologies::Stub::PreviewRules, preview, &of_preview).error_code(),
+              grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  EXPECT_THAT(Register("<rsel name=\"..\"><process name=\"p\"><invoke operation=\"x\"/></process></rsel>")
+                  .error_message(),
+              HasSubstr("the name of the RSEL document has the part .."));
+  EXPECT_THAT(
+      Deploy("w.xml",
+             "<CAWL name=\"..\"><flow name=\"F\"><source name=\"s\"/><node name=\"N\"/><sink name=\"e\"/>"
+             "<link from=\"s\" to=\"N\"/><link from=\"N\" to=\"e\"/></flow></CAWL>")
+          .error_message(),
+      HasSubstr("the name of the workflow has the part .."));
+}
+
+// It was UNIMPLEMENTED, without a text.
+TEST_F(ServerNamesTest, ARequestThatIsNoMessageIsInvalidAndSaysWhy) {
+  StartServer();
+  const auto raw = [&](const std::string& method, const std::string& bytes, bool packed = false) {
+    grpc::GenericStub stub(channel_);
+    grpc::ClientContext context;
+    Limit(&context);
+    if (packed) context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+    const grpc::Slice slice(bytes);
+    const grpc::ByteBuffer request(&slice, 1);
+    grpc::ByteBuffer reply;
+    std::promise<grpc::Status> answer;
+    stub.UnaryCall(&context, method, grpc::StubOptions(), &request, &reply,
+                   [&answer](grpc::Status status) { answer.set_value(std::move(status)); });
+    return answer.get_future().get();
+  };
+  const std::string not_utf8("\x0A\x02\xFF\xFE", 4);  // field 1, a text of two bytes
+  for (const char* method :
+       {"/docent.v1.Ontologies/Load", "/docent.v1.Workflows/Deploy", "/docent.v1.Context/Query"}) {
+    for (const std::string& bytes : {not_utf8, std::string("\xFF\xFF\xFF\xFF")}) {
+      const grpc::Status status = raw(method, bytes);
+      EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << method;
+      EXPECT_THAT(status.error_message(), HasSubstr("a text in it is not UTF-8"));
+    }
+  }
+  EXPECT_EQ(raw("/docent.v1.Context/Nothing", "").error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  const grpc::Status packed = raw("/docent.v1.Context/Assert", std::string(100000, '\n'), true);
+  EXPECT_EQ(packed.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_THAT(packed.error_message(), HasSubstr("gzip"));
+}
+
+TEST_F(ServerNamesTest, ARobotJoinsWithAnAddressThatCanBeReached) {
+  StartServer();
+  for (const char* address :
+       {"nope", "127.0.0.1:99999", "127.0.0.1:0", "http://127.0.0.1:1", "127.0.0.1:1/x"}) {
+    v1::JoinReply reply;
+    const grpc::Status status = JoinWith({"go"}, address, &reply);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << address;
+    EXPECT_THAT(status.error_message(), HasSubstr("is not HOST:PORT"));
+  }
 }
 
 TEST_F(ServerNamesTest, ARobotJoinsWithoutTheOperationsThatCannotBeNamed) {
