@@ -61,7 +61,7 @@ absl::Status LoadAndWait(const RunPorts& ports, WriteBatch batch, const std::str
 
 absl::Status LoadOntologyFiles(const RunPorts& ports, const std::vector<std::string>& files) {
   for (const std::string& file : files) {
-    auto rdf = ReadRdf(file, "");
+    auto rdf = ReadRdf(file, "", "", kDocumentText);
     if (!rdf.ok()) return rdf.status();
     std::string name = std::filesystem::path(file).filename().string();
     ParseRdfOptions options = rdf->Options(file);
@@ -103,7 +103,7 @@ absl::Status LoadRuleFiles(const RunPorts& ports, const std::vector<std::string>
     std::string name = given;
     std::string text = rules::BuiltInRuleSet(given);
     if (text.empty()) {
-      auto file = ReadText(given);
+      auto file = ReadText(given, kDocumentText);
       if (!file.ok()) {
         return absl::Status(
             file.status().code(),

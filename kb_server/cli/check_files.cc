@@ -1,8 +1,10 @@
 #include "kb_server/cli/check_files.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/syntax/prefix_places.h"
@@ -31,6 +33,11 @@ std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findin
                    ""});
   }
   return out;
+}
+
+// The name by which a server knows a rule set.
+std::string NameOf(const std::string& file) {
+  return std::string(NameWithoutGz(std::filesystem::path(file).filename().string()));
 }
 
 // A clash is told as what it is, with the proof of the inconsistency that rests on the same fact.
@@ -71,6 +78,7 @@ void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
     rules::ImportedRules imported = rules::ImportShaclRules(document, rdf.text, file, &functions_);
+    RehearseData(file, document.rdf.quads);
     if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
     if (!only_words) imported_[file] = std::move(imported);
   }
@@ -78,7 +86,40 @@ void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_
 }
 
 void FileChecker::AddRules(const std::string& file, const std::string& text) {
-  consistency_.AddRules(file, text, true);
+  refused_[file] =
+      rehearsal_.LoadDocument({Document::Kind::kRules, Document::Action::kPut, NameOf(file), text, nullptr});
+  // Rules beyond a limit of the server are beyond those of a check, too.
+  if (!absl::IsResourceExhausted(refused_[file])) consistency_.AddRules(file, text, true);
+}
+
+void FileChecker::RehearseData(const std::string& file, const std::vector<TermQuad>& quads) {
+  if (rehearsal_.facts() + quads.size() > limits_.check_facts) return;
+  refused_[file] = rehearsal_.LoadData(quads);
+}
+
+void FileChecker::AddRefusal(const std::string& file, const std::string& text,
+                             ontology::Findings& findings) const {
+  const auto found = refused_.find(file);
+  if (found == refused_.end() || found->second.ok()) return;
+  if (findings.Find([](const ontology::Finding& f) {
+        return f.diagnostic.severity == Diagnostic::Severity::kError;
+      }) != nullptr)
+    return;
+  const std::string message(found->second.message());
+  SourceSpan span;
+  int number = 0;
+  const rules::ParsedRules parsed = rules::ParseRules(text, NameOf(file), {}, &functions_);
+  for (const rules::Rule& rule : parsed.rules) {
+    if (absl::StartsWith(message, rules::RuleLabel(NameOf(file), rule, ++number))) span = rule.span;
+  }
+  findings.Error("load", span, absl::StrCat("a server refuses to load this: ", message), "");
+}
+
+std::vector<ontology::Finding> FileChecker::Rehearse(const Document& document) {
+  refused_[document.name] = rehearsal_.LoadDocument(document);
+  ontology::Findings findings(document.name, limits_.check_diagnostics);
+  AddRefusal(document.name, "", findings);
+  return TakeAll(document.name, findings);
 }
 
 void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
@@ -137,6 +178,7 @@ std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
   ontology::CheckMeaning(document, vocabulary_, &cycles_, findings);
   CheckImported(file, findings);
   AddInconsistencies(file, findings);
+  AddRefusal(file, "", findings);
   for (const Diagnostic& d : of_shapes_[file]) {
     if (d.severity == Diagnostic::Severity::kError) {
       findings.Error("shape", d.span, d.message, d.hint);
@@ -154,6 +196,7 @@ std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, 
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
   ontology::CheckWords(rules::ParseRules(text, file, {}, &functions_), vocabulary_, findings);
   ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
+  AddRefusal(file, text, findings);
   AddInconsistencies(file, findings);
   return TakeAll(file, findings);
 }

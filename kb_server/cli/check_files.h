@@ -15,6 +15,7 @@
 #include "graph/rdf/iri_names.h"
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/consistency_check.h"
+#include "kb_server/cli/rehearsal/load_rehearsal.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 #include "reasoner/rules/rule_engine.h"
@@ -39,6 +40,10 @@ class FileChecker {
   std::vector<ontology::Finding> CheckRules(const std::string& file, const std::string& text);
   std::vector<ontology::Finding> CheckQuery(const std::string& file, const std::string& text);
 
+  // Loads a workflow or an RSEL document after the RDF documents, the rules and the documents of earlier calls, and gives
+  // the server's error, if it has one, as a finding. The document's name is the file's.
+  std::vector<ontology::Finding> Rehearse(const Document& document);
+
   // By the prefixes of the RDF documents that were added, in their order.
   const IriNames& names() const { return names_; }
 
@@ -47,6 +52,10 @@ class FileChecker {
   void CheckShapes();
   // The rules of the file's shapes: their mistakes, and the words of their queries.
   void CheckImported(const std::string& file, ontology::Findings& findings);
+  // Loads facts beside those of the documents before, up to the limit check_facts.
+  void RehearseData(const std::string& file, const std::vector<TermQuad>& quads);
+  // Why a server refuses to load the file, unless the findings have an error already. `text`: of rules, else empty.
+  void AddRefusal(const std::string& file, const std::string& text, ontology::Findings& findings) const;
   // The inconsistencies of all, looked for once, into the findings of the file.
   void AddInconsistencies(const std::string& file, ontology::Findings& findings);
 
@@ -65,6 +74,8 @@ class FileChecker {
   size_t texts_ = 0;                                      // that were added: each has blank nodes of its own
   ConsistencyCheck consistency_{limits_, &functions_};
   bool consistency_checked_ = false;
+  LoadRehearsal rehearsal_{&functions_};
+  std::map<std::string, absl::Status> refused_;  // by file: what a server says to a load of it
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file
 };
 

@@ -5,9 +5,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <thread>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/formats/parser.h"
@@ -15,10 +17,27 @@
 #include "graph/wire/term_proto.h"
 
 namespace docent::server {
+namespace {
+
+// What is wrong with the address of a server, for people; empty: nothing. gRPC would take the port 99999 for 34463.
+std::string FaultOfAddress(const std::string& address) {
+  if (const size_t scheme = address.find("://"); scheme != std::string::npos && address.starts_with("http"))
+    return absl::StrCat("write HOST:PORT, without ", address.substr(0, scheme + 3));
+  const std::string port = address.substr(address.rfind(':') + 1);
+  const bool digits = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  int number = 0;
+  if (!digits || address.find(':') == std::string::npos) return "";  // a name that gRPC may know
+  if (absl::SimpleAtoi(port, &number) && number >= 1 && number <= 65535) return "";
+  return absl::StrCat("the port ", port, " is not between 1 and 65535");
+}
+
+}  // namespace
+
 void AddClientOptions(CLI::App* command, ClientOptions* options) {
   command->add_option("--server", options->server, "gRPC address of the server, HOST:PORT")
       ->type_name("ADDRESS")
       ->envname("DOCENT_SERVER")
+      ->check(std::function<std::string(const std::string&)>(FaultOfAddress))
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON, an object a line, with whole IRIs");
 }

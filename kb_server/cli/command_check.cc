@@ -1,5 +1,6 @@
 // docent check FILES: everything that can be said about files before a server has them. No server is needed.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cassert>
 #include <deque>
 #include <iostream>
@@ -15,6 +16,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/text_file.h"
 #include "kb_server/door/operation_signature.h"
+#include "kb_server/door/parsed_document.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check/check.h"
@@ -61,6 +63,21 @@ std::string Indented(const std::string& text, const std::string& by) {
   return out;
 }
 
+// How much of a file is read; of an unknown one, enough to say so.
+TextLimit LimitOf(const std::string& file) {
+  return KindOf(file) == Kind::kSparql ? kQueryText : kDocumentText;
+}
+
+bool HasErrorsIn(const std::vector<ontology::Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(), [](const ontology::Finding& f) {
+    return f.diagnostic.severity == Diagnostic::Severity::kError;
+  });
+}
+
+void Append(const std::vector<ontology::Finding>& more, std::vector<ontology::Finding>* findings) {
+  findings->insert(findings->end(), more.begin(), more.end());
+}
+
 class Checker {
  public:
   explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
@@ -69,7 +86,7 @@ class Checker {
   // order of the files.
   absl::Status Prepare() {
     for (const std::string& file : arguments_.ontologies) {
-      auto rdf = ReadRdf(file, arguments_.base);
+      auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
       if (!rdf.ok()) return rdf.status();
       ParsedRdf parsed = ParseScoped(file, *rdf);
       if (!parsed.ok()) return ToStatus(parsed, rdf->text);
@@ -79,7 +96,7 @@ class Checker {
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRdf) continue;
-      auto rdf = ReadRdf(file, arguments_.base);
+      auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
       if (!rdf.ok()) return rdf.status();
       files_.AddRdf(file, *rdf, false);
       environment_.AddOntology(ParseScoped(file, *rdf).quads);
@@ -87,24 +104,31 @@ class Checker {
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRules) continue;
-      auto text = ReadBytes(file);
+      auto text = ReadBytes(file, kDocumentText);
       if (!text.ok()) return text.status();
       files_.AddRules(file, *text);
     }
     rsel::ServiceRegistry registry;
     std::vector<std::pair<std::string, rsel::DocumentPtr>> registered;
+    std::map<std::string, std::string> texts;
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRsel) continue;
-      auto text = ReadBytes(file);
+      auto text = ReadBytes(file, kDocumentText);
       if (!text.ok()) return text.status();
       rsel::ParsedRsel parsed = rsel::ParseRsel(*text, file);
       if (!parsed.ok()) continue;
       services_[file] = registry.Put(parsed.document);
+      texts[file] = *std::move(text);
       registered.emplace_back(file, parsed.document);
     }
     for (const auto& [file, document] : registered) {
       for (Diagnostic& clash : rsel::CheckTypes(*document, registry, {}))
         services_[file].push_back(std::move(clash));
+      if (HasErrors(services_[file])) continue;
+      for (ontology::Finding& refused :
+           files_.Rehearse({Document::Kind::kRsel, Document::Action::kPut, file, texts[file],
+                            std::make_shared<const ParsedDocument>(document)}))
+        refused_[file].push_back(std::move(refused));
     }
     for (const rsel::PlanPtr& plan : registry.Plans()) {
       environment_.AddOperation(SignatureOf(*plan));
@@ -115,7 +139,8 @@ class Checker {
 
   absl::Status Check(const std::string& file) {
     const auto known = rdf_texts_.find(file);
-    absl::StatusOr<std::string> read = known != rdf_texts_.end() ? known->second : ReadBytes(file);
+    absl::StatusOr<std::string> read =
+        known != rdf_texts_.end() ? known->second : ReadBytes(file, LimitOf(file));
     if (!read.ok()) return read.status();
     const std::string* text = &read_.emplace_back(*std::move(read));
     for (const std::string& name : {file, std::string()}) texts_.Put(name, *text);
@@ -131,7 +156,7 @@ class Checker {
         findings = files_.CheckRules(file, *text);
         break;
       case Kind::kCawl:
-        findings = AsFindings("workflow", CheckCawl(file, *text));
+        findings = CheckCawl(file, *text);
         break;
       case Kind::kRsel: {
         Diagnostics diagnostics = rsel::ParseRsel(*text, file).diagnostics;
@@ -140,6 +165,7 @@ class Checker {
           diagnostics.insert(diagnostics.end(), of_registry.begin(), of_registry.end());
         }
         findings = AsFindings("service", diagnostics);
+        if (!HasErrorsIn(findings)) Append(refused_[file], &findings);
         break;
       }
       case Kind::kUnknown:
@@ -199,14 +225,20 @@ class Checker {
     return ParseRdf(rdf.text, rdf.format, options);
   }
 
-  Diagnostics CheckCawl(const std::string& file, const std::string& text) {
+  std::vector<ontology::Finding> CheckCawl(const std::string& file, const std::string& text) {
     const bool check_words = has_environment_ || has_operations_ || environment_.HasWords();
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
-    if (!arguments_.ask || arguments_.fix) return report.diagnostics;
+    std::vector<ontology::Finding> findings = AsFindings("workflow", report.diagnostics);
+    if (report.ok()) {
+      Append(files_.Rehearse({Document::Kind::kCawl, Document::Action::kPut, file, text,
+                              std::make_shared<const ParsedDocument>(report.document)}),
+             &findings);
+    }
+    if (!arguments_.ask || arguments_.fix) return findings;
     for (const cawl::ConditionText& condition : report.conditions)
       PrintQuery(file, condition.place, "ask", condition.ask);
     if (report.ok()) PrintChoices(file, *report.document);
-    return report.diagnostics;
+    return findings;
   }
 
   void PrintQuery(const std::string& file, const std::string& place, const char* kind,
@@ -291,7 +323,8 @@ class Checker {
   bool has_operations_ = false;
   std::map<std::string, Diagnostics> fixable_;  // with --fix: what was found, by file
   size_t scopes_ = 0;
-  std::map<std::string, Diagnostics> services_;  // what the registry says of each RSEL file
+  std::map<std::string, Diagnostics> services_;                    // what the registry says of each RSEL file
+  std::map<std::string, std::vector<ontology::Finding>> refused_;  // RSEL files that a server refuses
   bool failed_ = false;
 };
 

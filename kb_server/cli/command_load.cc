@@ -14,7 +14,6 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
-#include "graph/base/limits.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
@@ -82,33 +81,25 @@ class Loader {
         return Fail(absl::InvalidArgumentError(
             absl::StrCat("--base goes with RDF, and ", file, " is read as ", kind)));
       RdfText text;
-      if (auto read = ReadText(file); read.ok()) {
+      if (auto read = ReadText(file, kDocumentText); read.ok()) {
         text.text = *std::move(read);
       } else {
         return Fail(read.status());
       }
-      if (absl::Status size = CheckSize(file, text.text); !size.ok()) return Fail(size);
       if (kind == "cawl") return Deploy(file, text.text);
       if (kind == "rsel") return Register(file, text.text);
       return LoadModule(file, kind, text);
     }
-    const auto rdf = ReadRdfToSend(file, arguments_.base, arguments_.format);
+    // Data goes in parts, other RDF in one piece.
+    const TextLimit limit = kind == "data" ? TextLimit() : kDocumentText;
+    const auto rdf = ReadRdfToSend(file, arguments_.base, arguments_.format, limit);
     if (!rdf.ok()) return Fail(rdf.status());
     if (kind == "data" && rdf->text.size() > kPartBytes) return LoadInParts(file, *rdf);
-    if (absl::Status size = CheckSize(file, rdf->text); !size.ok()) return Fail(size);
     if (kind == "facts") return Assert(file, *rdf);
     return LoadModule(file, kind, *rdf);
   }
 
  private:
-  // Of a text that goes to the server in one piece.
-  static absl::Status CheckSize(const std::string& file, const std::string& text) {
-    const size_t most = Limits().document_bytes;
-    if (text.size() <= most) return absl::OkStatus();
-    return absl::ResourceExhaustedError(
-        absl::StrCat(file, " has ", text.size(), " bytes; the limit document_bytes is ", most));
-  }
-
   int Deploy(const std::string& file, const std::string& text) {
     v1::DeployRequest request;
     request.set_name(file);

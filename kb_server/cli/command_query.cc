@@ -89,7 +89,7 @@ Presenter PresenterFor(const sparql::ParsedQuery& parsed, const QueryArguments& 
 }
 
 int RunQuery(const QueryArguments& arguments) {
-  const auto query = GivenText("query", arguments.query, arguments.file);
+  const auto query = GivenText("query", arguments.query, arguments.file, kQueryText);
   if (!query.ok()) return Fail(query.status());
   const sparql::ParsedQuery parsed = Parse(*query);
   if (absl::Status status = CheckFormat(parsed, arguments); !status.ok()) return Fail(status);

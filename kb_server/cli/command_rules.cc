@@ -37,11 +37,11 @@ absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
     return RuleText{name_or_file, std::move(text)};
   std::string name = std::filesystem::path(name_or_file).filename().string();
   if (!FormatOfFile(name_or_file)) {
-    auto text = ReadText(name_or_file);
+    auto text = ReadText(name_or_file, kDocumentText);
     if (!text.ok()) return text.status();
     return RuleText{std::move(name), *std::move(text)};
   }
-  auto rdf = ReadRdf(name_or_file, "");
+  auto rdf = ReadRdf(name_or_file, "", "", kDocumentText);
   if (!rdf.ok()) return rdf.status();
   const LocatedRdf parsed = ParseLocatedRdf(rdf->text, rdf->format, rdf->Options(name_or_file));
   if (!parsed.rdf.ok()) return ToStatus(parsed.rdf, rdf->text);

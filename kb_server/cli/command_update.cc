@@ -20,7 +20,7 @@ struct UpdateArguments {
 };
 
 int RunUpdate(const UpdateArguments& arguments) {
-  const auto update = GivenText("update", arguments.update, arguments.file);
+  const auto update = GivenText("update", arguments.update, arguments.file, kUpdateText);
   if (!update.ok()) return Fail(update.status());
   grpc::ClientContext context;
   v1::UpdateRequest request;

@@ -76,7 +76,7 @@ absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments
     if (absl::Status status = CheckUtf8(query, ""); !status.ok()) return status;
   }
   for (const std::string& file : arguments.files) {
-    auto text = ReadText(file);
+    auto text = ReadText(file, kQueryText);
     if (!text.ok()) return text.status();
     texts.push_back(*std::move(text));
   }

@@ -175,6 +175,7 @@ void ConsistencyCheck::Prove(const GraphVersionPtr& version, Cancellation* cance
              inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
   const auto inferred = dictionary_.FindIri(kInferredGraph), rule = dictionary_.FindIri(DocentIri("rule"));
   if (!type || !inconsistency || !inferred) return;
+  if (!version->ContainsMatch({{}, *type, *inconsistency, *inferred})) return;
   explain::Explainer::Settings settings;
   settings.version = version;
   settings.dictionary = &dictionary_;

@@ -41,6 +41,11 @@ class Documents(StageTest):
         done = self.server.run("query", "SELECT ?x WHERE {\n  ?x docent:isAt ?y \n  FILTER(?y = )\n}")
         self.assert_place(done, "3:15: error", "^")
 
+    def test_an_address_with_a_port_that_is_none(self):
+        for address, words in (("127.0.0.1:99999", "the port 99999 is not between 1 and 65535"), ("localhost:0", "the port 0"),
+                               ("http://127.0.0.1:7400", "without http://")):
+            self.assert_refused(self.docent("query", "--server", address, "ASK {}"), 2, words)
+
     def test_sparql_over_http(self):
         url = f"http://{self.server.http}/sparql?" + urllib.parse.urlencode({"query": "SELECT ?x WHERE { ?x"})
         with self.assertRaises(urllib.error.HTTPError) as caught:

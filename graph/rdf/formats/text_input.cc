@@ -1,18 +1,17 @@
 #include "graph/rdf/formats/text_input.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
-#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/diagnostic.h"
-#include "graph/base/document_limits.h"
 #include "graph/base/gzip.h"
+#include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/xml_encoding.h"
 #include "graph/rdf/utf8.h"
@@ -21,33 +20,49 @@ namespace docent {
 
 namespace {
 
-absl::StatusOr<std::string> ReadPacked(const std::string& path) {
-  std::ostringstream text;
-  if (path == "-") {
-    text << std::cin.rdbuf();
-    return text.str();
+std::string ShownName(const std::string& path) {
+  return path == "-" ? "stdin" : path;
+}
+
+absl::Status TooLarge(const std::string& path, const TextLimit& limit) {
+  return absl::ResourceExhaustedError(absl::StrCat(ShownName(path), " has more bytes than the limit ",
+                                                   ToAbsl(limit.name), " = ", limit.bytes));
+}
+
+// At most one byte more than the limit.
+std::string ReadUpTo(std::istream& in, const TextLimit& limit) {
+  constexpr size_t kPiece = 1u << 20;
+  std::string text;
+  while (in && text.size() <= limit.bytes) {
+    const size_t before = text.size();
+    text.resize(before + std::min(kPiece, limit.bytes + 1 - before));
+    in.read(text.data() + before, static_cast<std::streamsize>(text.size() - before));
+    text.resize(before + static_cast<size_t>(in.gcount()));
   }
+  return text;
+}
+
+absl::StatusOr<std::string> ReadPacked(const std::string& path, const TextLimit& limit) {
+  if (path == "-") return ReadUpTo(std::cin, limit);
   std::ifstream file(path, std::ios::binary);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
   // a directory can be opened and then reads as an empty file
   if (std::error_code error; std::filesystem::is_directory(path, error))
     return absl::InvalidArgumentError(absl::StrCat(path, " is a directory; name its files"));
-  text << file.rdbuf();
+  std::string text = ReadUpTo(file, limit);
   if (file.bad())
     return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
-  return text.str();
-}
-
-std::string ShownName(const std::string& path) {
-  return path == "-" ? "stdin" : path;
+  return text;
 }
 
 }  // namespace
 
-absl::StatusOr<std::string> ReadBytes(const std::string& path) {
-  auto bytes = ReadPacked(path);
-  if (!bytes.ok() || !IsGzip(*bytes)) return bytes;
-  auto unpacked = Gunzip(*bytes, DocumentLimits().unpacked_bytes, "unpacked_bytes");
+absl::StatusOr<std::string> ReadBytes(const std::string& path, const TextLimit& limit) {
+  auto bytes = ReadPacked(path, limit);
+  if (!bytes.ok()) return bytes;
+  if (bytes->size() > limit.bytes) return TooLarge(path, limit);
+  if (!IsGzip(*bytes)) return bytes;
+  auto unpacked = Gunzip(*bytes, limit.bytes, limit.name);
   if (unpacked.ok()) return unpacked;
   return absl::Status(unpacked.status().code(),
                       absl::StrCat(ShownName(path), ": ", unpacked.status().message()));
@@ -61,13 +76,14 @@ ParseRdfOptions RdfText::Options(const std::string& file) const {
   return options;
 }
 
-absl::StatusOr<RdfText> ReadRdf(const std::string& path, const std::string& base, const std::string& format) {
+absl::StatusOr<RdfText> ReadRdf(const std::string& path, const std::string& base, const std::string& format,
+                                const TextLimit& limit) {
   RdfText rdf;
   const std::string name = format.empty() ? path : absl::StrCat(".", format);
   if (absl::Status unread = CheckFormatOfFile(name); !unread.ok()) return unread;
   rdf.format = FormatOfFile(name).value_or(RdfFormat::kTurtle);
   rdf.base_iri = !base.empty() ? base : path == "-" ? "" : FileIri(path);
-  auto bytes = ReadBytes(path);
+  auto bytes = ReadBytes(path, limit);
   if (!bytes.ok()) return bytes.status();
   std::string_view text = *bytes;
   std::string decoded;
@@ -78,8 +94,8 @@ absl::StatusOr<RdfText> ReadRdf(const std::string& path, const std::string& base
 }
 
 absl::StatusOr<RdfText> ReadRdfToSend(const std::string& path, const std::string& base,
-                                      const std::string& format) {
-  auto rdf = ReadRdf(path, base, format);
+                                      const std::string& format, const TextLimit& limit) {
+  auto rdf = ReadRdf(path, base, format, limit);
   if (!rdf.ok() || rdf->is_utf8) return rdf;
   const std::string shown = ShownName(path);
   const ParsedRdf refused = ParseRdf(rdf->text, rdf->format, rdf->Options(shown));
@@ -87,8 +103,8 @@ absl::StatusOr<RdfText> ReadRdfToSend(const std::string& path, const std::string
   return of_xml ? ToStatus(refused, rdf->text) : CheckUtf8(rdf->text, shown);
 }
 
-absl::StatusOr<std::string> ReadText(const std::string& path) {
-  auto text = ReadBytes(path);
+absl::StatusOr<std::string> ReadText(const std::string& path, const TextLimit& limit) {
+  auto text = ReadBytes(path, limit);
   if (!text.ok()) return text;
   if (absl::Status status = CheckUtf8(*text, ShownName(path)); !status.ok()) return status;
   return text;
@@ -105,8 +121,8 @@ absl::Status CheckUtf8(const std::string& text, const std::string& file) {
 }
 
 absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument,
-                                      const std::string& file) {
-  if (!file.empty()) return ReadText(file);
+                                      const std::string& file, const TextLimit& limit) {
+  if (!file.empty()) return ReadText(file, limit);
   if (argument.empty())
     return absl::InvalidArgumentError(
         absl::StrCat("no ", what, " given; pass it as an argument or with --file"));

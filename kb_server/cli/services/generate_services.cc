@@ -45,7 +45,7 @@ int CheckServices(const ServiceArguments& arguments) {
   int exit_code = kExitOk;
   const auto stub = v1::RobotServices::NewStub(Connect(arguments.client));
   for (const std::string& file : arguments.names) {
-    absl::StatusOr<std::string> text = ReadBytes(file);
+    absl::StatusOr<std::string> text = ReadBytes(file, kDocumentText);
     if (!text.ok()) return Fail(text.status());
     v1::RegisterRequest request;
     request.set_name(file);

@@ -22,7 +22,7 @@ absl::StatusOr<templates::ImportedTemplates> Import(const std::vector<std::strin
   if (word)
     return absl::InvalidArgumentError(absl::StrCat("the address is missing: write ", from[0], " HOST:PORT"));
   const std::string& file = from.back();
-  absl::StatusOr<std::string> text = ReadBytes(file);
+  absl::StatusOr<std::string> text = ReadBytes(file, kDocumentText);
   if (!text.ok()) return text.status();
   templates::ImportedTemplates imported = templates::ReadWsdl(*text, file);
   if (HasErrors(imported.diagnostics)) return ToStatus(imported.diagnostics, *text);

@@ -61,6 +61,21 @@ TEST_F(TextInputTest, PackedFilesAreReadByWhatTheyHold) {
   EXPECT_THAT(std::string(damaged.status().message()), HasSubstr("c.ttl.gz: the gzip data ends too early"));
 }
 
+TEST_F(TextInputTest, ReadingAndUnpackingStopAtTheLimit) {
+  const TextLimit limit{1000, "some_bytes"};
+  EXPECT_EQ(ReadText(File("a.rules", std::string(1000, 'x')), limit)->size(), 1000u);
+  EXPECT_EQ(ReadText(File("a.rules.gz", Gzip(std::string(1000, 'x'))), limit)->size(), 1000u);
+  const auto plain = ReadText(File("b.rules", std::string(1001, 'x')), limit);
+  EXPECT_EQ(plain.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plain.status().message()),
+              HasSubstr("b.rules has more bytes than the limit some_bytes = 1000"));
+  const auto packed = ReadText(File("b.rules.gz", Gzip(std::string(1001, 'x'))), limit);
+  EXPECT_EQ(packed.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(packed.status().message()), HasSubstr("than the limit some_bytes = 1000"));
+  EXPECT_EQ(ReadRdf(File("c.ttl", std::string(1001, ' ')), "", "", limit).status().code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
 TEST_F(TextInputTest, OtherEncodingsBecomeUtf8) {
   const std::string xml =
       "<?xml version='1.0' encoding='ISO-8859-1'?><r:RDF "
