@@ -100,7 +100,7 @@ struct Limits {
 
   // workflow
   int default_step_timeout_ms = 300000;  // time of an invocation that has no ext:timeout of its own
-  size_t runs_live = 10000;              // runs that have not ended
+  size_t runs_live = 200000;             // runs that have not ended
   size_t runs_kept = 1000;  // ended runs whose facts stay in the graph; older ones are found in the log
   size_t run_events_kept = 10000;  // newest events of runs, for a client that comes back
   int node_iterations = 10000;     // times that one node is entered in one run

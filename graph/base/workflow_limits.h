@@ -11,10 +11,11 @@ namespace docent {
 struct WorkflowLimits {
   size_t condition_alternatives =
       256;  // alternatives of a context, case or expression after its `or`s are moved to the top
-  size_t condition_parts = 10000;    // constraints and events in these alternatives together
-  size_t name_bytes = 256;           // name of a workflow, flow, node, process, operation and the like
-  int activator_max = 1000;          // ext:max of an activator
-  size_t firings_per_turn = 100000;  // of activators, in one turn
+  size_t condition_parts = 10000;   // constraints and events in these alternatives together
+  size_t flow_nodes = 4000;         // nodes of one flow
+  size_t name_bytes = 256;          // name of a workflow, flow, node, process, operation and the like
+  int activator_max = 1000;         // ext:max of an activator
+  size_t firings_per_turn = 20000;  // of activators, in one turn; not all of them start runs
   size_t firings_waiting =
       1000;  // firings of one activator that wait for runs of their keys to end (ext:mode="queued")
   size_t events_waiting =
@@ -30,6 +31,9 @@ struct WorkflowLimits {
   int notify_timeout_ms = 10000;               // time of one attempt
   int notify_first_pause_ms = 1000;            // pause after the first attempt; it doubles with each
   int notify_longest_pause_ms = 300000;        // the longest of these pauses
+
+  size_t reserved_robots = 100;  // robots of one reservation
+  size_t roadmap_ways = 2000;    // ways of docent:routeLength's roadmap
 
   // robot services
   size_t plan_steps = 1000;        // steps of one process, with those that it contains

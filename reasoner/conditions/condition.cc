@@ -154,6 +154,8 @@ bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   uint32_t slot = 0;
   if (has_keys()) {
     key = KeyOf(row);
+    if (present_ >= kind_->indexes.most_matches && !grouped_ && SlotOf(key) < 0) overflowed_ = true;
+    if (overflowed_) return false;
     const int found = NewSlot(key);
     if (found < 0) return false;
     slot = static_cast<uint32_t>(found);
@@ -254,7 +256,7 @@ absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, co
   }
   const auto take = [&](absl::Span<const TermId> row) {
     Take(row, edits);
-    return has_keys();
+    return has_keys() && !overflowed_;
   };
   if (!added) return kind_->body.Evaluate(run, seed, take);
   return kind_->body.EvaluateFrom(matched, run, seed, take);
@@ -285,7 +287,7 @@ absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
   if (holds() && !has_keys()) return absl::OkStatus();
   return kind_->body.Evaluate(run, BeginSeed(), [&](absl::Span<const TermId> row) {
     Take(row, edits);
-    return has_keys();
+    return has_keys() && !overflowed_;
   });
 }
 

@@ -86,6 +86,7 @@ class Condition {
   void Offer(absl::Span<const TermId> row, Edits& edits);
   // True if rise watches do not matter now. Remembers that one was hit.
   bool IgnoresRise() {
+    if (overflowed_) return true;
     if (!holds() || has_keys()) return false;
     rise_watch_hit_ = true;
     return true;
@@ -103,6 +104,10 @@ class Condition {
   // True if it holds and one of its rise watches was hit. A condition that holds keeps these watches until
   // then: usually it falls before, and needs them again.
   bool rise_watch_hit() const { return rise_watch_hit_; }
+
+  // More keys than WatchIndexes::most_matches: no more are looked for.
+  bool overflowed() const { return overflowed_; }
+  void TakeBackOverflow() { overflowed_ = false; }
 
   // For use by the caller: its place in the running update, and whether it has groups.
   uint32_t& touched_at() { return touched_at_; }
@@ -171,6 +176,7 @@ class Condition {
   bool single_watch_untried_ : 1 = false;  // kAll: since it fell, a single watch was not tried
   bool has_slots_ : 1 = false;             // slots_ exists; saves a read of its cache line
   bool grouped_ : 1 = false;
+  bool overflowed_ : 1 = false;
   ConditionTemplate::Constants constants_;  // they distinguish the conditions of the template
 };
 

@@ -201,6 +201,7 @@ inline ConditionChange& StandingConditions::Impl::NextChange(ConditionId id, Con
   ConditionChange& change = changes[reported++];
   change.id = id;
   change.edge = edge;
+  change.overflowed = false;
   return change;
 }
 
@@ -234,9 +235,23 @@ void StandingConditions::Impl::TellBindings(const Touched& touch, ConditionChang
   SortBindings(change.disappeared, dictionary);
 }
 
+void StandingConditions::Impl::TellOverflow(const Shared& condition) {
+  for (const ConditionId id : condition.followers) {
+    if (IsRemoved(id)) continue;
+    ConditionChange& change = NextChange(id, ConditionChange::Edge::kBindingsChanged);
+    change.appeared.clear();
+    change.disappeared.clear();
+    change.overflowed = true;
+  }
+}
+
 ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::CollectChanges(
     const Touched& touch) {
   using Edge = ConditionChange::Edge;
+  if (conditions[touch.condition].overflowed()) {
+    TellOverflow(conditions[touch.condition]);
+    return absl::OkStatus();
+  }
   if (!touch.edited()) return absl::OkStatus();
   const Shared& condition = conditions[touch.condition];
   const bool holds = condition.holds(), edge = holds != touch.held, has_keys = condition.has_keys();
@@ -270,6 +285,7 @@ absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(con
                                                                              Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
+  impl.indexes.SetGraphSize(version.size());
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const size_t begin = impl.edits.size();
   impl.Gather(delta);
@@ -281,6 +297,7 @@ absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(con
   if (impl.changes.size() > Impl::kMostKept) impl.changes.clear();
   for (const Impl::Touched& touch : impl.touched) {
     impl.Settle(touch, version);
+    if (impl.conditions[touch.condition].overflowed()) impl.overflowed.push_back(touch.condition);
     if (status.ok()) status = impl.CollectChanges(touch);
   }
   if (!status.ok()) return status;
@@ -300,12 +317,15 @@ void StandingConditions::Commit() {
   }
   impl_->edits.clear();
   impl_->journal.clear();
+  impl_->overflowed.clear();
 }
 
 void StandingConditions::Rollback() {
   const Condition::Edits edits = std::exchange(impl_->edits, {});
   const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
+  for (const uint32_t number : std::exchange(impl_->overflowed, {}))
+    impl_->conditions[number].TakeBackOverflow();
   std::vector<uint32_t> changed;
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
     Impl::Shared& shared = impl_->conditions[edit->condition];

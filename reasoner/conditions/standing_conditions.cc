@@ -56,6 +56,7 @@ absl::StatusOr<Condition::Keys> KeyColumns(const matching::Body& body,
 absl::StatusOr<uint32_t> StandingConditions::Impl::Make(const sparql::Query& query, const GraphVersion& now,
                                                         const RegisterOptions& options,
                                                         std::string fingerprint) {
+  indexes.SetGraphSize(now.size());
   const std::optional<TemplateForm> form = SplitConstants(query);
   std::string template_name = form ? Fingerprint(form->shared, {}) : "";
   const uint32_t number = conditions.Next();
@@ -265,6 +266,15 @@ bool StandingConditions::Holds(ConditionId id) const {
   return found != impl_->followers.end() && impl_->Holds(id, found->second);
 }
 
+void StandingConditions::LimitMatches(size_t most) {
+  impl_->indexes.matches_allowed = most;
+}
+
+bool StandingConditions::Overflowed(ConditionId id) const {
+  const auto found = impl_->followers.find(id);
+  return found != impl_->followers.end() && impl_->conditions[found->second.condition].overflowed();
+}
+
 std::vector<Binding> StandingConditions::Keys(ConditionId id) const {
   std::vector<Binding> bindings;
   const auto found = impl_->followers.find(id);
@@ -297,9 +307,10 @@ absl::StatusOr<std::vector<Binding>> StandingConditions::Solutions(ConditionId i
     wanted.emplace_back(column, value);
     if (columns[column].certain) seed[column] = value;
   }
-  std::vector<Binding> bindings;
-  absl::flat_hash_set<Binding> seen;
+  FirstBindings first(limit, impl_->dictionary);
   absl::Status compared;
+  impl_->indexes.SetGraphSize(version.size());
+  size_t rows = 0;
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const absl::Status status = condition.body().Evaluate(run, seed, [&](absl::Span<const TermId> row) {
     for (const auto& [column, value] : wanted) {
@@ -312,17 +323,21 @@ absl::StatusOr<std::vector<Binding>> StandingConditions::Solutions(ConditionId i
       if (!compared.ok()) return false;
       if (!*admitted) return true;
     }
+    if (++rows > impl_->indexes.most_matches) {
+      compared = absl::ResourceExhaustedError(absl::StrCat("the condition has more than ",
+                                                           impl_->indexes.most_matches,
+                                                           " solutions; the limit is condition_matches"));
+      return false;
+    }
     Binding binding;
     for (size_t i = 0; i < row.size(); ++i) {
       if (columns[i].visible && !row[i].IsNone()) binding.emplace_back(columns[i].name, row[i]);
     }
-    if (seen.insert(binding).second) bindings.push_back(std::move(binding));
+    first.Add(std::move(binding));
     return true;
   });
   if (!status.ok() || !compared.ok()) return status.ok() ? compared : status;
-  SortBindings(bindings, impl_->dictionary);
-  if (bindings.size() > limit) bindings.resize(limit);
-  return bindings;
+  return first.Take();
 }
 
 size_t StandingConditions::size() const {

@@ -73,6 +73,8 @@ struct ConditionChange {
   // With key variables: the key bindings that became and ceased to be answers, in term order.
   std::vector<Binding> appeared;
   std::vector<Binding> disappeared;
+  // It has more key bindings than are kept, and is not followed any more: to be removed.
+  bool overflowed = false;
 };
 
 struct RegisterOptions {
@@ -89,6 +91,10 @@ class StandingConditions {
   ~StandingConditions();
   StandingConditions(const StandingConditions&) = delete;
   StandingConditions& operator=(const StandingConditions&) = delete;
+
+  // From now on at most so many key bindings are kept of one condition, or as many as the graph has facts, whichever is more;
+  // also the solutions that Solutions looks at. At first: any number.
+  void LimitMatches(size_t most);
 
   // Begins to follow `ask` (form ASK; the WHERE of a SELECT is also accepted). `now` is the version from
   // which the next Update's delta starts; the level on it is known at once and is not reported as a change.
@@ -108,11 +114,14 @@ class StandingConditions {
 
   // True if it held at the last Update. False for an unknown id.
   bool Holds(ConditionId id) const;
+  // True if it has more key bindings than are kept (LimitMatches). It is not followed any more.
+  bool Overflowed(ConditionId id) const;
   // The key bindings at the last Update, in term order. A condition without keys that holds has one empty
   // binding.
   std::vector<Binding> Keys(ConditionId id) const;
   // Solutions on `version` with the values of `fixed`: all visible variables, distinct, in term order, the
-  // first `limit` of them. None if `fixed` has another variable. NOT_FOUND for an unknown id.
+  // first `limit` of them. None if `fixed` has another variable. NOT_FOUND for an unknown id; RESOURCE_EXHAUSTED beyond
+  // LimitMatches.
   absl::StatusOr<std::vector<Binding>> Solutions(ConditionId id, const GraphVersion& version,
                                                  const Binding& fixed, size_t limit, TimeMicros now_us = 0,
                                                  Cancellation* cancellation = nullptr);

@@ -114,6 +114,7 @@ struct StandingConditions::Impl {
   // Adapts the condition's watches and groups to the new state.
   void Settle(const Touched& touch, const GraphVersion& version);
   // Adds the condition's change to `changes`.
+  void TellOverflow(const Shared& condition);
   absl::Status CollectChanges(const Touched& touch);
   ConditionChange& NextChange(ConditionId id, ConditionChange::Edge edge);
   // Collects the keys that appeared and disappeared.
@@ -158,6 +159,7 @@ struct StandingConditions::Impl {
   // Since the last Commit.
   Condition::Edits edits;
   std::vector<JournalEntry> journal;
+  std::vector<uint32_t> overflowed;
   size_t removals = 0;  // number of kRemoved in it
 
   // The first `reported` are the changes of the last Update. The others keep their memory for the next one.

@@ -45,6 +45,12 @@ struct WatchIndexes {
 
   const matching::PatternIndex& ForChange(bool added) const { return added ? on_add : on_remove; }
 
+  // At most so many keys are kept of one condition. As many as the graph has facts may be: what grows faster than the graph
+  // joins patterns that have little in common.
+  void SetGraphSize(size_t facts) { most_matches = std::max(matches_allowed, facts); }
+  size_t matches_allowed = SIZE_MAX;
+  size_t most_matches = SIZE_MAX;
+
   matching::PatternIndex on_add;
   matching::PatternIndex on_remove;
 };

@@ -49,7 +49,9 @@ void Fire(Engine::Core* core, const Activations::Place& place, Firing firing) {
   const Activations::Key* known = core->activations.Find(place);
   const size_t waiting = known == nullptr ? 0 : known->waiting.size();
   std::vector<RunId> live;  // without those that have ended in this turn
-  if (known != nullptr) {
+  // there may be very many of one key
+  const bool counts = activator.mode != Mode::kParallel || activator.max;
+  if (known != nullptr && counts) {
     std::copy_if(known->live.begin(), known->live.end(), std::back_inserter(live),
                  [core](const RunId& run) { return core->runs.at(run).state == WorkState::kRunning; });
   }
@@ -76,36 +78,36 @@ void Fire(Engine::Core* core, const Activations::Place& place, Firing firing) {
       return;
     }
     case Mode::kRestart:
-      for (const RunId& run : live)
+      for (const RunId& run : live) {
         core->Cancel(run,
                      absl::StrCat("activator ", activator.name.value, " fired again (ext:mode=\"restart\")"));
+        core->activations.Ended(run);
+      }
       break;
     case Mode::kParallel:
       if (!activator.max || live.size() < static_cast<size_t>(*activator.max)) break;
       return Ignore(core, workflow, firing,
                     absl::StrCat("ignored: ", live.size(), " runs of the same key are live (ext:max)"));
   }
-  if (core->runs.size() >= core->limits.runs_live) {
+  const auto flow = core->FindFlow(core->deployments.at(workflow).document, activator.flow.value);
+  const size_t nodes = flow ? flow->first->flows[flow->second].nodes.size() : 0;
+  if (const std::string full = core->WhyNoRoom(nodes); !full.empty()) {
     core->activations.Ignored(workflow);
-    return SayOf(core, workflow, "failed", firing,
-                 absl::StrCat("no run was started for ", place.second, ": the limit runs_live is ",
-                              core->limits.runs_live));
+    return core->bounds.NotStarted(workflow, place.second, full, false);
   }
+  core->bounds.Started(workflow);
   StartRun(core, place, std::move(firing));
 }
 
 // The firing of a binding that the condition has now.
 void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
              const TermBinding& binding) {
-  if (++core->firings > kWorkflowLimits.firings_per_turn) {
-    if (core->output->refused.ok()) {
-      core->output->refused = absl::ResourceExhaustedError(absl::StrCat(
-          "the activator of workflow ", workflow,
-          " fires too often in one turn; the limit firings_per_turn is ", kWorkflowLimits.firings_per_turn,
-          "; does its condition match what runs write themselves (graph docent:runs)?"));
-    }
-    return;
+  const std::string why = core->bounds.WhyNotFire(workflow, core->limits.engine_rounds_per_turn);
+  if (!why.empty()) {
+    core->activations.Ignored(workflow);
+    return core->bounds.NotStarted(workflow, KeyText(binding), why, true);
   }
+  core->bounds.Fired();
   const cawl::DocumentPtr document = core->deployments.at(workflow).document;
   Firing firing{binding, ""};
   auto solutions = core->input->conditions->Solutions(handle, binding, 1);

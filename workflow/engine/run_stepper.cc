@@ -20,12 +20,14 @@ std::string ShowBinding(const TermBinding& binding) {
   });
 }
 
-bool HasNot(const cawl::Expression& expression) {
-  return expression.kind == cawl::Expression::Kind::kNot ||
-         std::any_of(expression.children.begin(), expression.children.end(), HasNot);
-}
-
 }  // namespace
+
+RunStepper::RunStepper(Engine::Core* core, Run* run)
+    : core_(*core),
+      run_(*run),
+      flow_(run->Flow()),
+      graph_(*(run->graph != nullptr ? run->graph : run->graph = core->graphs.Of(run->document, run->flow))) {
+}
 
 std::string RunStepper::Subject(size_t node) const {
   return absl::StrCat(run_.id.value(), "/", IriSegment(flow_.nodes[node].name.value));
@@ -33,6 +35,7 @@ std::string RunStepper::Subject(size_t node) const {
 
 void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause) {
   NodeState& node = run_.nodes[index];
+  core_.bounds.Worked(1);
   core_.Say(Subject(index), ToString(node.state), ToString(state), cause);
   node.state = state;
   node.since_us = core_.input->now_us;
@@ -54,7 +57,7 @@ void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause
 }
 
 void RunStepper::SetVariables(const TermBinding& binding) {
-  bool changed = false;
+  std::set<std::string> changed;
   for (const auto& [name, value] : binding) {
     if (name.empty() || name[0] == '_') continue;
     auto [it, inserted] = run_.variables.try_emplace(name, value);
@@ -62,98 +65,43 @@ void RunStepper::SetVariables(const TermBinding& binding) {
       it->second = value;
     else if (!inserted)
       continue;
-    changed = true;
+    changed.insert(name);
   }
-  if (changed) RearmWaiting();
+  if (!changed.empty()) RearmWaiting(changed);
 }
 
 // What nodes wait for was written with values of before.
-void RunStepper::RearmWaiting() {
+void RunStepper::RearmWaiting(const std::set<std::string>& changed) {
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
-    if (run_.nodes[i].state == WorkState::kWaiting) ArmNode(i);
+    if (run_.nodes[i].state != WorkState::kWaiting || !graph_.UsesAny(i, changed)) continue;
+    core_.bounds.Worked(1);
+    ArmNode(i);
   }
 }
 
 void RunStepper::Begin(const std::string& cause) {
   core_.Say(run_.id.value(), "", ToString(WorkState::kRunning), cause);
-  for (size_t link : LinksFrom(flow_, flow_.source.value))
-    Arrive(flow_.source.value, flow_.links[link].to.value, false);
   Advance();
 }
 
-void RunStepper::Arrive(const std::string& from, const std::string& to, bool closes_cycle) {
-  if (to == flow_.sink.value) {
-    run_.sink_reached = true;
-    return;
-  }
-  size_t index = NodeIndex(flow_, to);
-  if (index == flow_.nodes.size()) return;
-  if (closes_cycle) return Reenter(index);
-  run_.nodes[index].arrived.insert(from);
-  Resolve(index);
+// False for a run that began when its turn had no time left for it.
+bool RunStepper::HasEntered() const {
+  return run_.sink_reached || std::any_of(run_.nodes.begin(), run_.nodes.end(), [](const NodeState& node) {
+           return node.state != WorkState::kInactive || !node.arrived.empty();
+         });
 }
 
-void RunStepper::DeadEnd(const std::string& from, const std::string& to) {
-  size_t index = NodeIndex(flow_, to);
-  if (index == flow_.nodes.size()) return;
-  run_.nodes[index].dead.insert(from);
-  Resolve(index);
-}
-
-// Does the join of an inactive node open, stay shut, or can it not open any more?
-void RunStepper::Resolve(size_t index) {
-  NodeState& node = run_.nodes[index];
-  if (!GoesOn() || node.state != WorkState::kInactive) return;  // a node before it may have ended the run
-  std::set<std::string> predecessors = Predecessors(flow_, index);
-  bool all_known = std::all_of(predecessors.begin(), predecessors.end(), [&](const std::string& name) {
-    return node.arrived.count(name) > 0 || node.dead.count(name) > 0;
-  });
-  const std::optional<cawl::Expression>& join = flow_.nodes[index].join;
-  bool open =
-      join ? cawl::Evaluate(*join, [&](const std::string& name) { return node.arrived.count(name) > 0; })
-           : all_known && !node.arrived.empty();
-  if (open && (all_known || !join || !HasNot(*join))) return Activate(index);
-  if (!all_known) return;
-  SetNode(index, WorkState::kSkipped,
-          join ? "its joinCondition cannot become true" : "nothing leads to it any more");
-  for (size_t link : LinksFrom(flow_, flow_.nodes[index].name.value)) {
-    if (!ClosesCycle(flow_, flow_.links[link]))
-      DeadEnd(flow_.nodes[index].name.value, flow_.links[link].to.value);
-  }
-}
-
-// A loop goes back to this node: it and what comes after it begin anew.
-void RunStepper::Reenter(size_t index) {
-  int iteration = run_.nodes[index].iteration + 1;
-  if (iteration >= core_.limits.node_iterations) {
-    return End(WorkState::kFailed, absl::StrCat("node ", flow_.nodes[index].name.value, " was entered ",
-                                                iteration, " times; the limit is node_iterations"));
-  }
-  std::set<size_t> again = Reachable(flow_, index);
-  for (size_t i : again) {
-    if (IsLive(run_.nodes[i].state)) CancelNode(i, "the loop begins again");
-    NodeState& node = run_.nodes[i];
-    std::string from(ToString(node.state));
-    NodeState fresh;
-    fresh.iteration =
-        node.iteration + 1;  // its own count: a loop around this one must not give its ids again
-    // what is known of predecessors outside of the loop stays
-    auto outside = [&](const std::string& name) { return again.count(NodeIndex(flow_, name)) == 0; };
-    std::copy_if(node.arrived.begin(), node.arrived.end(), std::inserter(fresh.arrived, fresh.arrived.end()),
-                 outside);
-    std::copy_if(node.dead.begin(), node.dead.end(), std::inserter(fresh.dead, fresh.dead.end()), outside);
-    node = std::move(fresh);
-    core_.Say(Subject(i), from, "inactive", "the loop begins again");
-  }
-  run_.sink_reached = false;
-  Activate(index);
+void RunStepper::Enter() {
+  for (size_t link : graph_.LinksFromSource()) Arrive(flow_.source.value, flow_.links[link].to.value, false);
 }
 
 void RunStepper::Activate(size_t index) {
   NodeState& node = run_.nodes[index];
-  if (!HasCondition(index) && !run_.paused()) return Open(index, {}, "", "it has no condition", nullptr);
+  if (!HasCondition(index) && !run_.paused() && !core_.bounds.spent())
+    return Open(index, {}, "", "it has no condition", nullptr);
   SetNode(index, WorkState::kWaiting, absl::StrCat("after ", absl::StrJoin(node.arrived, ", ")));
   AwaitCondition(index);
+  if (core_.bounds.spent()) core_.unfinished.insert(run_.id);
 }
 
 bool RunStepper::HasCondition(size_t index) const {
@@ -161,7 +109,7 @@ bool RunStepper::HasCondition(size_t index) const {
   return condition && !(condition->contexts.empty() && condition->cases.empty());
 }
 
-// From now on. A node without a condition waits only while its run is paused.
+// From now on. A node without a condition waits only while its run is paused, or for the next turn.
 void RunStepper::AwaitCondition(size_t index) {
   if (!HasCondition(index)) return;
   const std::optional<int64_t>& timeout_ms = flow_.nodes[index].condition->timeout_ms;
@@ -179,8 +127,12 @@ std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every) {
 }
 
 void RunStepper::ArmNode(size_t index) {
-  if (!HasCondition(index)) return;  // it waits since its run is, or was, paused
+  if (!HasCondition(index)) return;  // it waits since its run is, or was, paused, or goes on later
   NodeState& node = run_.nodes[index];
+  if (node.armed.empty() && core_.bounds.spent()) {  // TryOpen does it
+    core_.unfinished.insert(run_.id);
+    return;
+  }
   auto asks = cawl::CompileCondition(
       *run_.document, *flow_.nodes[index].condition,
       [this](const std::string& name) { return Value(name, nullptr); }, core_.limits);
@@ -210,6 +162,10 @@ void RunStepper::DisarmNode(size_t index) {
 }
 
 bool RunStepper::TryOpen(size_t index) {
+  if (HasCondition(index) && run_.nodes[index].armed.empty()) {
+    ArmNode(index);
+    return run_.nodes[index].state != WorkState::kWaiting;
+  }
   if (run_.paused()) {  // events come once
     for (ArmedCondition& armed : run_.nodes[index].armed) TakeEvents(&armed);
     return false;
@@ -223,7 +179,7 @@ bool RunStepper::TryOpen(size_t index) {
     ArmedCondition& armed = run_.nodes[index].armed[i];
     TakeEvents(&armed);
     if (const auto opens = OpensAt(index, i); opens && *opens > core_.input->now_us) continue;
-    if (TryOpenWith(index, armed, &busy)) return true;
+    if (TryOpenWith(index, armed, &busy)) return true;  // `armed` may be gone
   }
   if (busy != run_.nodes[index].busy_robots) {
     run_.nodes[index].busy_robots = std::move(busy);
@@ -251,7 +207,7 @@ void RunStepper::TakeEvents(ArmedCondition* armed) {
 }
 
 // The solutions with which a condition can open its node now.
-std::vector<TermBinding> RunStepper::Solutions(const ArmedCondition& armed) const {
+absl::StatusOr<std::vector<TermBinding>> RunStepper::Solutions(const ArmedCondition& armed) const {
   std::vector<TermBinding> all;
   std::vector<TermBinding> fixed;
   if (!armed.ask.by_event()) {
@@ -261,8 +217,11 @@ std::vector<TermBinding> RunStepper::Solutions(const ArmedCondition& armed) cons
   }
   for (const TermBinding& binding : fixed) {
     auto solutions = core_.input->conditions->Solutions(armed.handle, binding, kSolutionLimit);
+    if (absl::IsResourceExhausted(solutions.status())) return solutions.status();
     if (solutions.ok()) std::move(solutions->begin(), solutions->end(), std::back_inserter(all));
+    if (all.size() >= kSolutionLimit) break;
   }
+  if (all.size() > kSolutionLimit) all.resize(kSolutionLimit);
   return all;
 }
 
@@ -275,6 +234,7 @@ bool RunStepper::CanServe(size_t index, const RobotId& robot, const RunId& root)
     const RobotOffer* offer = core_.OfferOf(plan->steps[0].operation, robot);
     // one that is offline or does not offer it is waited for by the invocation
     if (offer != nullptr && !offer->offline && !core_.OutOfService(*offer).empty()) return false;
+    if (core_.Bars(robot, root) != nullptr) return false;
   }
   return true;
 }
@@ -285,7 +245,12 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set
   RunId root = core_.RootOf(run_);
   std::vector<TermBinding> chosen;
   std::set<std::string> seen;
-  for (TermBinding& solution : Solutions(armed)) {
+  absl::StatusOr<std::vector<TermBinding>> solutions = Solutions(armed);
+  if (!solutions.ok()) {
+    GiveUp(index, solutions.status());
+    return true;
+  }
+  for (TermBinding& solution : *solutions) {
     auto robot = solution.find("robot");
     const RobotId& wanted = run_.nodes[index].wanted_robot;
     if (robot != solution.end() && !wanted.empty() && robot->second.lexical != wanted.value()) continue;
@@ -363,75 +328,6 @@ bool RunStepper::CheckNode(size_t index) {
   return true;
 }
 
-void RunStepper::NodeDone(size_t index) {
-  NodeState& node = run_.nodes[index];
-  std::vector<size_t> plain;
-  for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
-    const cawl::Link& link = flow_.links[i];
-    if (link.on_failure || link.on_interrupt) continue;
-    if (!link.while_constraint) {
-      plain.push_back(i);
-      continue;
-    }
-    auto ask = cawl::CompileConstraint(
-        *run_.document, *link.while_constraint,
-        [this](const std::string& name) { return Value(name, nullptr); }, core_.limits);
-    absl::Status status = ask.status();
-    if (status.ok()) status = cawl::ParseAsks(core_.limits, &*ask);
-    if (!status.ok()) return NodeFailed(index, std::string(status.message()));
-    node.pending_links.push_back({i, core_.Arm(*ask, {}, {run_.id, index, ""})});
-  }
-  if (!node.pending_links.empty()) {
-    core_.awaiting.insert(run_.id);  // their levels come with the next round
-    return;
-  }
-  SetNode(index, WorkState::kDone,
-          node.invocations.empty() ? "nothing to do" : "all its invocations are done");
-  NoteDone(index);
-  FollowLinks(index, plain);
-}
-
-// The conditions of `while` links have a level by now: take those that hold, else the plain links.
-bool RunStepper::ResolvePendingLinks(size_t index) {
-  NodeState& node = run_.nodes[index];
-  if (node.pending_links.empty()) return false;
-  std::vector<size_t> taken;
-  for (const PendingLink& pending : node.pending_links) {
-    if (core_.owners.contains(pending.handle) && core_.input->conditions->Holds(pending.handle)) {
-      taken.push_back(pending.link);
-    }
-  }
-  for (const PendingLink& pending : node.pending_links) core_.Disarm(pending.handle);
-  node.pending_links.clear();
-  if (taken.empty()) {
-    for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
-      const cawl::Link& link = flow_.links[i];
-      if (!link.on_failure && !link.on_interrupt && !link.while_constraint) taken.push_back(i);
-    }
-  }
-  SetNode(index, WorkState::kDone, "all its invocations are done");
-  NoteDone(index);
-  FollowLinks(index, taken);
-  return true;
-}
-
-void RunStepper::FollowLinks(size_t index, const std::vector<size_t>& taken) {
-  const std::string& from = flow_.nodes[index].name.value;
-  // Where the loop begins again, this node will choose once more: nothing is dead yet.
-  bool loops =
-      std::any_of(taken.begin(), taken.end(), [&](size_t i) { return ClosesCycle(flow_, flow_.links[i]); });
-  for (size_t i : LinksFrom(flow_, from)) {
-    const cawl::Link& link = flow_.links[i];
-    bool follow = std::find(taken.begin(), taken.end(), i) != taken.end();
-    bool closes = ClosesCycle(flow_, link);
-    if (follow)
-      Arrive(from, link.to.value, closes);
-    else if (!closes && !loops)
-      DeadEnd(from, link.to.value);
-    if (!GoesOn()) return;
-  }
-}
-
 void RunStepper::NodeFailed(size_t index, const std::string& reason) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
@@ -467,7 +363,7 @@ void RunStepper::NodeFailedForGood(size_t index, const std::string& reason) {
   const std::string& name = flow_.nodes[index].name.value;
   SetNode(index, WorkState::kFailed, reason);
   std::vector<size_t> taken;
-  for (size_t i : LinksFrom(flow_, name)) {
+  for (size_t i : graph_.LinksFrom(index)) {
     if (flow_.links[i].on_failure) taken.push_back(i);
   }
   if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", name, ": ", reason));
@@ -478,6 +374,12 @@ void RunStepper::NodeFailedForGood(size_t index, const std::string& reason) {
 void RunStepper::NodeImpossible(size_t index, const absl::Status& why) {
   run_.nodes[index].attempt = flow_.nodes[index].retry + 1;
   NodeFailed(index, std::string(why.message()));
+}
+
+void RunStepper::GiveUp(size_t index, const absl::Status& why) {
+  const WorkState state = run_.nodes[index].state;
+  if (run_.state != WorkState::kRunning) return;
+  if (state == WorkState::kWaiting || state == WorkState::kRunning) NodeImpossible(index, why);
 }
 
 void RunStepper::CancelNode(size_t index, const std::string& reason) {
@@ -515,11 +417,16 @@ void RunStepper::Advance() {
                                          "for anything (the limit engine_rounds_per_turn is ",
                                          core_.limits.engine_rounds_per_turn, ")"));
   }
+  const bool waits_for_tick = run_.timer_us == kNextTick && !core_.input->clock_tick;
+  if ((core_.bounds.spent() || waits_for_tick) && run_.state == WorkState::kRunning) return GoOnLater();
+  core_.resumed.insert(run_.id);
   if (run_.undoing) return Undo();
+  if (!HasEntered() && GoesOn()) Enter();
   bool changed = true;
   while (changed && GoesOn()) {
     changed = false;
     for (size_t i = 0; i < run_.nodes.size() && GoesOn(); ++i) {
+      if (core_.bounds.spent()) return GoOnLater();
       switch (run_.nodes[i].state) {
         case WorkState::kWaiting:
           changed = TryOpen(i) || CheckDeadlines(i) || changed;
@@ -555,6 +462,18 @@ void RunStepper::Advance() {
   }
 }
 
+// The turn has done enough for runs: this one goes on in the next. What happens only now is taken: events, and the levels of
+// `while` links, which do not outlast a turn.
+void RunStepper::GoOnLater() {
+  core_.unfinished.insert(run_.id);
+  for (size_t i = 0; i < run_.nodes.size() && GoesOn(); ++i) {
+    NodeState& node = run_.nodes[i];
+    if (!node.pending_links.empty() && IsKnown(node.pending_links[0].handle)) ResolvePendingLinks(i);
+    if (node.state != WorkState::kWaiting) continue;
+    for (ArmedCondition& armed : node.armed) TakeEvents(&armed);
+  }
+}
+
 bool RunStepper::CheckEnd() {
   for (const NodeState& node : run_.nodes) {
     if (IsLive(node.state)) return false;
@@ -571,6 +490,7 @@ void RunStepper::End(WorkState state, const std::string& why) {
   if (state == WorkState::kFailed && GoesOn() && HasDoneSteps()) return EndAndUndo(state, why);
   const std::string reason = run_.undoing ? EndUndoing(why) : why;
   run_.state = state;  // first: what is cancelled below must not go on
+  core_.ended.insert(run_.id);
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
     CancelNode(i, state == WorkState::kDone ? "the sink was reached" : reason);
   }

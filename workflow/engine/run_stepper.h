@@ -20,7 +20,7 @@ std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every);
 
 class RunStepper {
  public:
-  RunStepper(Engine::Core* core, Run* run) : core_(*core), run_(*run), flow_(run->Flow()) {}
+  RunStepper(Engine::Core* core, Run* run);
 
   // A new run: sets variables and follows the links out of the source.
   void Begin(const std::string& cause);
@@ -34,6 +34,8 @@ class RunStepper {
   void ChildEnded(const CommandOwner& owner, const Run& child);
   // What became of a notification of the node.
   void Delivered(size_t node, const CommandReport& report);
+  // The node can not be followed any further: it fails.
+  void GiveUp(size_t index, const absl::Status& why);
   // Ends the run; what is under way is cancelled.
   void End(WorkState state, const std::string& why);
 
@@ -55,11 +57,7 @@ class RunStepper {
  private:
   // run_stepper.cc: nodes
   void SetNode(size_t index, WorkState state, const std::string& cause);
-  void Arrive(const std::string& from, const std::string& to, bool closes_cycle);
-  void DeadEnd(const std::string& from, const std::string& to);
-  void Resolve(size_t index);
   void Activate(size_t index);
-  void Reenter(size_t index);
   bool HasCondition(size_t index) const;
   void AwaitCondition(size_t index);
   void ArmNode(size_t index);
@@ -67,24 +65,33 @@ class RunStepper {
   bool TryOpen(size_t index);
   std::optional<TimeMicros> OpensAt(size_t index, size_t alternative) const;
   void TakeEvents(ArmedCondition* armed);
-  std::vector<TermBinding> Solutions(const ArmedCondition& armed) const;
+  absl::StatusOr<std::vector<TermBinding>> Solutions(const ArmedCondition& armed) const;
   bool CanServe(size_t index, const RobotId& robot, const RunId& root) const;
   bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
   // `by`: the condition that opens it; null: it has none.
   void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
             const std::string& cause, const ArmedCondition* by);
   bool CheckNode(size_t index);
-  void NodeDone(size_t index);
   void NodeFailed(size_t index, const std::string& reason);
   void NodeFailedForGood(size_t index, const std::string& reason);
   void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
-  bool ResolvePendingLinks(size_t index);
-  void FollowLinks(size_t index, const std::vector<size_t>& taken);
   bool CheckDeadlines(size_t index);
+  void GoOnLater();
+  bool HasEntered() const;
+  void Enter();
   bool CheckEnd();
   void SetVariables(const TermBinding& binding);
-  void RearmWaiting();
+  void RearmWaiting(const std::set<std::string>& changed);
+
+  // run_links.cc: links
+  void Arrive(const std::string& from, const std::string& to, bool closes_cycle);
+  void DeadEnd(size_t link);
+  bool Resolve(size_t index);
+  void Reenter(size_t index);
+  void NodeDone(size_t index);
+  bool ResolvePendingLinks(size_t index);
+  void FollowLinks(size_t index, const std::vector<size_t>& taken);
 
   // run_actions.cc: what a node does itself
   enum class Progress { kDone, kWaits, kEnded };
@@ -95,7 +102,7 @@ class RunStepper {
   absl::Status DoAction(size_t index, const cawl::Action& action);
   std::vector<std::pair<size_t, TermBinding>> EachBinding(size_t index) const;
   std::vector<TermBinding> BindingsOf(size_t index) const;
-  void MakeInvocations(size_t index);
+  absl::Status MakeInvocations(size_t index);
   absl::Status Assign(size_t index, const cawl::Action& action);
   absl::Status CheckAssigned(size_t index, const TermBinding& values) const;
   absl::Status Notify(size_t index, const cawl::Action& action);
@@ -115,6 +122,9 @@ class RunStepper {
                                                   bool* of_others) const;
   void Write(bool tells, TermQuad fact, const cawl::Action* action);
   void WithdrawUntilEnd();
+  // run_reservations.cc
+  absl::Status Reserve(size_t index, const cawl::Action& action);
+  absl::Status ReleaseReservation(size_t index, const cawl::Action& action);
   // run_compensation.cc: ext:compensate
   bool GoesOn() const { return run_.state == WorkState::kRunning && !run_.undoing; }
   void NoteDone(size_t index);
@@ -194,6 +204,7 @@ class RunStepper {
   Engine::Core& core_;
   Run& run_;
   const cawl::Flow& flow_;
+  const FlowGraph& graph_;
 };
 
 }  // namespace docent::engine

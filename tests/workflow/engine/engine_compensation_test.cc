@@ -107,6 +107,19 @@ TEST_F(EngineCompensationTest, ARunThatFailsUndoesWhatItDidAndEndsAsFailed) {
   EXPECT_THAT(Run("reason"), HasSubstr("what it did was undone"));
 }
 
+TEST_F(EngineCompensationTest, EveryOtherNodeIsCancelledBeforeItUndoes) {
+  Deploy(Flow(Node("First", "x", "<invoke operation=\"doF\"/>") + Undoable("A") +
+              Node("C", "", "<invoke operation=\"doC\"/>") +
+              Node("Last", "x", "<invoke operation=\"doL\"/>") + "<sink name=\"t\"/>" + Link("s", "First") +
+              Link("s", "A") + Link("s", "Last") + Link("A", "C") + Link("First", "t") + Link("Last", "t") +
+              Link("C", "t")));
+  const CommandId second = RunAfter(1);
+  Turn({Failed(second, "stuck")});
+  EXPECT_THAT(Operations(), ElementsAre("undoA"));
+  EXPECT_THAT(transitions_, ::testing::Contains("F-1/First waiting>cancelled"));
+  EXPECT_THAT(transitions_, ::testing::Contains("F-1/Last waiting>cancelled"));
+}
+
 TEST_F(EngineCompensationTest, ASecondCancelEndsTheUndoingAndSaysWhatIsLeft) {
   Deploy(ThreeNodes());
   const CommandId third = RunAfter(2);

@@ -3,6 +3,7 @@
 #define DOCENT_TESTS_WORKFLOW_ENGINE_ENGINE_FIXTURE_H_
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,6 +58,7 @@ class EngineTest : public ::testing::Test {
       EngineInput input;
       input.now_us = now_us_;
       input.revision = Revision(++revision_);
+      input.clock_tick = reports.empty() && requests.empty();
       input.reports = round == 0 ? &reports : nullptr;
       input.requests = round == 0 ? &requests : nullptr;
       input.conditions = &conditions_;
@@ -66,7 +68,8 @@ class EngineTest : public ::testing::Test {
       for (const auto& t : output.transitions) transitions_.push_back(t.subject + " " + t.from + ">" + t.to);
       commands_.insert(commands_.end(), output.commands.begin(), output.commands.end());
       cancels_.insert(cancels_.end(), output.cancels.begin(), output.cancels.end());
-      for (const Quad& quad : output.remove) std::erase(facts_, quad);
+      const std::set<Quad> removed(output.remove.begin(), output.remove.end());
+      std::erase_if(facts_, [&removed](const Quad& quad) { return removed.contains(quad); });
       facts_.insert(facts_.end(), output.add.begin(), output.add.end());
       if (output.quiet()) {
         engine_.Commit();

@@ -84,6 +84,21 @@ TEST_F(EnginePriorityTest, AMoreUrgentRunTakesTheRobotBetweenTwoStepsOfAService)
   EXPECT_EQ(Sent(), Commands{"Low-1/B drive"});
 }
 
+TEST_F(EnginePriorityTest, AStepThatGoesOutNoLongerSaysWhatItWaitedFor) {
+  PutTrip();
+  DeployFlows("", "trip");
+  StartFlow("Low");
+  const CommandId go = Only();
+  robots_.offers[0].out_of_service = "is charging";
+  Turn({Done(go)});
+  EXPECT_EQ(Sent(), Commands{});
+  EXPECT_NE(Fact("urn:docent:run:Low-1/A/0", "reason"), "");
+  robots_.offers[0].out_of_service = "";
+  Turn();
+  EXPECT_EQ(Sent(), Commands{"Low-1/A back"});
+  EXPECT_EQ(Fact("urn:docent:run:Low-1/A/0", "reason"), "");
+}
+
 TEST_F(EnginePriorityTest, AMoreUrgentRunTakesTheRobotBetweenTwoNodes) {
   DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"");
   StartFlow("Low");

@@ -124,7 +124,7 @@ TEST_F(EngineRobotsTest, ARefusedTurnLeavesTheLedgerAsItWas) {
   const CommandId command = commands_[0].id;
   Cancel("F-1");
   std::vector<CommandReport> reports = {Report(command, Outcome::kCancelled)};
-  EngineInput input{now_us_, Revision(9), &reports, nullptr, nullptr, &conditions_, &robots_};
+  EngineInput input{now_us_, Revision(9), false, &reports, nullptr, nullptr, &conditions_, &robots_};
   engine_.Step(input);
   engine_.Rollback();
   EXPECT_EQ(engine_.OpenCommands().size(), 1u);

@@ -294,7 +294,8 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   std::vector<CommandReport> reports;
   std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
   auto step = [&] {
-    EngineInput input{now_us_, Revision(++revision_), &reports, &requests, nullptr, &conditions_, &robots_};
+    EngineInput input{now_us_, Revision(++revision_), false,   &reports, &requests,
+                      nullptr, &conditions_,          &robots_};
     EngineOutput output = small.Step(input);
     std::vector<Quad> after = facts;
     for (const Quad& quad : output.remove) std::erase(after, quad);
@@ -582,7 +583,7 @@ TEST_F(EngineTest, RollbackPutsEverythingBack) {
   conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
   std::vector<CommandReport> reports;
   std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
-  EngineInput input{now_us_, Revision(9), &reports, &requests, nullptr, &conditions_, &robots_};
+  EngineInput input{now_us_, Revision(9), false, &reports, &requests, nullptr, &conditions_, &robots_};
   EngineOutput first = engine_.Step(input);
   EXPECT_EQ(engine_.live_runs(), 2u);
   engine_.Rollback();
@@ -600,7 +601,7 @@ TEST_F(EngineTest, RollbackPutsBackWhichBindingsAnActivatorHas) {
               Link("A", "t")));
   Turn();
   const TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
-  EngineInput input{now_us_, Revision(9), nullptr, nullptr, nullptr, &conditions_, &robots_};
+  EngineInput input{now_us_, Revision(9), false, nullptr, nullptr, nullptr, &conditions_, &robots_};
   conditions_.Set("urn:arrived", {john});
   EXPECT_THAT(engine_.Step(input).transitions, Not(IsEmpty()));
   engine_.Rollback();

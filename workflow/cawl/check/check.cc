@@ -3,11 +3,31 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "graph/base/workflow_limits.h"
 #include "workflow/cawl/check/environment_checks.h"
 #include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/parser.h"
 
 namespace docent::cawl {
+namespace {
+
+// Of new texts only: what a log or a snapshot holds was accepted, and stays so. True if a flow is too large.
+bool CheckSizes(const Document& document, xml::ElementReader* reader) {
+  bool too_large = false;
+  for (const Flow& flow : document.flows) {
+    const size_t most = kWorkflowLimits.flow_nodes;
+    if (flow.nodes.size() <= most) continue;
+    too_large = true;
+    reader->Error(flow.name.span,
+                  absl::StrCat("flow ", flow.name.value, " has ", flow.nodes.size(),
+                               " nodes; the limit flow_nodes is ", most),
+                  "divide it into flows that nodes invoke (subflow)");
+  }
+  return too_large;
+}
+
+}  // namespace
 
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
                           const Limits& limits) {
@@ -17,14 +37,16 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
   out.diagnostics = std::move(parsed.diagnostics);
   if (out.document == nullptr) return out;
   xml::ElementReader reader(out.document->source, file, kExtensionNs);
-  if (environment != nullptr) CheckAgainst(*out.document, *environment, &reader);
+  const bool too_large = CheckSizes(*out.document, &reader);
+  if (environment != nullptr && !too_large) CheckAgainst(*out.document, *environment, &reader);
   // What is wrong in the text alone may leave words out of conditions.
-  if (!HasErrors(out.diagnostics)) {
+  if (!HasErrors(out.diagnostics) && !too_large) {
     out.conditions = ConditionTexts(*out.document, limits, &reader);
     CheckConditions(*out.document, environment, &reader);
+    CheckFeedback(*out.document, &reader);
     CheckRuns(*out.document, &reader);
     CheckValues(*out.document, environment, &reader);
-    CheckTimeouts(*out.document, environment, limits, &reader);
+    CheckTimeouts(*out.document, environment, &reader);
   }
   for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
   std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),

@@ -172,6 +172,7 @@ class ConditionChecker {
       can = ObjectCanHold(*constraint) && can;
       needs.Add(*constraint);
     }
+    for (const Formula& absent : conjunction.absent) TellOfObjects(absent);
     for (const NeedClash& clash : needs.Clashes()) {
       can = false;
       Warn(clash.span, clash.message,
@@ -179,6 +180,13 @@ class ConditionChecker {
            clash.of_declaration ? kTypeClash : kUnsatisfiable);
     }
     return can;
+  }
+
+  // What can't hold is always absent, which is not what is meant: it is told, and the alternative can hold.
+  void TellOfObjects(const Formula& absent) {
+    if (absent.constraint != nullptr && absent.constraint->time == Constraint::Time::kNone)
+      (void)ObjectCanHold(*absent.constraint);
+    for (const Formula& child : absent.children) TellOfObjects(child);
   }
 
   bool AbsenceCanHold(const Conjunction& conjunction) {

@@ -72,6 +72,11 @@ void QuadEnvironment::AddApplicationService(std::string name) {
   services_.insert(std::move(name));
 }
 
+void QuadEnvironment::AddCapability(std::string iri) {
+  if (!capabilities_) capabilities_.emplace();
+  capabilities_->push_back(std::move(iri));
+}
+
 std::optional<OperationSignature> QuadEnvironment::FindOperation(std::string_view name) const {
   auto it = operations_.find(name);
   if (it == operations_.end()) return std::nullopt;

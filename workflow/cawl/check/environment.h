@@ -39,6 +39,8 @@ class Environment {
   virtual ~Environment() = default;
   virtual std::optional<OperationSignature> FindOperation(std::string_view name) const = 0;
   virtual std::vector<std::string> OperationNames() const = 0;
+  // IRIs of the classes of operations that robots describe now; nullopt: it is not known which robots there are.
+  virtual std::optional<std::vector<std::string>> OfferedCapabilities() const { return std::nullopt; }
   // Flows of other documents that `subflow` may name.
   virtual std::vector<std::string> ApplicationServices() const = 0;
   // IRIs of classes, of properties, and of other named things that the ontologies describe.
@@ -64,11 +66,14 @@ class QuadEnvironment final : public Environment {
   void AddOntology(const std::vector<TermQuad>& quads);
   void AddOperation(OperationSignature operation);
   void AddApplicationService(std::string name);
+  // A class of which a robot offers an operation.
+  void AddCapability(std::string iri);
   // Whether one of the ontologies declares a class or a property.
   bool HasWords() const { return !classes_.empty() || !properties_.empty(); }
 
   std::optional<OperationSignature> FindOperation(std::string_view name) const override;
   std::vector<std::string> OperationNames() const override;
+  std::optional<std::vector<std::string>> OfferedCapabilities() const override { return capabilities_; }
   std::vector<std::string> ApplicationServices() const override;
   bool IsClass(const std::string& iri) const override;
   bool IsProperty(const std::string& iri) const override;
@@ -84,6 +89,7 @@ class QuadEnvironment final : public Environment {
 
   std::map<std::string, OperationSignature, std::less<>> operations_;
   std::set<std::string> services_;
+  std::optional<std::vector<std::string>> capabilities_;
   std::set<std::string, std::less<>> classes_;
   std::set<std::string, std::less<>> properties_;
   std::set<std::string, std::less<>> known_;

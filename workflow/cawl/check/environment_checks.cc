@@ -72,6 +72,46 @@ class EnvironmentChecker {
     return found;
   }
 
+  // The class, and those that stand above it in the ontology: what an operation of the class is, too.
+  std::set<std::string> WithSuperclasses(const std::string& iri) const {
+    static const std::string sub_class = Concat(kRdfsNs, "subClassOf"),
+                             same = Concat(kOwlNs, "equivalentClass");
+    std::set<std::string> seen = {iri};
+    std::vector<std::string> next = {iri};
+    while (!next.empty()) {
+      const Term at = Term::Iri(next.back());
+      next.pop_back();
+      std::vector<Term> above = environment_.Objects(at, sub_class);
+      for (const Term& term : environment_.Objects(at, same)) above.push_back(term);
+      for (const Term& term : environment_.Subjects(same, at)) above.push_back(term);
+      for (const Term& term : above) {
+        if (term.IsIri() && seen.insert(term.lexical).second) next.push_back(term.lexical);
+      }
+    }
+    return seen;
+  }
+
+  void CheckCapability(const Invoke& invoke) {
+    const std::string& quoted = invoke.operation.value;
+    if (quoted.size() < 2) return;  // a mistake that is reported already
+    const std::string wanted = quoted.substr(1, quoted.size() - 2);
+    CheckWord(wanted, invoke.operation.span, "class", &Environment::IsClass, &Environment::Classes);
+    const std::optional<std::vector<std::string>> offered = environment_.OfferedCapabilities();
+    if (!offered || reader_.full()) return;
+    std::vector<std::string> shown;
+    for (const std::string& iri : *offered) {
+      if (WithSuperclasses(iri).contains(wanted)) return;
+      shown.push_back(ToDisplay(Term::Iri(iri)));
+    }
+    const std::string known = shown.empty() ? "no robot describes what class its operations are of"
+                                            : Concat("there are: ", xml::ListOf(shown));
+    reader_
+        .Warning(invoke.operation.span,
+                 Concat("no robot offers an operation of class ", ToDisplay(Term::Iri(wanted)), " now"),
+                 Concat("an invoke of it waits until a robot joins that offers one; ", known))
+        .rule = kUnknownOperation;
+  }
+
   void CheckSubflow(const Text& name) {
     if (name.empty() || document_.FindFlow(name.value) != nullptr || reader_.full()) return;
     std::vector<std::string> known = environment_.ApplicationServices();
@@ -114,6 +154,10 @@ class EnvironmentChecker {
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
         CheckSubflow(invoke.subflow);
+        if (invoke.capability.given()) {
+          CheckCapability(invoke);
+          continue;
+        }
         std::optional<OperationSignature> operation = CheckOperation(invoke.operation);
         if (operation && operation->inputs_known) CheckInputs(flow, node, invoke, *operation, keys);
       }

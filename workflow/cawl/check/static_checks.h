@@ -18,6 +18,9 @@ inline constexpr size_t kMaxPairedNodes = 500;
 // together. `environment` null: what needs an ontology is left out.
 void CheckConditions(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
+// Activators that the facts of their own runs start again.
+void CheckFeedback(const Document& document, xml::ElementReader* reader);
+
 // Flows: nodes that may command one robot at the same time, loops that nothing slows down.
 void CheckRuns(const Document& document, xml::ElementReader* reader);
 
@@ -26,8 +29,7 @@ void CheckRuns(const Document& document, xml::ElementReader* reader);
 void CheckValues(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
 // Timeouts that end nothing.
-void CheckTimeouts(const Document& document, const Environment* environment, const Limits& limits,
-                   xml::ElementReader* reader);
+void CheckTimeouts(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
 }  // namespace docent::cawl
 

@@ -24,8 +24,8 @@ bool IsEmpty(const Condition& condition) {
 
 class TimeoutChecker {
  public:
-  TimeoutChecker(const Environment* environment, const Limits& limits, xml::ElementReader* reader)
-      : environment_(environment), limits_(limits), reader_(*reader) {}
+  TimeoutChecker(const Environment* environment, xml::ElementReader* reader)
+      : environment_(environment), reader_(*reader) {}
 
   void Check(const Document& document) {
     if (document.activator && document.activator->condition.timeout_text.given()) {
@@ -105,10 +105,11 @@ class TimeoutChecker {
     if (environment_ == nullptr || invoke.operation.empty()) return;
     const std::optional<OperationSignature> operation = environment_->FindOperation(invoke.operation.value);
     if (!operation || !operation->longest_step) return;
-    const int64_t of_invoke = invoke.timeout_ms.value_or(limits_.default_step_timeout_ms);
-    const int64_t ends = node.timeout_ms ? std::min(of_invoke, *node.timeout_ms) : of_invoke;
+    // Without a timeout here, that of each step counts, however long it is.
+    if (!invoke.timeout_ms && !node.timeout_ms) return;
+    const bool by_node = node.timeout_ms && (!invoke.timeout_ms || *node.timeout_ms < *invoke.timeout_ms);
+    const int64_t ends = by_node ? *node.timeout_ms : *invoke.timeout_ms;
     if (operation->longest_step->timeout_ms <= ends) return;
-    const bool by_node = node.timeout_ms && *node.timeout_ms < of_invoke;
     reader_
         .Warning(invoke.operation.span,
                  Concat("the timeout of step ", operation->longest_step->operation, " of ", operation->name,
@@ -121,15 +122,13 @@ class TimeoutChecker {
   }
 
   const Environment* environment_;
-  const Limits& limits_;
   xml::ElementReader& reader_;
 };
 
 }  // namespace
 
-void CheckTimeouts(const Document& document, const Environment* environment, const Limits& limits,
-                   xml::ElementReader* reader) {
-  TimeoutChecker(environment, limits, reader).Check(document);
+void CheckTimeouts(const Document& document, const Environment* environment, xml::ElementReader* reader) {
+  TimeoutChecker(environment, reader).Check(document);
 }
 
 }  // namespace docent::cawl

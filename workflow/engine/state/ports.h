@@ -67,6 +67,8 @@ struct ConditionEdge {
   bool fell = false;
   std::vector<TermBinding> appeared;     // of the key variables, in term order
   std::vector<TermBinding> disappeared;  // before those that appeared: one that is in both was told again
+  // More bindings than are kept (the limit condition_matches): nothing more is told of it.
+  bool overflowed = false;
 };
 
 // Levels and edges of armed conditions at this round's graph.
@@ -86,6 +88,12 @@ class ConditionView {
 // screen and voice. Empty: the whole robot.
 using Occupation = std::set<std::string>;
 
+// The class that an invoke asks for by ext:capability, in place of the name of an operation: "<IRI>". nullopt: it is a name.
+inline std::optional<std::string_view> CapabilityOf(std::string_view operation) {
+  if (!operation.starts_with('<') || operation.size() < 2) return std::nullopt;
+  return operation.substr(1, operation.size() - 2);
+}
+
 // A robot that offers an operation, as the graph has it.
 struct RobotOffer {
   RobotId robot;
@@ -98,12 +106,29 @@ struct RobotOffer {
   bool busy = false;  // it says that it carries something out; a command of ours may be the reason
   // Why it takes no command whatever it does for us, for people: "is charging"; empty: it takes some.
   std::string out_of_service;
+  std::string operation = {};  // of a capability: the robot's operation that is of this class
+};
+
+// Robots that are kept for somebody (docent:Reservation), as the graph has it.
+struct Reservation {
+  std::string iri;
+  std::set<RobotId> robots;
+  std::string
+      kept_for;  // IRI of a run, with those nested in it, or of a workflow, for its runs; empty: for none
+  int priority = 0;
+  TimeMicros since_us = 0;
+  TimeMicros until_us = 0;  // 0: until it is released, or the run ends
+  std::string reason;       // for people; may be empty
 };
 
 class RobotDirectory {
  public:
   virtual ~RobotDirectory() = default;
-  // In term order of the robots' IRIs. The reference lives until the directory learns of a new graph.
+  // Of this robot; the one that counts before the others in front: of the highest priority, of these the oldest. The reference
+  // lives as that of Offers.
+  virtual const std::vector<Reservation>& ReservationsOf(const RobotId& robot) const;
+  // In term order of the robots' IRIs, one of each robot. Of a capability ("<IRI>"): one of each operation that is of the
+  // class or of one below it, the most general first. The reference lives until the directory learns of a new graph.
   virtual const std::vector<RobotOffer>& Offers(const std::string& operation) const = 0;
   // Whether any answer may differ from the one of the round before.
   virtual bool changed() const = 0;
@@ -162,6 +187,11 @@ class RobotRanking {
   virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
                                      const TermBinding& values) const = 0;
 };
+
+inline const std::vector<Reservation>& RobotDirectory::ReservationsOf(const RobotId&) const {
+  static const std::vector<Reservation> kNone;
+  return kNone;
+}
 
 struct EngineOutput {
   std::vector<Notification> notifications;

@@ -19,6 +19,7 @@
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/engine/state/action_state.h"
+#include "workflow/engine/state/flow_graph.h"
 #include "workflow/engine/state/ports.h"
 #include "workflow/rsel/instruction_handler.h"
 
@@ -175,6 +176,10 @@ struct Undoing {
   std::vector<std::string> failed;  // steps that could not be undone, and why
 };
 
+// The timer of a run that had more to do than its turn allows: it goes on with the next turn of the clock. That one may be
+// refused; what others send is not.
+inline constexpr TimeMicros kNextTick = 1;
+
 struct Run {
   RunId id;
   uint64_t number = 0;  // in order of start, over all flows
@@ -197,7 +202,9 @@ struct Run {
   std::vector<DoneStep> done_steps;  // in order of completion
   std::optional<Undoing> undoing;    // no node of its flow goes on any more
 
-  RunId root;  // the outermost run that it is nested in, or itself
+  FlowGraphPtr graph;  // of its flow; null until it is first needed
+  size_t counted = 0;  // its part of the engine's nodes_live
+  RunId root;          // the outermost run that it is nested in, or itself
   // Of the outermost run; they follow from its document.
   int priority = 0;
   bool preempts = false;
@@ -208,7 +215,7 @@ struct Run {
   size_t parent_invocation = 0;
 
   FactsPtr facts;                      // as last told to the graph, sorted; null: nothing yet
-  std::optional<TimeMicros> timer_us;  // as in the engine's timer queue
+  std::optional<TimeMicros> timer_us;  // as in the engine's timer queue; or kNextTick
 
   const cawl::Flow& Flow() const { return document->flows[flow]; }
   bool paused() const { return paused_since_us != 0; }

@@ -56,6 +56,8 @@ constexpr std::array kNames = {
     Name{kDocentNs, "pausedAt"},
     Name{kDocentNs, "pauseReason"},
     Name{kDocentNs, "notBefore"},
+    Name{kDocentNs, "wantedCapability"},
+    Name{kDocentNs, "load"},
     Name{kDocentNs, "lastUsed"},
 };
 static_assert(kNames.size() == static_cast<size_t>(RunTerm::kLastUsed) + 1);

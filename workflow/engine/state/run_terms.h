@@ -56,6 +56,8 @@ enum class RunTerm : uint8_t {
   kPausedAt,
   kPauseReason,
   kNotBefore,
+  kWantedCapability,
+  kLoad,
   kLastUsed,
 };
 

@@ -9,6 +9,10 @@ void WaitingRoom::Wait(uint64_t number, const CommandOwner& owner, RobotWish wis
     Leave(owner);
   }
   wishes_[wish].insert({number, owner});
+  if (!wish.robot.empty()) {
+    ++waiting_for_[wish.robot];
+    changed_.insert(wish.robot);
+  }
   owners_.emplace(owner, std::make_pair(number, std::move(wish)));
 }
 
@@ -17,9 +21,19 @@ void WaitingRoom::Leave(const CommandOwner& owner) {
   if (it == owners_.end()) return;
   const auto& [number, wish] = it->second;
   auto queue = wishes_.find(wish);
+  if (!wish.robot.empty()) {
+    const auto count = waiting_for_.find(wish.robot);
+    if (--count->second == 0) waiting_for_.erase(count);
+    changed_.insert(wish.robot);
+  }
   queue->second.erase({number, owner});
   if (queue->second.empty()) wishes_.erase(queue);
   owners_.erase(it);
+}
+
+size_t WaitingRoom::WaitingFor(const RobotId& robot) const {
+  const auto count = waiting_for_.find(robot);
+  return count == waiting_for_.end() ? 0 : count->second;
 }
 
 void WaitingRoom::Block(uint64_t number, const RunId& run, const std::set<RobotId>& robots) {
@@ -86,6 +100,8 @@ std::optional<std::pair<uint64_t, RunId>> WaitingRoom::Next(
 void WaitingRoom::Clear() {
   wishes_.clear();
   owners_.clear();
+  for (const auto& [robot, count] : waiting_for_) changed_.insert(robot);
+  waiting_for_.clear();
   blocked_.clear();
   blocked_runs_.clear();
 }

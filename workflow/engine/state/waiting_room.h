@@ -44,6 +44,11 @@ class WaitingRoom {
   // none: it is not blocked.
   void Block(uint64_t number, const RunId& run, const std::set<RobotId>& robots);
 
+  // How many invocations wait for this robot alone.
+  size_t WaitingFor(const RobotId& robot) const;
+  // Robots for which WaitingFor may have changed since this was asked last.
+  std::set<RobotId> TakeChanged() { return std::exchange(changed_, {}); }
+
   // Those with which a run is blocked.
   std::vector<RobotId> BlockedRobots() const;
 
@@ -64,6 +69,8 @@ class WaitingRoom {
 
   std::map<RobotWish, Queue> wishes_;
   std::map<CommandOwner, std::pair<uint64_t, RobotWish>> owners_;
+  std::map<RobotId, size_t> waiting_for_;
+  std::set<RobotId> changed_;
   std::map<RobotId, BlockedQueue> blocked_;
   std::map<RunId, std::pair<uint64_t, std::set<RobotId>>> blocked_runs_;
 };
