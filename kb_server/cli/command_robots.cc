@@ -8,10 +8,13 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "docent/v1/fleet.grpc.pb.h"
+#include "graph/rdf/date_time.h"
+#include "graph/rdf/docent_iris.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "workflow/xml/xml_document.h"
 
 namespace docent::server {
 namespace {
@@ -39,6 +42,18 @@ std::string HeldText(const v1::RobotStatus& robot) {
   return text;
 }
 
+// "operator-12 for run Tour-1 until 2026-11-25T10:00:00Z, priority 5".
+std::string ReservationText(const v1::RobotReservation& reservation) {
+  constexpr std::string_view kIri = "urn:docent:reservation:";
+  std::string text = reservation.reservation();
+  if (text.starts_with(kIri)) text = text.substr(kIri.size());
+  if (!reservation.kept_for().empty()) absl::StrAppend(&text, " for ", reservation.kept_for());
+  if (reservation.until_us() != 0)
+    absl::StrAppend(&text, " until ", DateTimeTerm(reservation.until_us()).lexical);
+  absl::StrAppend(&text, ", priority ", reservation.priority());
+  return reservation.reason().empty() ? text : absl::StrCat(text, ": ", reservation.reason());
+}
+
 int ListRobots(const ClientOptions& options) {
   v1::ListRobotsReply reply;
   grpc::ClientContext context;
@@ -53,7 +68,8 @@ int ListRobots(const ClientOptions& options) {
     return kExitOk;
   }
   const Presenter presenter(options);
-  Table table({"robot", "state", "x, y, heading", "in", "held by", "operations", "adapter"});
+  Table table(
+      {"robot", "state", "x, y, heading", "in", "held by", "reserved", "operations", "can", "adapter"});
   for (const v1::RobotStatus& robot : reply.robots()) {
     const auto named = [&](std::string* out, const std::string& iri) { out->append(presenter.Iri(iri)); };
     table.Add({presenter.Iri(robot.robot()),
@@ -61,7 +77,12 @@ int ListRobots(const ClientOptions& options) {
                PoseText(robot),
                absl::StrJoin(robot.regions(), " ", named),
                HeldText(robot),
+               absl::StrJoin(robot.reservations(), "; ",
+                             [](std::string* out, const v1::RobotReservation& reservation) {
+                               out->append(ReservationText(reservation));
+                             }),
                absl::StrJoin(robot.operations(), " "),
+               absl::StrJoin(robot.capabilities(), " ", named),
                robot.address()});
   }
   std::cout << table.Render(presenter.terminal());
@@ -119,13 +140,116 @@ void AddServiceCommands(CLI::App* robots, int* exit_code) {
   }
 }
 
+struct ReserveArguments {
+  ClientOptions client;
+  std::vector<std::string> robots, prefixes;
+  std::string kept_for, lasting, until, reason;
+  int priority = 0;
+};
+
+int Reserve(const ReserveArguments& arguments) {
+  FactArguments facts([&] { return ServerNames(arguments.client); });
+  if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
+  v1::ReserveRequest request;
+  for (const std::string& robot : arguments.robots) request.add_robots(facts.Iri(robot));
+  request.set_kept_for(arguments.kept_for);
+  request.set_priority(arguments.priority);
+  request.set_reason(arguments.reason);
+  int64_t lasting_ms = 0;
+  if (!arguments.lasting.empty() && !xml::ParseDurationMs(arguments.lasting, &lasting_ms)) {
+    return Fail(absl::InvalidArgumentError(
+        absl::StrCat("--lasting ", arguments.lasting,
+                     " is not a duration; write a number and ms, s, min or h, e.g. 10min")));
+  }
+  request.set_lasting_ms(lasting_ms);
+  if (!arguments.until.empty()) {
+    request.set_until_us(MicrosOfDateTime(arguments.until));
+    if (request.until_us() == 0) {
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat("--until ", arguments.until,
+                       " is not a date and time with a zone; write e.g. 2026-12-01T14:30:00+01:00")));
+    }
+  }
+  grpc::ClientContext context;
+  v1::ReserveReply reply;
+  const grpc::Status status =
+      v1::Fleet::NewStub(Connect(arguments.client))->Reserve(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json)
+    PrintJson(reply);
+  else
+    std::cout << absl::StrJoin(arguments.robots, ", ") << (arguments.robots.size() == 1 ? " is" : " are")
+              << " reserved: " << ReservationText(reply.reservation()) << "\n";
+  return kExitOk;
+}
+
+struct ReleaseArguments {
+  ClientOptions client;
+  std::string reservation;
+};
+
+int Release(const ReleaseArguments& arguments) {
+  grpc::ClientContext context;
+  v1::ReleaseRequest request;
+  v1::ReleaseReply reply;
+  const bool is_iri = arguments.reservation.starts_with("urn:");
+  request.set_reservation(is_iri ? arguments.reservation : ReservationIri(arguments.reservation));
+  const grpc::Status status =
+      v1::Fleet::NewStub(Connect(arguments.client))->Release(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json)
+    PrintJson(reply);
+  else
+    std::cout << arguments.reservation << " is released\n";
+  return kExitOk;
+}
+
+void AddReservationCommands(CLI::App* robots, int* exit_code) {
+  auto reserve = std::make_shared<ReserveArguments>();
+  CLI::App* command = robots->add_subcommand(
+      "reserve",
+      "Keep robots for a run or a workflow: other runs take them only if they are of a higher priority");
+  AddClientOptions(command, &reserve->client);
+  AddPrefixOption(command, &reserve->prefixes);
+  command->add_option("robot", reserve->robots, "The robots, all of them or none: prefix:name or an IRI")
+      ->required();
+  command
+      ->add_option("--for", reserve->kept_for,
+                   "A live run or a deployed workflow; by default they are kept for none")
+      ->type_name("RUN|WORKFLOW");
+  command->add_option("--priority", reserve->priority, "-1000 to 1000; runs of a higher one take the robots")
+      ->type_name("N");
+  CLI::Option* lasting =
+      command->add_option("--lasting", reserve->lasting, "How long: 10min, 1h, at most 720h")
+          ->type_name("DURATION");
+  command->add_option("--until", reserve->until, "Until when, with a zone: 2026-12-01T14:30:00+01:00")
+      ->type_name("TIME")
+      ->excludes(lasting);
+  command->add_option("--reason", reserve->reason, "Why, for people")->type_name("TEXT");
+  command->footer(
+      "It also ends with the run that it is for, and by docent robots release. One of --for, --lasting and "
+      "--until is needed.\n"
+      "Examples:\n"
+      "  docent robots reserve expo:R01 expo:R02 --for Tour --lasting 30min --priority 5\n"
+      "  docent robots reserve expo:R01 --until 2026-12-01T14:30:00Z --reason 'a visit of the mayor'");
+  command->callback([reserve, exit_code] { *exit_code = Reserve(*reserve); });
+
+  auto release = std::make_shared<ReleaseArguments>();
+  command = robots->add_subcommand("release", "End a reservation");
+  AddClientOptions(command, &release->client);
+  command
+      ->add_option("reservation", release->reservation, "As docent robots and reserve show it: operator-12")
+      ->required();
+  command->callback([release, exit_code] { *exit_code = Release(*release); });
+}
+
 }  // namespace
 
 void AddRobotsCommand(CLI::App* app, int* exit_code) {
   auto options = std::make_shared<ClientOptions>();
-  CLI::App* command = app->add_subcommand(
-      "robots",
-      "List the robots with state, pose, region and operations; take one out of service, or put it in");
+  CLI::App* command = app->add_subcommand("robots",
+                                          "List the robots with state, pose, region and operations; reserve "
+                                          "them; take one out of service, or put it in");
   command->group(kRobotsGroup);
   AddClientOptions(command, options.get());
   AddShowOptions(command, options.get());
@@ -133,8 +257,10 @@ void AddRobotsCommand(CLI::App* app, int* exit_code) {
       "Examples:\n"
       "  docent robots --json\n"
       "  docent robots out expo:R01 --reason 'a wheel squeaks'\n"
-      "  docent robots in expo:R01");
+      "  docent robots in expo:R01\n"
+      "  docent robots reserve expo:R01 --for Tour --lasting 30min");
   AddServiceCommands(command, exit_code);
+  AddReservationCommands(command, exit_code);
   command->callback([options, command, exit_code] {
     if (command->get_subcommands().empty()) *exit_code = ListRobots(*options);
   });

@@ -8,13 +8,13 @@ std::string FleetLeases::Claim(const std::string& robot, const std::string& addr
                                const std::string& gone) {
   absl::MutexLock lock(&mutex_);
   Lease& lease = leases_[robot];
-  const bool lives = lease.until_us > clock_.Now() && !lease.address.empty() && lease.address != gone;
+  const bool lives = lease.until_us > lease_clock_.Now() && !lease.address.empty() && lease.address != gone;
   if (!lives || lease.address == address) {
     lease.address = address;
     return "";
   }
   lease.rival = address;
-  lease.rival_us = clock_.Now();
+  lease.rival_us = lease_clock_.Now();
   return lease.address;
 }
 
@@ -22,7 +22,7 @@ std::string FleetLeases::RivalOf(const std::string& robot) const {
   absl::MutexLock lock(&mutex_);
   const auto lease = leases_.find(robot);
   if (lease == leases_.end() || lease->second.rival.empty()) return "";
-  return clock_.Now() - lease->second.rival_us < int64_t{kLeaseMs} * 1000 ? lease->second.rival : "";
+  return lease_clock_.Now() - lease->second.rival_us < int64_t{kLeaseMs} * 1000 ? lease->second.rival : "";
 }
 
 void FleetLeases::Renew(const std::string& robot, const std::string& description, Decided decided) {
@@ -31,7 +31,7 @@ void FleetLeases::Renew(const std::string& robot, const std::string& description
     absl::MutexLock lock(&mutex_);
     Lease& lease = leases_[robot];
     lease.seen_us = clock_.Now();
-    lease.until_us = lease.seen_us + int64_t{kLeaseMs} * 1000;
+    lease.until_us = lease_clock_.Now() + int64_t{kLeaseMs} * 1000;
     if (lease.under_way) {
       lease.waiting.push_back({description, std::move(decided)});
       return;
@@ -53,7 +53,7 @@ void FleetLeases::Expect(const std::string& robot, const std::string& address) {
   absl::MutexLock lock(&mutex_);
   Lease& lease = leases_[robot];
   lease.address = address;
-  lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+  lease.until_us = lease_clock_.Now() + int64_t{kLeaseMs} * 1000;
   lease.online = true;
 }
 
@@ -62,7 +62,7 @@ std::vector<FleetLeases::Lost> FleetLeases::TakeLost() {
   std::vector<Lost> lost;
   for (auto it = leases_.begin(); it != leases_.end();) {
     Lease& lease = it->second;
-    if (lease.under_way || lease.until_us > clock_.Now()) {
+    if (lease.under_way || lease.until_us > lease_clock_.Now()) {
       ++it;
     } else if (lease.online) {
       lease.under_way = true;
@@ -79,8 +79,8 @@ void FleetLeases::ToldLost(const std::string& robot, bool taken) {
   End(robot, [&](Lease* lease) {
     if (taken) {
       lease->online = false;
-    } else if (lease->until_us <= clock_.Now()) {
-      lease->until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+    } else if (lease->until_us <= lease_clock_.Now()) {
+      lease->until_us = lease_clock_.Now() + int64_t{kLeaseMs} * 1000;
     }
   });
 }

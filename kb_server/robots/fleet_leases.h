@@ -22,7 +22,10 @@ namespace docent::server {
 
 class FleetLeases {
  public:
-  explicit FleetLeases(const Clock* clock) : clock_(*clock) {}
+  // `clock`: of the times that the graph is told. `lease_clock` (null: the same) counts how long leases last: adapters show
+  // themselves in real time, also where a simulator tells the other.
+  explicit FleetLeases(const Clock* clock, const Clock* lease_clock = nullptr)
+      : clock_(*clock), lease_clock_(lease_clock != nullptr ? *lease_clock : *clock) {}
 
   // How long a lease lasts.
   static constexpr uint32_t kLeaseMs = 5000;
@@ -81,6 +84,7 @@ class FleetLeases {
   void End(const std::string& robot, const std::function<void(Lease*)>& note);
 
   const Clock& clock_;
+  const Clock& lease_clock_;
   std::atomic<uint64_t> refused_ = 0;
   mutable absl::Mutex mutex_;
   std::map<std::string, Lease> leases_ ABSL_GUARDED_BY(mutex_);

@@ -1,23 +1,38 @@
 #include "kb_server/robots/robot_directory.h"
 
 #include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "kb_server/robots/capability_classes.h"
+#include "kb_server/robots/reservations.h"
 
 namespace docent::server {
 
 GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
-    : dictionary_(*dictionary), properties_{dictionary->InternIri(DocentIri("offers")),
-                                            dictionary->InternIri(DocentIri("incarnation")),
-                                            dictionary->InternIri(DocentIri("status")),
-                                            dictionary->InternIri(DocentIri("idempotent")),
-                                            dictionary->InternIri(DocentIri("input")),
-                                            dictionary->InternIri(DocentIri("inputsKnown")),
-                                            dictionary->InternIri(DocentIri("occupies")),
-                                            dictionary->InternIri(DocentIri("outOfService"))} {}
+    : dictionary_(*dictionary),
+      properties_{dictionary->InternIri(DocentIri("offers")),
+                  dictionary->InternIri(DocentIri("incarnation")),
+                  dictionary->InternIri(DocentIri("status")),
+                  dictionary->InternIri(DocentIri("idempotent")),
+                  dictionary->InternIri(DocentIri("input")),
+                  dictionary->InternIri(DocentIri("inputsKnown")),
+                  dictionary->InternIri(DocentIri("occupies")),
+                  dictionary->InternIri(DocentIri("capability")),
+                  dictionary->InternIri(DocentIri("reservedBy")),
+                  dictionary->InternIri(DocentIri("reservedFor")),
+                  dictionary->InternIri(DocentIri("reservationPriority")),
+                  dictionary->InternIri(DocentIri("reservedAt")),
+                  dictionary->InternIri(DocentIri("reservedUntil")),
+                  dictionary->InternIri(Concat(kRdfsNs, "subClassOf")),
+                  dictionary->InternIri(Concat(kOwlNs, "equivalentClass")),
+                  dictionary->InternIri(DocentIri("outOfService"))} {}
 
 void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delta) {
   auto concerns = [this](const Quad& quad) {
@@ -26,13 +41,25 @@ void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delt
   version_ = &version;
   changed_ = std::any_of(delta.added.begin(), delta.added.end(), concerns) ||
              std::any_of(delta.removed.begin(), delta.removed.end(), concerns);
-  if (changed_) known_.clear();
+  if (changed_) Forget();
 }
 
 const std::vector<engine::RobotOffer>& GraphRobotDirectory::Offers(const std::string& operation) const {
   auto it = known_.find(operation);
   if (it == known_.end()) it = known_.emplace(operation, Read(operation)).first;
   return it->second;
+}
+
+const std::vector<engine::Reservation>& GraphRobotDirectory::ReservationsOf(const RobotId& robot) const {
+  static const std::vector<engine::Reservation> kNone;
+  if (!reservations_) {
+    reservations_.emplace();
+    for (const engine::Reservation& reservation : ReadReservations(dictionary_, *version_)) {
+      for (const RobotId& kept : reservation.robots) (*reservations_)[kept].push_back(reservation);
+    }
+  }
+  const auto of_robot = reservations_->find(robot);
+  return of_robot == reservations_->end() ? kNone : of_robot->second;
 }
 
 // What the robot says in its own graph; other robots may do an operation of that name otherwise.
@@ -94,14 +121,19 @@ std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta)
 }
 
 std::vector<engine::RobotOffer> GraphRobotDirectory::Read(const std::string& operation) const {
+  if (const auto iri = engine::CapabilityOf(operation)) return ReadCapability(*iri);
+  const std::optional<TermId> id = dictionary_.FindIri(OperationIri(operation));
+  return id ? ReadOperation(*id) : std::vector<engine::RobotOffer>();
+}
+
+std::vector<engine::RobotOffer> GraphRobotDirectory::ReadOperation(TermId operation) const {
   std::vector<engine::RobotOffer> offers;
-  std::optional<TermId> offers_id = dictionary_.FindIri(DocentIri("offers"));
-  std::optional<TermId> operation_id = dictionary_.FindIri(OperationIri(operation));
-  if (!offers_id || !operation_id) return offers;
+  const std::optional<TermId> offers_id = dictionary_.FindIri(DocentIri("offers"));
+  if (!offers_id) return offers;
   const GraphReader graph(dictionary_, *version_);
-  const bool idempotent = graph.Object(*operation_id, DocentIri("idempotent")) == "true";
+  const bool idempotent = graph.Object(operation, DocentIri("idempotent")) == "true";
   TermId last;
-  version_->ForEach({{}, *offers_id, *operation_id, {}}, [&](const Quad& quad) {
+  version_->ForEach({{}, *offers_id, operation, {}}, [&](const Quad& quad) {
     if (quad.subject == last) return true;  // told in two graphs
     last = quad.subject;
     engine::RobotOffer offer;
@@ -109,13 +141,54 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::Read(const std::string& ope
     offer.incarnation = graph.Object(quad.subject, DocentIri("incarnation"));
     offer.idempotent = idempotent;
     ReadStatus(quad.subject, &offer);
-    offer.occupies = OccupationOf(*operation_id, quad.subject);
-    offer.inputs = InputsOf(*operation_id, quad.subject);
+    offer.occupies = OccupationOf(operation, quad.subject);
+    offer.inputs = InputsOf(operation, quad.subject);
     offers.push_back(std::move(offer));
     return true;
   });
   std::sort(offers.begin(), offers.end(),
             [](const engine::RobotOffer& a, const engine::RobotOffer& b) { return a.robot < b.robot; });
+  return offers;
+}
+
+// What each robot says of its own operations, in its own graph. Of several operations of one robot, the one whose class has the
+// fewest classes above it comes first: the most general does no more than what is asked for.
+std::vector<engine::RobotOffer> GraphRobotDirectory::ReadCapability(std::string_view iri) const {
+  const std::optional<TermId> wanted = dictionary_.FindIri(iri),
+                              property = dictionary_.FindIri(DocentIri("capability"));
+  if (!wanted || !property) return {};
+  std::map<TermId, size_t> classes;  // those below `wanted`, and itself → how many stand above it
+  std::map<TermId, std::map<TermId, size_t>> operations;  // → by robot, the smallest of these numbers
+  version_->ForEach({{}, *property, {}, {}}, [&](const Quad& quad) {
+    auto known = classes.find(quad.object);
+    if (known == classes.end()) {
+      const std::set<TermId> above = ClassesAbove(dictionary_, *version_, quad.object);
+      known = classes.emplace(quad.object, above.contains(*wanted) ? above.size() : 0).first;
+    }
+    if (known->second == 0) return true;
+    const auto [robot, is_new] = operations[quad.subject].emplace(quad.graph, known->second);
+    if (!is_new) robot->second = std::min(robot->second, known->second);
+    return true;
+  });
+  using Ranked = std::pair<size_t, engine::RobotOffer>;
+  std::vector<Ranked> ranked;
+  for (const auto& [operation, robots] : operations) {
+    const std::optional<std::string> name = OperationOfIri(dictionary_.Decode(operation).lexical);
+    if (!name) continue;
+    for (engine::RobotOffer& offer : ReadOperation(operation)) {
+      const std::optional<TermId> robot = dictionary_.FindIri(offer.robot.value());
+      const auto said = robot ? robots.find(*robot) : robots.end();
+      if (said == robots.end()) continue;
+      offer.operation = *name;
+      ranked.emplace_back(said->second, std::move(offer));
+    }
+  }
+  std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+    return std::tie(a.second.robot, a.first, a.second.operation) <
+           std::tie(b.second.robot, b.first, b.second.operation);
+  });
+  std::vector<engine::RobotOffer> offers;
+  for (Ranked& offer : ranked) offers.push_back(std::move(offer.second));
   return offers;
 }
 

@@ -1,6 +1,6 @@
-// Index of the robots that offer an operation, by the graph: docent:offers, docent:incarnation, docent:status,
-// docent:idempotent, docent:input, docent:outOfService. Answers are kept until a change of one of these properties. It also says which adapters'
-// addresses a turn changed. Writer thread only.
+// Index of the robots that offer an operation, or one of a class, by the graph: docent:offers, docent:incarnation,
+// docent:status, docent:idempotent, docent:input, docent:capability, docent:outOfService, and the classes above a class; and of reservations. Answers
+// are kept until a change of one of these properties. It also says which adapters' addresses a turn changed. Writer thread only.
 #ifndef DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_ROBOTS_ROBOT_DIRECTORY_H_
 
@@ -25,16 +25,23 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   // From now on answers are those of `version`, to which `delta` leads from the one before.
   void Refresh(const GraphVersion& version, const Delta& delta);
   // The turn failed: nothing that was kept counts.
-  void Rollback() { known_.clear(); }
+  void Rollback() { Forget(); }
 
   const std::vector<engine::RobotOffer>& Offers(const std::string& operation) const override;
+  const std::vector<engine::Reservation>& ReservationsOf(const RobotId& robot) const override;
   bool changed() const override { return changed_; }
 
   // The addresses that `delta` brought.
   std::vector<AdapterAddress> AddressesIn(const Delta& delta);
 
  private:
+  void Forget() {
+    known_.clear();
+    reservations_.reset();
+  }
   std::vector<engine::RobotOffer> Read(const std::string& operation) const;
+  std::vector<engine::RobotOffer> ReadOperation(TermId operation) const;
+  std::vector<engine::RobotOffer> ReadCapability(std::string_view iri) const;
   std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
   engine::Occupation OccupationOf(TermId operation, TermId robot) const;
   void ReadStatus(TermId robot, engine::RobotOffer* offer) const;
@@ -45,6 +52,7 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   bool changed_ = true;
   std::optional<TermId> address_;  // of docent:adapterAddress, once it is known
   mutable std::map<std::string, std::vector<engine::RobotOffer>> known_;
+  mutable std::optional<std::map<RobotId, std::vector<engine::Reservation>>> reservations_;
 };
 
 }  // namespace docent::server

@@ -134,6 +134,20 @@ void TakeTypes(const std::string& operation, const std::vector<std::string>& par
   *types = std::move(taken);
 }
 
+void TakeCapabilities(OperationDescription* operation, std::vector<std::string>* warnings) {
+  std::vector<std::string> taken;
+  for (const std::string& given : operation->capabilities) {
+    const std::string iri = rsel::FullType(given);
+    if (!IsValidTermIri(iri)) {
+      warnings->push_back(absl::StrCat("capability ", Shown(given), " of operation ", operation->name,
+                                       " is not an absolute IRI; it is left out"));
+    } else if (std::find(taken.begin(), taken.end(), iri) == taken.end()) {
+      taken.push_back(iri);
+    }
+  }
+  operation->capabilities = std::move(taken);
+}
+
 // Operation and its parts in the robot's own graph.
 void TellParts(const std::string& operation, std::string_view direction,
                const std::vector<std::string>& parts, const rsel::PartTypes& types, RobotFacts* facts) {
@@ -174,6 +188,7 @@ RobotDescription AcceptedDescription(RobotDescription description, std::vector<s
     TakeParts(operation.name, "resource", &operation.occupies, warnings);
     TakeTypes(operation.name, operation.inputs, &operation.input_types, warnings);
     TakeTypes(operation.name, operation.outputs, &operation.output_types, warnings);
+    TakeCapabilities(&operation, warnings);
     operations.push_back(std::move(operation));
   }
   description.operations = std::move(operations);
@@ -200,7 +215,7 @@ WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& di
   const std::string status = GraphReader(dictionary, version).Object(robot, DocentIri("status"));
   if (status.empty() || status == DocentIri("Offline"))
     facts.Replace(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
-  std::vector<Term> offers;
+  std::vector<Term> offers, capabilities;
   for (const OperationDescription& operation : description.operations) {
     const std::string iri = OperationIri(operation.name);
     offers.push_back(Term::Iri(iri));
@@ -215,7 +230,15 @@ WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& di
     std::vector<Term> occupies;
     for (const std::string& resource : operation.occupies) occupies.push_back(Term::Literal(resource));
     facts.Replace(iri, DocentIri("occupies"), occupies);
+    std::vector<Term> classes;
+    for (const std::string& capability : operation.capabilities) classes.push_back(Term::Iri(capability));
+    facts.Replace(iri, DocentIri("capability"), classes);
+    for (const Term& capability : classes) {
+      if (std::find(capabilities.begin(), capabilities.end(), capability) == capabilities.end())
+        capabilities.push_back(capability);
+    }
   }
+  facts.Replace(robot, DocentIri("hasCapability"), capabilities);
   facts.Replace(robot, DocentIri("offers"), offers);
   return facts.Take();
 }

@@ -22,7 +22,8 @@ struct OperationDescription {
   std::vector<std::string> occupies = {};  // resources of the robot; empty: all of it
   rsel::PartTypes input_types = {};        // of parts that have one; with a well-known prefix, too
   rsel::PartTypes output_types = {};
-  std::string description = {};  // for people
+  std::string description = {};                // for people
+  std::vector<std::string> capabilities = {};  // IRIs of classes of capability; with a well-known prefix, too
 };
 
 // What a robot says of itself when it joins.
@@ -36,7 +37,7 @@ struct RobotDescription {
 };
 
 // A description without what cannot be taken: operations without a name that can stand in documents and IRIs, or named
-// twice; parts likewise; a class or a part's type that is no IRI. Types are written in full. `warnings` say what was left out, each on one line.
+// twice; parts likewise; a class, a part's type or a capability that is no IRI. Types are written in full. `warnings` say what was left out, each on one line.
 RobotDescription AcceptedDescription(RobotDescription description, std::vector<std::string>* warnings);
 
 // Told by the robot itself: who it is, what it offers, where its adapter listens. Replaces what an earlier join told.

@@ -9,6 +9,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
 #include "kb_server/robots/measures.h"
+#include "kb_server/robots/reservations.h"
 #include "kb_server/robots/service_state.h"
 
 namespace docent::server {
@@ -45,6 +46,7 @@ class OperationReader {
     rsel::OfferedOperation out;
     out.robot = RobotId(dictionary_.Decode(robot).lexical);
     out.name = *std::move(name);
+    out.capabilities = All(robot, operation, DocentIri("capability"));
     out.inputs_known = First(robot, operation, DocentIri("inputsKnown")) == "true";
     if (!out.inputs_known) return out;
     out.inputs = All(robot, operation, DocentIri("input"));
@@ -87,6 +89,20 @@ class OperationReader {
   const Dictionary& dictionary_;
   const GraphVersion& version_;
 };
+
+// What it says itself, without the classes above that are inferred.
+std::vector<std::string> ToldCapabilities(const Dictionary& dictionary, const GraphVersion& version,
+                                          const std::string& robot) {
+  std::vector<std::string> classes;
+  const auto id = dictionary.FindIri(robot), property = dictionary.FindIri(DocentIri("hasCapability"));
+  if (!id || !property) return classes;
+  version.ForEach({*id, *property, {}, *id}, [&](const Quad& quad) {
+    classes.push_back(dictionary.Decode(quad.object).lexical);
+    return true;
+  });
+  std::sort(classes.begin(), classes.end());
+  return classes;
+}
 
 RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
   RobotRecord out;
@@ -145,7 +161,14 @@ RobotRecord::State RobotStateOf(const GraphReader& graph, const std::string& rob
 std::vector<RobotRecord> ReadRobots(const Dictionary& dictionary, const GraphVersion& version) {
   const GraphReader graph(dictionary, version);
   std::vector<RobotRecord> robots;
-  for (const std::string& robot : RobotIris(graph)) robots.push_back(ReadRobot(graph, robot));
+  const std::vector<engine::Reservation> reservations = ReadReservations(dictionary, version);
+  for (const std::string& robot : RobotIris(graph)) {
+    robots.push_back(ReadRobot(graph, robot));
+    robots.back().capabilities = ToldCapabilities(dictionary, version, robot);
+    for (const engine::Reservation& reservation : reservations) {
+      if (reservation.robots.contains(RobotId(robot))) robots.back().reservations.push_back(reservation);
+    }
+  }
   return robots;
 }
 

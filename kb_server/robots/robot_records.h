@@ -12,6 +12,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/graph_reader.h"
 #include "graph/store/graph_version.h"
+#include "workflow/engine/state/ports.h"
 #include "workflow/rsel/feasibility.h"
 
 namespace docent::server {
@@ -32,12 +33,14 @@ struct RobotRecord {
   State state = State::kOffline;
   std::optional<std::string> out_of_service;  // why, for people; nullopt: it is in service
   std::vector<std::string> operations;        // names
+  std::vector<std::string> capabilities;      // IRIs of the classes that it says its operations are of
   TimeMicros last_seen_us = 0;                // of a robot that was lost; 0: not known
   std::optional<double> x_m, y_m, heading_rad;
   std::vector<std::string> regions;  // IRIs
   RunId held_by;                     // the outermost run that holds it; empty: none
   std::vector<RobotTaskRecord> held_for;
-  std::vector<std::string> ending_commands;  // ids of those that were cancelled and have not ended
+  std::vector<engine::Reservation> reservations;  // the one that counts before the others in front
+  std::vector<std::string> ending_commands;       // ids of those that were cancelled and have not ended
 };
 
 // "offline", "maintenance", "charging", "busy", "standby".

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/run_limits.h"
 #include "graph/sparql/syntax/parser.h"
 
 namespace docent::server {
@@ -20,7 +22,9 @@ engine::ConditionRequest WithoutQueries(engine::ConditionRequest request) {
 }  // namespace
 
 ConditionPort::ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing)
-    : dictionary_(dictionary), standing_(standing) {}
+    : dictionary_(dictionary), standing_(standing) {
+  standing_->LimitMatches(kRunLimits.condition_matches);
+}
 
 engine::TermBinding ConditionPort::Decode(const conditions::Binding& binding) const {
   engine::TermBinding terms;
@@ -82,6 +86,10 @@ absl::Status ConditionPort::Arm(const std::vector<engine::ConditionRequest>& req
         return s;
       continue;
     }
+    if (standing_->Overflowed(*id)) {
+      GatherOverflow(request.handle);
+      continue;
+    }
     if (request.only_new || !standing_->Holds(*id)) continue;
     engine::ConditionEdge edge;
     edge.handle = request.handle;
@@ -95,7 +103,10 @@ absl::Status ConditionPort::Arm(const std::vector<engine::ConditionRequest>& req
 absl::Status ConditionPort::Restore(const std::vector<engine::ConditionRequest>& requests,
                                     const std::vector<LastingSince>& times, const GraphVersion& version,
                                     TimeMicros now_us, Cancellation* cancellation) {
+  // The graph may have become smaller since the matches that are kept came.
+  standing_->LimitMatches(SIZE_MAX);
   absl::Status status = Arm(requests, version, now_us, cancellation);
+  standing_->LimitMatches(kRunLimits.condition_matches);
   if (status.ok()) RestoreTimes(times);
   gathered_.clear();
   gathered_at_.clear();
@@ -126,6 +137,11 @@ std::vector<engine::ConditionRequest> ConditionPort::Requests() const {
 
 void ConditionPort::Take(absl::Span<const conditions::ConditionChange> changes, TimeMicros now_us) {
   for (const conditions::ConditionChange& change : changes) {
+    if (change.overflowed) {
+      if (const auto it = handles_.find(change.id); it != handles_.end()) GatherOverflow(it->second);
+      if (const auto part = parts_.find(change.id); part != parts_.end()) GatherOverflow(part->second.first);
+      continue;
+    }
     if (TakeLasting(change, now_us)) continue;
     auto it = handles_.find(change.id);
     if (it == handles_.end()) continue;
@@ -145,6 +161,10 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
     gathered_.push_back(std::move(edge));
     return;
   }
+  if (edge.overflowed || gathered_[it->second].overflowed) {
+    gathered_[it->second].overflowed = true;
+    return;
+  }
   // What appeared and went again before anybody looked was never there. What went and came back did both: an event that is
   // told again.
   engine::ConditionEdge& before = gathered_[it->second];
@@ -154,9 +174,9 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
   net.fell = before.fell || (edge.fell && !before.rose);
   auto without = [](const std::vector<engine::TermBinding>& all, const std::vector<engine::TermBinding>& gone,
                     std::vector<engine::TermBinding>* out) {
-    std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const engine::TermBinding& key) {
-      return std::find(gone.begin(), gone.end(), key) == gone.end();
-    });
+    const std::set<engine::TermBinding> left_out(gone.begin(), gone.end());
+    std::copy_if(all.begin(), all.end(), std::back_inserter(*out),
+                 [&left_out](const engine::TermBinding& key) { return !left_out.contains(key); });
   };
   without(before.appeared, edge.disappeared, &net.appeared);
   net.appeared.insert(net.appeared.end(), edge.appeared.begin(), edge.appeared.end());
@@ -165,6 +185,13 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
   std::sort(net.appeared.begin(), net.appeared.end());
   std::sort(net.disappeared.begin(), net.disappeared.end());
   before = std::move(net);
+}
+
+void ConditionPort::GatherOverflow(engine::ConditionHandle handle) {
+  engine::ConditionEdge edge;
+  edge.handle = handle;
+  edge.overflowed = true;
+  Gather(std::move(edge));
 }
 
 void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {

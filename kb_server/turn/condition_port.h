@@ -115,6 +115,8 @@ class ConditionPort final : public engine::ConditionView {
   void List(Lasting& lasting, std::optional<TimeMicros> due_us);
   // One edge a condition and round, however often it changed.
   void Gather(engine::ConditionEdge edge);
+  // The condition has more matches than are kept.
+  void GatherOverflow(engine::ConditionHandle handle);
 
   Dictionary* dictionary_;
   conditions::StandingConditions* standing_;

@@ -42,10 +42,12 @@ absl::Status ConditionPort::ArmParts(const engine::ConditionRequest& request, co
     auto id = Register(**query, part.ask, part.variables, version, now_us, cancellation);
     if (!id.ok()) return id.status();
     lasting.parts.push_back(*id);
+    if (standing_->Overflowed(*id)) GatherOverflow(lasting.handle);
     for (const conditions::Binding& key : standing_->Keys(*id))
       lasting.condition.SetPart(i, key, true, now_us);
   }
   RememberParts(lasting);
+  if (standing_->Overflowed(condition.id)) GatherOverflow(lasting.handle);
   for (const conditions::Binding& key : standing_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
   lasting.condition.Settle(now_us);
   List(lasting, lasting.condition.NextDeadline());

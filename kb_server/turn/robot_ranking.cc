@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "absl/strings/ascii.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/robot_choice.h"
 
 namespace docent::server {
@@ -53,7 +54,8 @@ std::vector<RobotId> GraphRobotRanking::Order(const std::string& select, std::ve
   std::vector<TermId> bound;
   for (const auto& [name, value] : values) {
     if (name == "robot" || !Mentions(select, name)) continue;
-    const std::optional<TermId> id = dictionary_.Find(value);
+    std::optional<TermId> id = dictionary_.Find(value);
+    if (!id) id = dictionary_.FindIri(kRdfType);  // the graph says nothing of it, nor of this as a thing
     if (!id) continue;
     key.second.push_back(name);
     bound.push_back(*id);

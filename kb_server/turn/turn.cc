@@ -116,6 +116,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     engine::EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);
+    view.clock_tick = batch.clock_tick;
     view.reports = round == 0 ? &batch.reports : nullptr;
     view.requests = round == 0 ? &batch.run_requests : nullptr;
     view.events = round == 0 ? &stages->events.news() : nullptr;

@@ -45,8 +45,7 @@ void CommandSession::UseAddress(const std::string& address) {
   address_ = address;
   if (!started_) {
     started_ = true;
-    host_->After(std::max(absl::ZeroDuration(), deadline_ - host_->SteadyNow()), command_.id,
-                 [this] { OnDeadline(); });
+    AwaitDeadline();
     Try();
   } else if (call_ == nullptr) {
     Try();
@@ -232,6 +231,13 @@ void CommandSession::Cancel() {
 void CommandSession::AskToEnd() {
   cancel_requested_ = true;
   host_->SendCancel(command_.id, address_);
+}
+
+// Its clock may stand still, where a simulator tells the time.
+void CommandSession::AwaitDeadline() {
+  const absl::Duration left = std::max(absl::ZeroDuration(), deadline_ - host_->SteadyNow());
+  host_->After(left, command_.id,
+               [this] { deadline_ > host_->SteadyNow() ? AwaitDeadline() : OnDeadline(); });
 }
 
 // The adapter gives up at the deadline by itself. One that does not is asked to; only what it says last is the end.

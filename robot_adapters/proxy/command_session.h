@@ -61,6 +61,7 @@ class CommandSession {
   void Invoke();
   void Call(FeedbackCall::Request request);
   void Retry();
+  void AwaitDeadline();
   void OnDeadline();
   absl::Duration TimeLeft() const;
   // Asks the adapter to end the command.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "graph/base/steady_clock.h"
 #include "robot_adapters/proxy/adapter_channels.h"
 #include "robot_adapters/proxy/command_session.h"
 #include "robot_adapters/proxy/event_loop.h"
@@ -22,7 +23,7 @@ constexpr std::chrono::milliseconds kProbeTimeout{2000};
 class RobotProxies::Impl final : public SessionHost {
  public:
   Impl(std::function<void(WriteBatch)> report, const ProxySettings& settings, const Clock* clock)
-      : report_(std::move(report)), settings_(settings), clock_(clock != nullptr ? clock : &system_clock_) {}
+      : report_(std::move(report)), settings_(settings), clock_(clock != nullptr ? clock : &steady_clock_) {}
 
   ~Impl() override {
     loop_.Post([this] {
@@ -55,12 +56,10 @@ class RobotProxies::Impl final : public SessionHost {
     absl::Duration left = command.deadline_us != 0 ? absl::Microseconds(command.deadline_us - clock_->Now())
                                                    : absl::FromChrono(settings_.default_deadline);
     if (may_have_been_sent) left = std::max(left, absl::FromChrono(settings_.resume_patience));
+    ++queued_;
     loop_.Post([this, command, left, may_have_been_sent] {
-      if (closing_ || sessions_.contains(command.id)) return;
-      sessions_[command.id].session =
-          std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
-      With(command.id,
-           [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
+      Open(command, left, may_have_been_sent);
+      --queued_;
     });
   }
 
@@ -86,6 +85,7 @@ class RobotProxies::Impl final : public SessionHost {
   }
 
   uint64_t refused() const { return refused_; }
+  size_t open() const { return queued_ + open_; }
 
   bool IsConnected(const std::string& address) override { return channels_.IsConnected(address); }
 
@@ -157,11 +157,17 @@ class RobotProxies::Impl final : public SessionHost {
         delay, [this, command, task = std::move(task)] { With(command, [&](CommandSession&) { task(); }); }));
   }
 
-  absl::Time SteadyNow() const override {
-    return absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
-  }
+  absl::Time SteadyNow() const override { return absl::FromUnixMicros(clock_->Now()); }
 
  private:
+  void Open(const RobotCommand& command, absl::Duration left, bool may_have_been_sent) {
+    if (closing_ || sessions_.contains(command.id)) return;
+    sessions_[command.id].session =
+        std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
+    open_ = sessions_.size();
+    With(command.id, [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
+  }
+
   struct Entry {
     std::unique_ptr<CommandSession> session;
     std::vector<EventLoop::Timer> timers;  // of the session
@@ -181,6 +187,7 @@ class RobotProxies::Impl final : public SessionHost {
     if (!place->second.session->done()) return;
     for (const EventLoop::Timer& timer : place->second.timers) loop_.Cancel(timer);
     sessions_.erase(place);
+    open_ = sessions_.size();
   }
 
   void AddCalls(int n) {
@@ -190,10 +197,11 @@ class RobotProxies::Impl final : public SessionHost {
 
   const std::function<void(WriteBatch)> report_;
   const ProxySettings settings_;
-  const SystemClock system_clock_;
+  const SteadyClock steady_clock_;
   const Clock* const clock_;
 
-  std::atomic<uint64_t> refused_ = 0;  // feedback
+  std::atomic<uint64_t> refused_ = 0;          // feedback
+  std::atomic<size_t> queued_ = 0, open_ = 0;  // commands: for the loop, and in sessions_
 
   // of the loop's thread
   AdapterChannels channels_;
@@ -227,6 +235,9 @@ void RobotProxies::Cancel(const CommandId& command) {
 }
 uint64_t RobotProxies::refused_feedback() const {
   return impl_->refused();
+}
+size_t RobotProxies::open() const {
+  return impl_->open();
 }
 
 }  // namespace docent::proxy

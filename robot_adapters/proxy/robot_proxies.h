@@ -48,7 +48,8 @@ struct ProxySettings {
 
 class RobotProxies {
  public:
-  // `clock` (the system's if nullptr) tells how far away deadlines are; it must outlive the proxies.
+  // `clock` tells how far away deadlines are: one that cannot be set. nullptr: steady time, with the system's at the start. It
+  // must outlive the proxies.
   explicit RobotProxies(std::function<void(WriteBatch)> report, const ProxySettings& settings = {},
                         const Clock* clock = nullptr);
   // Drops what is under way; nothing is reported any more when it has returned.
@@ -70,6 +71,8 @@ class RobotProxies {
   // Messages of adapters that were refused since the start: about another command, of another incarnation, after the end, with
   // a state, progress or result that cannot be. Each is logged; the first about a command is reported (kRefused).
   uint64_t refused_feedback() const;
+  // Commands that have no final report yet.
+  size_t open() const;
 
  private:
   class Impl;

@@ -69,6 +69,8 @@ struct Operation {
   // As `inputs` and `outputs`, with types; where given, these count, and the names need not be given twice.
   std::vector<Part> input_parts = {};
   std::vector<Part> output_parts = {};
+  // Classes of operations that it is of: IRIs, or with a well-known prefix: {"docent:Navigation"}. Workflows may ask for a class.
+  std::vector<std::string> capabilities = {};
 };
 
 }  // namespace docent::robot

@@ -50,6 +50,7 @@ v1::RobotDescription Describe(const AdapterOptions& options, const std::vector<O
     out->set_idempotent(operation.idempotent);
     for (const std::string& resource : operation.occupies) out->add_occupies(resource);
     out->set_description(operation.description);
+    for (const std::string& capability : operation.capabilities) out->add_capabilities(capability);
     Add(operation.input_parts, out->mutable_input_parts());
     Add(operation.output_parts, out->mutable_output_parts());
   }

@@ -5,7 +5,10 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "graph/base/text.h"
+#include "graph/base/workflow_limits.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/assignment_reader.h"
 #include "workflow/cawl/condition_reader.h"
 #include "workflow/cawl/word_reader.h"
@@ -163,6 +166,62 @@ void ReadNotification(const xml::Element& element, xml::ElementReader* reader, A
     reader->Error(wait.span, Concat("wait is \"", wait.value, "\""), "write true or false");
 }
 
+// Each robot as a fact about it, so that its word is checked and has a value as in other facts.
+void ReadRobots(const xml::Element& element, xml::ElementReader* reader, Action* out) {
+  const Text robots = Attribute(element, "robots", reader);
+  for (size_t at = 0; at < robots.value.size();) {
+    const size_t end = std::min(robots.value.find(' ', at), robots.value.size());
+    if (end > at) {
+      const Text word{robots.value.substr(at, end - at), reader->Within(robots, at, end - at)};
+      const Text fact{Concat(word.value, " ", ToNTriples(Term::Iri(DocentIri("reservedBy"))), " ",
+                             ToNTriples(Term::Iri(DocentIri("Reservation")))),
+                      word.span};
+      if (std::optional<Constraint> read = ReadConstraintText(element, fact, reader)) {
+        read->subject.span = read->verb.span = read->object.span = word.span;
+        out->facts.push_back(*std::move(read));
+      }
+    }
+    at = end + 1;
+  }
+  if (!robots.given() || robots.value.find_first_not_of(' ') == std::string::npos) {
+    reader->Error(robots.given() ? robots.span : element.name_span, "<reserve> names no robot",
+                  "write robots=\"$robot\", or several, separated by blanks");
+  }
+  if (out->facts.size() > kWorkflowLimits.reserved_robots) {
+    reader->Error(
+        robots.span,
+        Concat("it reserves ", std::to_string(out->facts.size()), " robots; the limit is reserved_robots, ",
+               std::to_string(kWorkflowLimits.reserved_robots)),
+        "reserve those that the run needs at the same time");
+  }
+}
+
+void ReadReservation(const xml::Element& element, xml::ElementReader* reader, Action* out) {
+  const std::vector<std::string> known = {"at", "robots", "lasting", "priority"};
+  reader->CheckAttributes(element, known, known);
+  reader->ReadChildren(element, {});
+  ReadRobots(element, reader, out);
+  out->until_run_ends = true;
+  if (const Text lasting = Attribute(element, "lasting", reader); lasting.given()) {
+    int64_t ms = 0;
+    if (xml::ParseDurationMs(lasting.value, &ms)) {
+      out->lifetime_ms = ms;
+    } else {
+      reader->Error(lasting.span, Concat("lasting \"", lasting.value, "\" is not a duration"),
+                    "write a number above 0 and ms, s, min or h, e.g. 10min; at most 720h");
+    }
+  }
+  if (const Text priority = Attribute(element, "priority", reader); priority.given()) {
+    int value = 0;
+    if (absl::SimpleAtoi(priority.value, &value) && value >= -kMaxPriority && value <= kMaxPriority) {
+      out->priority = value;
+    } else {
+      reader->Error(priority.span, Concat("priority \"", priority.value, "\" is not a priority"),
+                    "write a whole number from -1000 to 1000; only runs of a higher one take the robots");
+    }
+  }
+}
+
 }  // namespace
 
 Action ReadAction(const xml::Element& element, Action::Kind kind, const Limits& limits,
@@ -178,6 +237,13 @@ Action ReadAction(const xml::Element& element, Action::Kind kind, const Limits& 
       break;
     case Action::Kind::kNotify:
       ReadNotification(element, reader, &out);
+      break;
+    case Action::Kind::kReserve:
+      ReadReservation(element, reader, &out);
+      break;
+    case Action::Kind::kRelease:
+      reader->CheckAttributes(element, {"at"}, {"at"});
+      reader->ReadChildren(element, {});
       break;
     case Action::Kind::kTell:
     case Action::Kind::kWithdraw:

@@ -214,9 +214,12 @@ enum class OnFailure { kUnset, kFail, kIncident };
 
 // <invoke operation="moveToUser"/>  or  <invoke subflow="BoothGuide"/>
 // `operation`: an RSEL process or, if there is none of that name, an operation that robots offer.
+// <invoke ext:capability="docent:SpeechSynthesis"/>: an operation of this class or of one below it, whatever its name is.
+// `operation` is then "<IRI of the class>".
 // `subflow`: a flow of this document or a registered application service.
 struct Invoke {
   Text operation;
+  Text capability;  // as written; not given: `operation` is a name
   Text subflow;
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
@@ -247,14 +250,19 @@ struct Invoke {
 // <ext:notify to="https://example.org/hook" type="org.example.arrived" subject="$user" variables="user place" wait="true"/>
 //   A CloudEvent to a webhook or, to="mqtt:TOPIC", to a topic. The node goes on at once, or when it is delivered.
 //
+// <ext:reserve robots="$robot expo:R02" lasting="10min" priority="5"/>   <ext:release/>
+//   Keeps robots for the run and those nested in it, all of them or none. It ends with the run that reserves, after a time, or
+//   by ext:release. Another ext:reserve replaces it.
+//
 // `at`: "open", when the node opens and before its invokes; "done", when all its invokes are done.
 inline constexpr char kDefaultEventType[] = "org.w3id.docent.notification";
 
 struct Action {
-  enum class Kind : uint8_t { kTell, kWithdraw, kAssign, kNotify };
+  enum class Kind : uint8_t { kTell, kWithdraw, kAssign, kNotify, kReserve, kRelease };
   Kind kind = Kind::kTell;
   bool when_done = false;
-  std::vector<Constraint> facts;  // without comparisons and types
+  std::vector<Constraint>
+      facts;  // without comparisons and types. kReserve: ROBOT docent:reservedBy docent:Reservation
   std::optional<int64_t> lifetime_ms;
   bool until_run_ends = false;  // lifetime="run"
   bool any_source = false;
@@ -273,6 +281,8 @@ struct Action {
   Text event_type;                                       // empty: kDefaultEventType
   Text event_subject;                                    // a text, or $name
   bool waits = false;                                    // wait="true"
+  // kReserve; `lifetime_ms` is how long it lasts
+  std::optional<int> priority;  // none: that of the run
   SourceSpan span;
 };
 

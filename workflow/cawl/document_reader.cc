@@ -281,7 +281,9 @@ class DocumentReader {
                   {"tell", action(Action::Kind::kTell)},
                   {"withdraw", action(Action::Kind::kWithdraw)},
                   {"assign", action(Action::Kind::kAssign)},
-                  {"notify", action(Action::Kind::kNotify)}});
+                  {"notify", action(Action::Kind::kNotify)},
+                  {"reserve", action(Action::Kind::kReserve)},
+                  {"release", action(Action::Kind::kRelease)}});
     if (out.holds_condition &&
         (!out.condition || (out.condition->contexts.empty() && out.condition->cases.empty()))) {
       reader_.Error(out.hold_text.span, "while-holds=\"true\" on a node without a condition",
@@ -389,14 +391,38 @@ class DocumentReader {
     }
   }
 
+  void ReadCapability(const xml::Element& element, Invoke* out) {
+    if (out->operation.value.starts_with("<")) {
+      reader_.Error(out->operation.span, Concat("operation ", out->operation.value, " begins with <"),
+                    "a class of operations is asked for by ext:capability");
+    }
+    out->capability = reader_.Extension(element, "capability");
+    if (!out->capability.given()) return;
+    if (!out->operation.empty() || !out->subflow.empty()) {
+      reader_.Error(
+          out->capability.span, "<invoke> has ext:capability beside operation or subflow",
+          "write one of them: ext:capability takes an operation of the class, whatever its name is");
+      return;
+    }
+    const std::optional<Term> term = reader_.TermOf(element, out->capability);
+    if (!term) return;
+    if (!term->IsIri()) {
+      reader_.Error(out->capability.span, Concat("the capability ", out->capability.value, " is a literal"),
+                    "write a class of operations, e.g. docent:SpeechSynthesis");
+      return;
+    }
+    out->operation = {ToNTriples(*term), out->capability.span};
+  }
+
   Invoke ReadInvoke(const xml::Element& element) {
     Invoke out;
     out.span = element.span;
     reader_.CheckAttributes(
         element, {"operation", "subflow"},
-        {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot", "choose"});
+        {"timeout", "retry", "retry-delay", "retry-backoff", "retry-other-robot", "choose", "capability"});
     out.operation = reader_.OptionalName(element, "operation");
     out.subflow = reader_.OptionalName(element, "subflow");
+    ReadCapability(element, &out);
     out.timeout_text = reader_.Extension(element, "timeout");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
@@ -409,9 +435,10 @@ class DocumentReader {
       if (!output.part.given())
         reader_.Error(output.span, "<output> of an <invoke> needs the attribute part", "it names the result");
     }
-    if (out.operation.empty() == out.subflow.empty()) {
+    if (out.operation.empty() == out.subflow.empty() && !out.capability.given()) {
       reader_.Error(element.name_span, "<invoke> needs either operation or subflow",
-                    "operation: a robot service or operation; subflow: a flow or an application service");
+                    "operation: a robot service or operation; subflow: a flow or an application service; "
+                    "ext:capability: a class of operations");
     }
     return out;
   }
@@ -424,9 +451,6 @@ class DocumentReader {
     out.to = reader_.Required(element, "to");
     out.on_failure = reader_.Flag(element, "onFailure");
     out.on_interrupt = reader_.Flag(element, "onInterrupt");
-    if (out.on_failure && out.on_interrupt) {
-      reader_.Error(element.name_span, "a link has either onFailure or onInterrupt", "write two links");
-    }
     out.while_text = reader_.Extension(element, "while");
     if (out.while_text.given()) out.while_constraint = ReadConstraintText(element, out.while_text, &reader_);
     Nothing(element);

@@ -45,7 +45,7 @@ class FlowChecker {
         (link.on_failure || link.on_interrupt || link.while_text.given())) {
       reader_.Error(link.from.span, "a link out of the source has neither onFailure, onInterrupt nor while",
                     "the source cannot fail and is done at once");
-    } else if (link.on_interrupt && !HasHold(link.from.value)) {
+    } else if (link.on_interrupt && !link.on_failure && !HasHold(link.from.value)) {
       reader_.Warning(link.from.span, Concat("this link is never followed: node ", link.from.value,
                                              " has no ext:while-holds that could fall"));
     }

@@ -185,7 +185,7 @@ class NameChecker {
     for (const Text& output : action.outputs) CheckUse(scope, output.value, output.span);
     for (const Constraint& fact : action.facts) {
       CheckConstraint(scope, fact);
-      if (action.kind != Action::Kind::kTell) continue;
+      if (action.kind != Action::Kind::kTell && action.kind != Action::Kind::kReserve) continue;
       for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
         if (word->kind != Word::Kind::kFree ||
             std::find(bound.begin(), bound.end(), word->name) != bound.end())

@@ -10,16 +10,34 @@ namespace docent::cawl {
 namespace {
 
 constexpr std::string_view kDefault = R"(PREFIX docent: <https://w3id.org/docent#>
+PREFIX geo: <http://www.opengis.net/ont/geosparql#>
 SELECT ?robot WHERE {
   ?robot a docent:Robot .
-  OPTIONAL { ?robot docent:x ?x ; docent:y ?y .
-    { ?goal docent:servicePoint ?point . ?point docent:x ?goalX ; docent:y ?goalY }
-    UNION { ?goal docent:x ?goalX ; docent:y ?goalY } }
+  { SELECT (GROUP_CONCAT(?way; SEPARATOR=";") AS ?roadmap) WHERE {
+      ?connection docent:fromPlace ?from ; docent:toPlace ?to .
+      FILTER NOT EXISTS { ?connection docent:closed true }
+      OPTIONAL { ?from docent:x ?fromX ; docent:y ?fromY }
+      OPTIONAL { ?from docent:servicePoint ?fromPoint . ?fromPoint geo:asWKT ?fromWkt }
+      OPTIONAL { ?to docent:x ?toX ; docent:y ?toY }
+      OPTIONAL { ?to docent:servicePoint ?toPoint . ?toPoint geo:asWKT ?toWkt }
+      OPTIONAL { ?connection docent:length ?length }
+      BIND (CONCAT(COALESCE(CONCAT(STR(?fromX), " ", STR(?fromY)), STR(?fromWkt)), " ",
+                   COALESCE(CONCAT(STR(?toX), " ", STR(?toY)), STR(?toWkt)), " ", COALESCE(STR(?length), "")) AS ?way)
+      FILTER (BOUND(?way))
+  } }
+  OPTIONAL { ?robot docent:x ?x ; docent:y ?y }
+  OPTIONAL { ?goal docent:x ?goalX ; docent:y ?goalY }
+  OPTIONAL { ?goal docent:servicePoint ?point .
+    OPTIONAL { ?point docent:x ?pointX ; docent:y ?pointY }
+    OPTIONAL { ?point geo:asWKT ?pointWkt } }
   OPTIONAL { ?robot docent:battery ?charge }
+  OPTIONAL { ?robot docent:load ?tasks }
   OPTIONAL { ?robot docent:lastUsed ?used }
-  BIND (docent:distance(?x, ?y, ?goalX, ?goalY) AS ?metres)
+  BIND (COALESCE(CONCAT(STR(?pointX), " ", STR(?pointY)), STR(?pointWkt), CONCAT(STR(?goalX), " ", STR(?goalY))) AS ?place)
+  BIND (docent:routeLength(CONCAT(STR(?x), " ", STR(?y)), ?place, ?roadmap) AS ?metres)
+  BIND (COALESCE(?tasks, 0) AS ?load)
 }
-ORDER BY (!BOUND(?metres)) ?metres DESC(?charge) ?used ?robot)";
+ORDER BY (!BOUND(?metres)) ?metres DESC(?charge) ?load ?used ?robot)";
 
 void OrderByRobot(sparql::AlgebraPtr* algebra) {
   using Kind = sparql::Algebra::Kind;

@@ -16,8 +16,9 @@
 
 namespace docent::cawl {
 
-// Where the document has no ext:choose: the nearest to the goal, then the one with the most charge, then the one that was
-// used the longest time ago.
+// Where the document has no ext:choose: the nearest to the goal, along the roadmap where the graph has one; then the one with the
+// most charge, the one with the smallest load, the one that was used the longest time ago. Of the run's variables, it has ?goal
+// alone.
 std::string_view DefaultRobotChoice();
 
 struct ParsedChoice {

@@ -5,6 +5,7 @@
 
 namespace docent::cawl {
 
+inline constexpr char kActivatorFeedsItself[] = "activator-feeds-itself";
 inline constexpr char kActivatorNeverRises[] = "activator-never-rises";
 inline constexpr char kAlwaysTrue[] = "always-true-condition";
 inline constexpr char kLoopWithoutWait[] = "loop-without-wait";

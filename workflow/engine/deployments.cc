@@ -55,6 +55,7 @@ absl::Status Engine::Deploy(cawl::DocumentPtr document) {
     deployment.document = std::move(document);
     return absl::OkStatus();
   }
+  core_->bounds.Deployed(document->name.value);
   for (const ArmedCondition& armed : deployment.armed) core_->DisarmDeployed(armed.handle);
   Deployment fresh;
   fresh.document = document;

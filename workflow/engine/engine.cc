@@ -32,6 +32,11 @@ void Initialise(const cawl::Scope& scope, TermBinding* values) {
   }
 }
 
+// Nodes of a run that take about as long to tell the graph as a change of one does.
+constexpr size_t kNodesOfAChange = 4;
+// Changes of a node that take about as long as a condition that is armed.
+constexpr size_t kChangesOfACondition = 8;
+
 }  // namespace
 
 ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
@@ -79,6 +84,7 @@ ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std:
   ConditionHandle handle = next_handle++;
   owners.emplace(handle, std::move(owner));
   event_waits.Arm(handle, ask);
+  bounds.Worked(kChangesOfACondition + ask.ask.size() / kTextOfAChange);
   output->arm.push_back(RequestOf(handle, ask, std::move(key_variables)));
   return handle;
 }
@@ -98,13 +104,15 @@ void Engine::Core::Keep(KeptRun run) {
 void Engine::Core::Disarm(ConditionHandle handle) {
   owners.erase(handle);
   event_waits.Disarm(handle);
-  // armed and disarmed within one Step: nobody needs to hear of it
-  auto it = std::find_if(output->arm.begin(), output->arm.end(),
-                         [&](const ConditionRequest& request) { return request.handle == handle; });
-  if (it != output->arm.end())
-    output->arm.erase(it);
-  else
-    output->disarm.push_back(handle);
+  // What is armed and disarmed within one Step is dropped at its end.
+  if (!IsArming(handle)) output->disarm.push_back(handle);
+}
+
+bool Engine::Core::IsArming(ConditionHandle handle) const {
+  const auto place = std::lower_bound(
+      output->arm.begin(), output->arm.end(), handle,
+      [](const ConditionRequest& request, ConditionHandle wanted) { return request.handle < wanted; });
+  return place != output->arm.end() && place->handle == handle;
 }
 
 void Engine::Core::Say(std::string subject, std::string_view from, std::string_view to, std::string cause) {
@@ -144,6 +152,9 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   }
   Initialise(cawl::Scope(scope, document->flows[flow]), &run.variables);
   run.nodes.resize(document->flows[flow].nodes.size());
+  run.counted = run.nodes.size();
+  nodes_live += run.counted;
+  bounds.Worked(1 + run.nodes.size() / kNodesOfAChange);
   if (parent != nullptr) {
     run.parent = parent->run;
     run.parent_node = parent->node;
@@ -153,6 +164,7 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   run.root = RootOf(run);
   InheritPriority(&run);
   trees[run.root].insert(id);
+  if (!run.parent.empty()) nested[run.parent].insert(id);
   undo_runs.try_emplace(id, std::nullopt);
   changed.insert(id);
   Run& stored = runs.emplace(id, std::move(run)).first->second;
@@ -175,8 +187,11 @@ void Engine::Core::RebuildDerived() {
   timers.clear();
   ledger.ClearDerived();
   waiting.Clear();
+  barred.clear();
   event_waits.ClearDerived();
   trees.clear();
+  nested.clear();
+  nodes_live = 0;
   for (const auto& [name, deployment] : deployments) {
     for (const ArmedCondition& armed : deployment.armed) {
       owners[armed.handle] = {RunId(), 0, name};
@@ -187,6 +202,9 @@ void Engine::Core::RebuildDerived() {
     run.root = RootOf(run);
     InheritPriority(&run);
     trees[run.root].insert(id);
+    if (!run.parent.empty()) nested[run.parent].insert(id);
+    run.counted = SizeOf(run);
+    nodes_live += run.counted;
     Reblock(run);
     if (run.timer_us) timers.insert({*run.timer_us, id});
     for (const RobotId& robot : run.robots) ledger.Hold(robot, RootOf(run));
@@ -202,8 +220,10 @@ void Engine::Core::RebuildDerived() {
       for (const PendingLink& link : run.nodes[n].pending_links) owners[link.handle] = {id, n, ""};
       for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
         const InvocationState& invocation = run.nodes[n].invocations[i];
-        if (invocation.state == WorkState::kPending && invocation.queued)
+        if (invocation.state == WorkState::kPending && invocation.queued) {
           waiting.Wait(RankOf(run), {id, n, i}, WishOf(run, {id, n, i}));
+          NoteBarred({id, n, i}, invocation.reason);
+        }
         if (invocation.state == WorkState::kRunning && invocation.handler) RebuildTask(run, {id, n, i});
         for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
       }
@@ -303,7 +323,9 @@ void TakeEdges(Engine::Core* core) {
     if (it == core->owners.end()) continue;
     core->edges[edge.handle] = &edge;
     for (const TermBinding& match : edge.appeared) core->event_waits.Used(edge.handle, match);
-    if (it->second.run.empty()) {
+    if (edge.overflowed) {
+      core->output->refused.Update(core->GiveUp(edge.handle));
+    } else if (it->second.run.empty()) {
       std::string workflow = it->second.workflow;
       Activate(core, workflow, edge);
     } else {
@@ -318,12 +340,18 @@ void TellChanges(Engine::Core* core) {
     auto it = core->runs.find(id);
     if (it == core->runs.end()) continue;
     Run& run = it->second;
+    core->bounds.Worked(run.nodes.size() / kNodesOfAChange);
+    core->nodes_live -= std::exchange(run.counted, SizeOf(run));
+    core->nodes_live += run.counted;
     auto facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, &core->run_terms));
     static const std::vector<Quad> kNothing;
     DiffFacts(run.facts ? *run.facts : kNothing, *facts, &core->output->add, &core->output->remove);
     run.facts = std::move(facts);
+    const bool waits_for_tick = run.timer_us == kNextTick && !core->resumed.contains(id);
     if (run.timer_us) core->timers.erase({*run.timer_us, id});
     run.timer_us = run.state == WorkState::kRunning ? RunStepper(core, &run).NextDeadline() : std::nullopt;
+    if (run.state == WorkState::kRunning && (waits_for_tick || core->unfinished.contains(id)))
+      run.timer_us = kNextTick;
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
     if (core->advanced.contains(id)) ++core->rounds[id];
     if (run.state == WorkState::kRunning) continue;
@@ -331,6 +359,11 @@ void TellChanges(Engine::Core* core) {
     const auto tree = core->trees.find(run.root);
     tree->second.erase(id);
     if (tree->second.empty()) core->trees.erase(tree);
+    if (const auto siblings = core->nested.find(run.parent); siblings != core->nested.end()) {
+      siblings->second.erase(id);
+      if (siblings->second.empty()) core->nested.erase(siblings);
+    }
+    core->nodes_live -= run.counted;
     core->runs.erase(it);
   }
   TellRobots(core);
@@ -347,13 +380,17 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->awaiting.clear();
   core_->changed.clear();
   core_->advanced.clear();
+  core_->unfinished.clear();
+  core_->resumed.clear();
+  core_->ended.clear();
+  core_->bounds.BeginRound();
   core_->released.clear();
   core_->coveted.clear();
   core_->preempted.clear();
   core_->changed_robots.clear();
   const bool first_round = input.requests != nullptr || input.reports != nullptr;
   core_->turn_round = first_round ? 0 : core_->turn_round + 1;
-  if (first_round) core_->facts_written = core_->firings = 0;
+  if (first_round) core_->facts_written = 0;
   core_->written.clear();
   core_->writing_trees.clear();
   std::swap(output.arm, core_->deploy_arm);
@@ -366,9 +403,10 @@ EngineOutput Engine::Step(const EngineInput& input) {
   if (input.requests != nullptr) TakeRequests(core_.get());
   if (input.reports != nullptr) TakeReports(core_.get());
   if (input.events != nullptr) core_->event_waits.Take(*input.events);
-  for (const auto& [deadline, run] : core_->timers) {
-    if (deadline > input.now_us) break;
-    core_->touched.insert(run);
+  const std::pair<TimeMicros, RunId> first(input.clock_tick ? kNextTick : kNextTick + 1, RunId());
+  for (auto due = core_->timers.lower_bound(first); due != core_->timers.end(); ++due) {
+    if (due->first > input.now_us || core_->bounds.spent()) break;
+    core_->touched.insert(due->second);
   }
   TakeEdges(core_.get());
   for (const std::string& workflow : std::exchange(core_->deploy_enabled, {}))
@@ -377,6 +415,9 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->services_changed = false;
   AdvanceAll(core_.get());
   TellChanges(core_.get());
+  output.refused.Update(core_->TellMissed());
+  std::erase_if(output.arm,
+                [this](const ConditionRequest& request) { return !core_->owners.contains(request.handle); });
   core_->activations.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
   for (const ConditionRequest& armed : output.arm) core_->times.Arm(armed);
   for (const ConditionHandle handle : output.disarm) core_->times.Disarm(handle);
@@ -417,6 +458,7 @@ void Engine::Commit() {
   core_->undo_kept.clear();
   core_->kept_new = 0;
   core_->rounds.clear();
+  core_->bounds.Clear();
   core_->committed_handle = core_->next_handle;
   core_->committed_run = core_->next_run;
 }
@@ -427,6 +469,7 @@ void Engine::Rollback() {
                    core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&
                    !core_->activations.changed() && core_->undo_outbox.empty() &&
                    !core_->undo_paused_workflows && !core_->times.changed();
+  core_->bounds.Clear();
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -502,6 +545,10 @@ std::set<Term> Engine::AwaitedEvents() const {
     }
   }
   return awaited;
+}
+
+bool Engine::AwaitsTick() const {
+  return NextDeadline() == kNextTick;
 }
 
 std::optional<TimeMicros> Engine::NextDeadline() const {

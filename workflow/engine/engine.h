@@ -11,6 +11,7 @@
 #ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_H_
 #define DOCENT_WORKFLOW_ENGINE_ENGINE_H_
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -32,7 +33,8 @@ namespace docent::engine {
 // What one Step reads. `reports` and `requests` are given in the first round of a turn only.
 struct EngineInput {
   TimeMicros now_us = 0;
-  Revision revision;  // of the version that the turn makes
+  Revision revision;        // of the version that the turn makes
+  bool clock_tick = false;  // it is a turn of the clock: runs that had more to do than a turn allows go on
   const std::vector<CommandReport>* reports = nullptr;
   const std::vector<RunRequest>* requests = nullptr;
   const EventNews* events = nullptr;  // in the first round; null: none
@@ -99,6 +101,8 @@ class Engine {
 
   // When a clock tick is needed, if ever.
   std::optional<TimeMicros> NextDeadline() const;
+  // Whether runs that had more to do than a turn allows wait for a turn of the clock.
+  bool AwaitsTick() const;
   // Commands without a final report: those that are to end, then the others, oldest run first. After a restart their
   // adapters are asked about them.
   std::vector<CommandUnderWay> OpenCommands() const;
@@ -106,6 +110,9 @@ class Engine {
   std::vector<Notification> OpenNotifications() const;
   // The outermost run that holds the robot; null: it is free. Until the next change.
   const RunId* HolderOf(const RobotId& robot) const;
+  // From the next Step on, runs that this engine does not have hold these robots, and no others; a robot that one of its own
+  // runs holds stays with that run. It is neither saved nor journaled: for an engine that has one run of a recorded life.
+  void HoldForOthers(std::map<RobotId, RunId> holds);
 
   const rsel::ServiceRegistry& services() const;
   std::vector<cawl::DocumentPtr> workflows() const;               // by name

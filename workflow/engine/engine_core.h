@@ -20,6 +20,7 @@
 #include "workflow/engine/state/run_state.h"
 #include "workflow/engine/state/run_terms.h"
 #include "workflow/engine/state/waiting_room.h"
+#include "workflow/engine/turn_bounds.h"
 
 namespace docent::engine {
 
@@ -58,6 +59,12 @@ ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
 // What is kept of a condition once it is asked for: its text, not its query.
 ArmedCondition Armed(ConditionHandle handle, cawl::CompiledAsk ask);
 
+// Nodes of the run and their invocations, as the limit nodes_live counts them.
+size_t SizeOf(const Run& run);
+
+// Bytes of a text that is evaluated, or made a condition of, that take about as long as a change of a node.
+inline constexpr size_t kTextOfAChange = 256;
+
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 // Or those that could do it now are at another step of the same run.
@@ -92,12 +99,18 @@ struct Engine::Core {
   absl::flat_hash_map<ConditionHandle, ConditionOwner> owners;
   absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
   std::set<std::pair<TimeMicros, RunId>> timers;
-  RobotLedger ledger;  // its ending commands are state
+  RobotLedger ledger;                       // its ending commands are state
+  std::map<RobotId, RunId> held_by_others;  // Engine::HoldForOthers
   AskedTimes times;
   WaitingRoom waiting;
+  std::set<CommandOwner>
+      barred;  // of these, those that a reservation kept from a robot when they were looked at last
   Activations activations;
   EventWaits event_waits;  // the events that conditions have of those that they need are state
+  FlowGraphs graphs;
+  size_t nodes_live = 0;                    // and invocations, of all live runs
   std::map<RunId, std::set<RunId>> trees;   // live runs, by root
+  std::map<RunId, std::set<RunId>> nested;  // live runs, by the run that they are nested in
   std::map<RobotId, TimeMicros> last_used;  // when a run took the robot last
   std::map<RobotId, FactsPtr> robot_facts;  // as last told to the graph
   std::map<CommandId, OpenNotification> outbox;
@@ -133,10 +146,13 @@ struct Engine::Core {
   std::set<RobotId> preempted;       // in this Step: at most once each
   std::set<RunId> awaiting;          // runs that armed a `while` condition in the round before
   std::map<RunId, int> rounds;       // of this turn in which a run changed
+  std::set<RunId> unfinished;        // runs that this Step does no more for
+  std::set<RunId> resumed;           // runs that it does something for
+  std::set<RunId> ended;             // runs whose end nothing has followed from yet
+  TurnBounds bounds;                 // of the turn
   bool services_changed = false;     // since the last Step
   int turn_round = 0;                // of this turn, from 0
   size_t facts_written = 0;          // by runs in this turn
-  size_t firings = 0;                // of activators in this turn
   std::map<RunId, std::vector<size_t>> written;  // in this round: index in output->writes
   std::set<RunId> writing_trees;                 // of these, the outermost runs
   // Output of Deploy and Undeploy, told with the next Step.
@@ -154,6 +170,14 @@ struct Engine::Core {
   // returns it.
   int AddActive(const std::string& workflow, const std::string& key, int more);
 
+  // Why no run may start of a flow with so many nodes, for people; empty: one may.
+  std::string WhyNoRoom(size_t nodes) const;
+  // The same of so many nodes or invocations more of a live run.
+  std::string WhyNoNodes(size_t nodes) const;
+  // Tells of matches that started no run. An error: the turn deploys a document that may not be deployed.
+  absl::Status TellMissed();
+  // The condition has more matches than are kept: it is not followed any more. An error as above.
+  absl::Status GiveUp(ConditionHandle handle);
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
               const CommandOwner* parent);
@@ -174,6 +198,8 @@ struct Engine::Core {
   void Disarm(ConditionHandle handle);
   // The same between Steps, for an activator's condition.
   void DisarmDeployed(ConditionHandle handle);
+  // Whether the condition is armed by this Step.
+  bool IsArming(ConditionHandle handle) const;
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
 
   // Robots that can take this plan for `self` now, in term order: online, offering all of its operations, in service, free
@@ -181,10 +207,14 @@ struct Engine::Core {
   // why.
   std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
                                  const CommandOwner& self, std::string* why_not) const;
-  // What the robot offers of this operation; null: nothing.
+  // What the robot offers of this operation; null: nothing. Of a capability: the most general.
   const RobotOffer* OfferOf(const std::string& operation, const RobotId& robot) const;
+  // Likewise for `self`: of a capability, the most general operation whose inputs all have a value there. `*lacks`: of the last
+  // one that was passed over, which input has none. An owner without a run has every value.
+  const RobotOffer* OfferFor(const std::string& operation, const RobotId& robot, const CommandOwner& self,
+                             std::string* lacks = nullptr) const;
   // What a plan occupies of the robot from its first step to its last.
-  Occupation OccupationOf(const rsel::Plan& plan, const RobotId& robot) const;
+  Occupation OccupationOf(const rsel::Plan& plan, const RobotId& robot, const CommandOwner& self) const;
   // Why the robot takes no command now, for people; empty: it takes some.
   std::string OutOfService(const RobotOffer& offer) const;
   // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
@@ -205,6 +235,18 @@ struct Engine::Core {
   bool FreeIfOver(const RobotId& robot);
   // What a pending invocation waits for.
   RobotWish WishOf(const Run& run, const CommandOwner& owner) const;
+  // run_reservations.cc
+  // The reservation that keeps the robot from the runs of `root`; null: none does.
+  const Reservation* Bars(const RobotId& robot, const RunId& root) const;
+  bool BarsRun(const RobotId& robot, const RunId& run) const;
+  // Keeps the invocation among `barred`, if that is why it waits.
+  void NoteBarred(const CommandOwner& owner, const std::string& reason);
+  // For people: "is reserved for run Tour-1 until …, with priority 5".
+  static std::string ShowReservation(const Reservation& reservation);
+  // What keeps robots for the run alone is withdrawn: it has ended.
+  void EndReservations(const RunId& root);
+  // The told facts of a reservation, in whatever graph; with what the run tree `root` has written in this round.
+  std::vector<TermQuad> ReservationFacts(const std::string& reservation, const RunId& root) const;
   // run_preemption.cc
   void InheritPriority(Run* run) const;
   uint64_t RankOf(const Run& run) const;

@@ -335,6 +335,7 @@ void Engine::Restore(EngineState state) {
   std::set<RobotId> told;
   for (const auto& [robot, run] : core_->ledger.holders()) told.insert(robot);
   for (const auto& [robot, time] : core_->last_used) told.insert(robot);
+  told.merge(core_->waiting.TakeChanged());
   for (const RobotId& robot : told)
     core_->robot_facts[robot] = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core_.get()));
   Commit();

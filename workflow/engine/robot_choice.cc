@@ -70,6 +70,9 @@ void Engine::Core::LetEnd(const OpenCommand& open, const CommandOwner& owner) {
 bool Engine::Core::FreeIfOver(const RobotId& robot) {
   const RunId* holder = ledger.Holder(robot);
   if (holder == nullptr || ledger.Awaits(robot)) return false;
+  if (const auto other = held_by_others.find(robot);
+      other != held_by_others.end() && other->second == *holder)
+    return false;
   const auto run = runs.find(*holder);
   const bool live = run != runs.end() && run->second.state == WorkState::kRunning;
   if (live && run->second.robots.contains(robot))
@@ -110,10 +113,33 @@ const RobotOffer* Engine::Core::OfferOf(const std::string& operation, const Robo
   return offer == offers.end() || offer->robot != robot ? nullptr : &*offer;
 }
 
-Occupation Engine::Core::OccupationOf(const rsel::Plan& plan, const RobotId& robot) const {
+const RobotOffer* Engine::Core::OfferFor(const std::string& operation, const RobotId& robot,
+                                         const CommandOwner& self, std::string* lacks) const {
+  const RobotOffer* first = OfferOf(operation, robot);
+  const auto run = runs.find(self.run);
+  if (first == nullptr || !CapabilityOf(operation) || run == runs.end()) return first;
+  const TermBinding& binding = run->second.nodes[self.node].invocations[self.invocation].binding;
+  const std::vector<RobotOffer>& offers = input->robots->Offers(operation);
+  for (const RobotOffer* offer = first; offer != offers.data() + offers.size() && offer->robot == robot;
+       ++offer) {
+    if (!offer->inputs) return offer;
+    const auto missing =
+        std::find_if(offer->inputs->begin(), offer->inputs->end(), [&](const std::string& name) {
+          return !binding.contains(name) && !run->second.variables.contains(name);
+        });
+    if (missing == offer->inputs->end()) return offer;
+    if (lacks != nullptr)
+      *lacks = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " would do ", offer->operation,
+                            ", which takes ", *missing, ", and ", *missing, " has no value");
+  }
+  return nullptr;
+}
+
+Occupation Engine::Core::OccupationOf(const rsel::Plan& plan, const RobotId& robot,
+                                      const CommandOwner& self) const {
   std::optional<Occupation> all;
   for (const rsel::PlanStep& step : plan.steps) {
-    const RobotOffer* offer = OfferOf(step.operation, robot);
+    const RobotOffer* offer = OfferFor(step.operation, robot, self);
     const Occupation of_step = offer == nullptr ? Occupation() : offer->occupies;
     all = all ? Both(*all, of_step) : of_step;
   }
@@ -137,18 +163,28 @@ std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::
                                              std::string* why_not) const {
   std::vector<RobotId> able;
   for (size_t i = 0; i < plan.steps.size(); ++i) {
+    const std::string& operation = plan.steps[i].operation;
+    const bool by_class = CapabilityOf(operation).has_value();
     std::vector<RobotId> offering;
-    for (const RobotOffer& offer : input->robots->Offers(plan.steps[i].operation)) {
+    std::string lacks;
+    for (const RobotOffer& offer : input->robots->Offers(operation)) {
       bool still = i == 0 || std::find(able.begin(), able.end(), offer.robot) != able.end();
       bool meant = !wanted || wanted->lexical == offer.robot.value();
-      if (!offer.offline && still && meant) offering.push_back(offer.robot);
+      if (offer.offline || !still || !meant) continue;
+      if (!offering.empty() && offering.back() == offer.robot) continue;  // by another operation of the class
+      if (!by_class || OfferFor(operation, offer.robot, self, &lacks) != nullptr)
+        offering.push_back(offer.robot);
     }
     able = std::move(offering);
     if (!able.empty()) continue;
-    if (wanted)
-      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
+    if (!lacks.empty())
+      *why_not = lacks;
+    else if (wanted)
+      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ",
+                              by_class ? "an operation of class " : "", operation);
     else if (i == 0)
-      *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
+      *why_not = absl::StrCat("no robot that is online offers ", by_class ? "an operation of class " : "",
+                              operation);
     else
       *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
     return able;
@@ -156,12 +192,18 @@ std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::
   std::erase_if(able, [&](const RobotId& robot) { return !ledger.IsFree(robot, root); });
   if (able.empty()) *why_not = std::string(kAllServeOthers);
   std::erase_if(able, [&](const RobotId& robot) {
+    const Reservation* reservation = Bars(robot, root);
+    if (reservation != nullptr)
+      *why_not = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " ", ShowReservation(*reservation));
+    return reservation != nullptr;
+  });
+  std::erase_if(able, [&](const RobotId& robot) {
     const std::string why = OutOfService(*OfferOf(plan.steps[0].operation, robot));
     if (!why.empty()) *why_not = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " ", why);
     return !why.empty();
   });
   std::erase_if(able, [&](const RobotId& robot) {
-    const bool occupied = ledger.Occupied(robot, OccupationOf(plan, robot), self);
+    const bool occupied = ledger.Occupied(robot, OccupationOf(plan, robot, self), self);
     if (occupied) *why_not = std::string(kAtAnotherStep);
     return occupied;
   });

@@ -24,7 +24,8 @@ std::vector<Quad> RobotFacts(const RobotId& robot, Engine::Core* core) {
   std::vector<Quad> facts;
   const RunId* holder = core->ledger.Holder(robot);
   const auto used = core->last_used.find(robot);
-  if (holder == nullptr && used == core->last_used.end()) return facts;
+  const size_t load = core->ledger.Tasks(robot).size() + core->waiting.WaitingFor(robot);
+  if (holder == nullptr && used == core->last_used.end() && load == 0) return facts;
   Dictionary& dictionary = core->run_terms.dictionary();
   const TermId subject = dictionary.InternIri(robot.value());
   const auto say = [&](RunTerm predicate, TermId object) {
@@ -32,7 +33,11 @@ std::vector<Quad> RobotFacts(const RobotId& robot, Engine::Core* core) {
         {subject, core->run_terms.Of(predicate), object, core->run_terms.Of(RunTerm::kRunsGraph)});
   };
   if (used != core->last_used.end()) say(RunTerm::kLastUsed, dictionary.Intern(DateTimeTerm(used->second)));
-  if (holder == nullptr) return facts;
+  if (load > 0) say(RunTerm::kLoad, dictionary.Intern(Term::Integer(static_cast<int64_t>(load))));
+  if (holder == nullptr) {
+    std::sort(facts.begin(), facts.end());
+    return facts;
+  }
   say(RunTerm::kHeldBy, dictionary.InternIri(RunIri(*holder)));
   for (const auto& [owner, occupies] : core->ledger.Tasks(robot)) {
     if (const auto run = core->runs.find(owner.run); run != core->runs.end())
@@ -50,6 +55,7 @@ std::vector<Quad> RobotFacts(const RobotId& robot, Engine::Core* core) {
 
 void TellRobots(Engine::Core* core) {
   static const std::vector<Quad> kNothing;
+  core->changed_robots.merge(core->waiting.TakeChanged());
   for (const RobotId& robot : core->changed_robots) {
     const auto told = core->robot_facts.find(robot);
     const FactsPtr before = told == core->robot_facts.end() ? nullptr : told->second;

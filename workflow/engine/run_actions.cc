@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/overload.h"
+#include "graph/base/run_limits.h"
 #include "graph/base/workflow_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/term_check.h"
@@ -67,7 +68,10 @@ bool RunStepper::WroteInThisRound() const {
 bool RunStepper::GoOnOpening(size_t index, bool at_once) {
   const Progress progress = DoActions(index, false);
   if (progress != Progress::kDone) return progress == Progress::kEnded;
-  MakeInvocations(index);
+  if (absl::Status made = MakeInvocations(index); !made.ok()) {
+    NodeImpossible(index, made);
+    return true;
+  }
   for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
     TryDispatch(index, i, at_once && !WroteInThisRound());
     if (!GoesOn() || run_.nodes[index].state != WorkState::kRunning) return true;
@@ -118,11 +122,25 @@ std::vector<TermBinding> RunStepper::BindingsOf(size_t index) const {
   return bindings;
 }
 
-void RunStepper::MakeInvocations(size_t index) {
+absl::Status RunStepper::MakeInvocations(size_t index) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
   node.actions.begun = true;
-  for (auto& [match, binding] : EachBinding(index)) {
+  auto bindings = EachBinding(index);
+  const size_t count = bindings.size() * syntax.invokes.size();
+  if (count > kRunLimits.node_invocations) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "it would have ", count, " invocations: ", syntax.invokes.size(), " for each of ", bindings.size(),
+        " bindings; the limit node_invocations is ", kRunLimits.node_invocations));
+  }
+  if (count > 1) {
+    if (const std::string full = core_.WhyNoNodes(count); !full.empty())
+      return absl::ResourceExhaustedError(full);
+  }
+  core_.nodes_live += count;
+  run_.counted += count;
+  core_.bounds.Worked(count);
+  for (auto& [match, binding] : bindings) {
     for (size_t i = 0; i < syntax.invokes.size(); ++i) {
       InvocationState invocation;
       invocation.invoke = i;
@@ -135,6 +153,7 @@ void RunStepper::MakeInvocations(size_t index) {
     }
   }
   if (syntax.actions.empty() || syntax.for_each.empty()) node.actions.bindings.clear();
+  return absl::OkStatus();
 }
 
 // Those at="open" or at="done" that are not done yet. kWaits: an assignment comes after what the run wrote in this round, and
@@ -174,6 +193,10 @@ absl::Status RunStepper::DoAction(size_t index, const cawl::Action& action) {
       return Assign(index, action);
     case cawl::Action::Kind::kNotify:
       return Notify(index, action);
+    case cawl::Action::Kind::kReserve:
+      return Reserve(index, action);
+    case cawl::Action::Kind::kRelease:
+      return ReleaseReservation(index, action);
   }
   return absl::OkStatus();
 }

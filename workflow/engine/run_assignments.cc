@@ -53,11 +53,11 @@ absl::Status RunStepper::Assign(size_t index, const cawl::Action& action) {
                      absl::StrAppend(out, name, " = ",
                                      value == values.end() ? "nothing" : ToDisplay(value->second));
                    })));
-  bool erased = false;
+  std::set<std::string> erased;
   for (const std::string& name : names) {
-    if (!values.contains(name)) erased = run_.variables.erase(name) > 0 || erased;
+    if (!values.contains(name) && run_.variables.erase(name) > 0) erased.insert(name);
   }
-  if (erased) RearmWaiting();
+  if (!erased.empty()) RearmWaiting(erased);
   if (run_.state == WorkState::kRunning) SetVariables(values);  // last: it may end the run
   return absl::OkStatus();
 }

@@ -50,21 +50,19 @@ void RunStepper::TakeDoneSteps(const RunId& id) {
 
 bool RunStepper::HasDoneSteps() const {
   if (!run_.done_steps.empty()) return true;
-  const std::set<RunId>& tree = core_.trees.at(core_.RootOf(run_));
-  return std::any_of(tree.begin(), tree.end(), [&](const RunId& id) {
-    const auto nested = core_.runs.find(id);
-    return nested != core_.runs.end() && nested->second.parent == run_.id &&
-           RunStepper(&core_, &nested->second).HasDoneSteps();
-  });
+  const auto nested = core_.nested.find(run_.id);
+  return nested != core_.nested.end() &&
+         std::any_of(nested->second.begin(), nested->second.end(), [this](const RunId& id) {
+           return RunStepper(&core_, &core_.runs.at(id)).HasDoneSteps();
+         });
 }
 
 // Of this run and of those that are nested in it, which keep none.
 std::vector<DoneStep> RunStepper::DrainDoneSteps() {
   std::vector<DoneStep> steps = std::move(run_.done_steps);
   run_.done_steps.clear();
-  for (const RunId& id : std::set<RunId>(core_.trees.at(core_.RootOf(run_)))) {
-    const auto nested = core_.runs.find(id);
-    if (nested == core_.runs.end() || nested->second.parent != run_.id) continue;
+  const auto nested = core_.nested.find(run_.id);
+  for (const RunId& id : nested == core_.nested.end() ? std::set<RunId>() : nested->second) {
     for (DoneStep& step : RunStepper(&core_, core_.Mutable(id)).DrainDoneSteps()) {
       step.place = absl::StrCat(id.value(), "/", step.place);
       steps.push_back(std::move(step));

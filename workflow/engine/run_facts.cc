@@ -92,8 +92,13 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   out->About(out->Iri(iri));
   out->Say(RunTerm::kType, RunTerm::kInvocation);
   out->Say(RunTerm::kOfNode, of_node);
-  out->SayText(RunTerm::kOperation,
-               invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
+  const bool by_class = invoke.capability.given();
+  out->SayText(RunTerm::kOperation, by_class && invocation.handler
+                                        ? invocation.handler->plan().steps[0].operation
+                                    : invoke.operation.value.empty() ? invoke.subflow.value
+                                                                     : invoke.operation.value);
+  if (by_class)
+    out->Say(RunTerm::kWantedCapability, out->Iri(std::string(*CapabilityOf(invoke.operation.value))));
   out->SayState(RunTerm::kInvocationState, invocation.state);
   if (!invocation.robot.empty()) out->Say(RunTerm::kRobot, out->Iri(invocation.robot.value()));
   if (!invocation.child.empty()) out->Say(RunTerm::kChildRun, out->Iri(RunIri(invocation.child)));

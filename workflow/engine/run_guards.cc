@@ -10,8 +10,7 @@
 namespace docent::engine {
 
 bool RunStepper::IsKnown(ConditionHandle handle) const {
-  return std::none_of(core_.output->arm.begin(), core_.output->arm.end(),
-                      [handle](const ConditionRequest& request) { return request.handle == handle; });
+  return !core_.IsArming(handle);
 }
 
 RunStepper::Answer RunStepper::Ask(const Guard& guard, const TermBinding& match) {
@@ -167,7 +166,7 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
   NodeState& node = run_.nodes[index];
   for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, why);
   std::vector<size_t> taken;
-  for (size_t link : LinksFrom(flow_, flow_.nodes[index].name.value)) {
+  for (size_t link : graph_.LinksFrom(index)) {
     if (flow_.links[link].on_interrupt) taken.push_back(link);
   }
   if (taken.empty()) return WaitAgain(index, why);
@@ -197,7 +196,7 @@ void RunStepper::WaitAgain(size_t index, const std::string& why) {
 
 // The values that a match gave to the run and that nothing has changed since.
 void RunStepper::PutBack(const std::map<std::string, ReplacedValue>& replaced) {
-  bool changed = false;
+  std::set<std::string> changed;
   for (const auto& [name, value] : replaced) {
     const auto now = run_.variables.find(name);
     if (now == run_.variables.end() || now->second != value.given) continue;
@@ -205,9 +204,9 @@ void RunStepper::PutBack(const std::map<std::string, ReplacedValue>& replaced) {
       now->second = *value.before;
     else
       run_.variables.erase(now);
-    changed = true;
+    changed.insert(name);
   }
-  if (changed) RearmWaiting();
+  if (!changed.empty()) RearmWaiting(changed);
 }
 
 }  // namespace docent::engine

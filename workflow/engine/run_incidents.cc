@@ -22,7 +22,7 @@ bool RunStepper::WaitsForOperator(size_t index) const {
   const cawl::Node& node = flow_.nodes[index];
   if (node.on_failure != cawl::OnFailure::kUnset) return node.on_failure == cawl::OnFailure::kIncident;
   if (flow_.on_failure != cawl::OnFailure::kIncident) return false;
-  const std::vector<size_t> links = LinksFrom(flow_, node.name.value);
+  const std::vector<size_t>& links = graph_.LinksFrom(index);
   return std::none_of(links.begin(), links.end(), [&](size_t link) { return flow_.links[link].on_failure; });
 }
 

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/robot_choice.h"
 #include "workflow/engine/run_results.h"
 #include "workflow/engine/run_stepper.h"
@@ -33,6 +34,7 @@ std::optional<Term> RunStepper::Value(const std::string& name, const TermBinding
 
 void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const std::string& cause) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
+  core_.bounds.Worked(1);
   core_.Say(Subject(node, index), ToString(invocation.state), ToString(state), cause);
   invocation.state = state;
   if (state == WorkState::kFailed || state == WorkState::kCancelled) invocation.reason = cause;
@@ -50,10 +52,9 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
 std::vector<std::string> RunStepper::InputsOf(size_t node, size_t index) const {
   const InvocationState& invocation = run_.nodes[node].invocations[index];
   const cawl::Node& syntax = flow_.nodes[node];
-  for (const RobotOffer& offer :
-       core_.input->robots->Offers(syntax.invokes[invocation.invoke].operation.value)) {
-    if (offer.robot == invocation.robot && offer.inputs) return *offer.inputs;
-  }
+  const RobotOffer* offer = core_.OfferFor(syntax.invokes[invocation.invoke].operation.value,
+                                           invocation.robot, {run_.id, node, index});
+  if (offer != nullptr && offer->inputs) return *offer->inputs;
   std::vector<std::string> inputs;
   for (const std::vector<cawl::Message>* messages :
        {&syntax.messages, &flow_.messages, &run_.document->messages}) {
@@ -78,6 +79,7 @@ void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
   WaitForOwnRobot(node, index, why);
   run_.nodes[node].invocations[index].queued = true;
   const CommandOwner owner{run_.id, node, index};
+  core_.NoteBarred(owner, why);
   core_.waiting.Wait(core_.RankOf(run_), owner, core_.WishOf(run_, owner));
   const InvocationState& invocation = run_.nodes[node].invocations[index];
   core_.Covet(run_, flow_.nodes[node].invokes[invocation.invoke].operation.value,
@@ -155,9 +157,12 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
     return false;
   }
   invocation.robot = Preferred(node, index, plan->inputs, std::move(robots));
-  invocation.occupies = core_.OccupationOf(*plan, invocation.robot);
-  if (core_.services.Find(invoke.operation.value) == nullptr)
-    plan = rsel::OperationPlan(invoke.operation.value, InputsOf(node, index));
+  invocation.occupies = core_.OccupationOf(*plan, invocation.robot, self);
+  std::string operation = invoke.operation.value;
+  if (core_.services.Find(operation) == nullptr) {
+    if (invoke.capability.given()) operation = core_.OfferFor(operation, invocation.robot, self)->operation;
+    plan = rsel::OperationPlan(operation, InputsOf(node, index));
+  }
   rsel::Arguments arguments;
   for (const std::string& input : plan->inputs) {
     if (auto value = Value(input, &invocation.binding)) arguments.emplace(input, *value);
@@ -180,7 +185,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   core_.ledger.Begin(invocation.robot, self, invocation.occupies);
   if (!invoke.timeout_ms) invocation.deadline_us.reset();  // its steps have deadlines of their own
   SetInvocation(node, index, WorkState::kRunning,
-                absl::StrCat(invoke.operation.value, " on ", ToDisplay(Term::Iri(invocation.robot.value()))));
+                absl::StrCat(operation, " on ", ToDisplay(Term::Iri(invocation.robot.value()))));
   SendReady(node, index);
   SettleHandler(node, index);
   return true;
@@ -192,17 +197,22 @@ RobotId RunStepper::Preferred(size_t node, size_t index, const std::vector<std::
   if (able.size() < 2 || core_.input->ranking == nullptr) return able.front();
   const InvocationState& invocation = run_.nodes[node].invocations[index];
   const std::string& own = flow_.nodes[node].invokes[invocation.invoke].choose;
-  TermBinding values = run_.variables;
-  for (const auto& [name, value] : invocation.binding) values.insert_or_assign(name, value);
+  TermBinding values;
+  if (!own.empty()) {  // the names of the default query are its own
+    values = run_.variables;
+    for (const auto& [name, value] : invocation.binding) values.insert_or_assign(name, value);
+  }
   // The goal is the first input that is a resource; a robot's own operation says itself what it takes.
   std::vector<std::string> names = inputs;
-  const RobotOffer* offer =
-      core_.OfferOf(flow_.nodes[node].invokes[invocation.invoke].operation.value, able.front());
+  const RobotOffer* offer = core_.OfferFor(flow_.nodes[node].invokes[invocation.invoke].operation.value,
+                                           able.front(), {run_.id, node, index});
   if (names.empty()) names = offer != nullptr && offer->inputs ? *offer->inputs : InputsOf(node, index);
   for (const std::string& name : names) {
     const std::optional<Term> value = Value(name, &invocation.binding);
     if (value && value->IsIri() && values.emplace("goal", *value).second) break;
   }
+  // Without a goal, one that has no place: an open ?goal would be every thing that has one.
+  if (own.empty()) values.emplace("goal", Term::Iri(std::string(kRdfType)));
   const std::string query = own.empty() ? std::string(cawl::DefaultRobotChoice()) : own;
   return core_.input->ranking->Order(query, std::move(able), values).front();
 }
@@ -217,12 +227,17 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
     InvocationFailed(node, index, absl::StrCat("there is no flow or deployed workflow \"", name, "\""));
     return true;
   }
-  if (core_.DepthOf(run_) >= core_.limits.subflow_nesting || core_.runs.size() >= core_.limits.runs_live) {
-    InvocationFailed(
-        node, index,
-        absl::StrCat("subflow ", name,
-                     " is nested too deep or too many runs are live; the limits are subflow_nesting ",
-                     core_.limits.subflow_nesting, " and runs_live ", core_.limits.runs_live));
+  if (core_.bounds.spent()) {
+    core_.unfinished.insert(run_.id);
+    return false;
+  }
+  std::string why_not = core_.WhyNoRoom(flow->first->flows[flow->second].nodes.size());
+  if (core_.DepthOf(run_) >= core_.limits.subflow_nesting) {
+    why_not =
+        absl::StrCat("it is nested too deep; the limit subflow_nesting is ", core_.limits.subflow_nesting);
+  }
+  if (!why_not.empty()) {
+    InvocationFailed(node, index, absl::StrCat("subflow ", name, " does not start: ", why_not));
     return true;
   }
   TermBinding variables = run_.variables;
@@ -279,7 +294,11 @@ bool RunStepper::SendReady(size_t node, size_t index) {
       [&](const rsel::PlanStep& step) { return MaySend(node, index, step.operation, &taken, &why_not); });
   for (const rsel::Instruction& instruction : ready) SendInstruction(node, index, instruction);
   if (invocation.handler->ended()) return true;
-  if (!why_not.empty()) WaitForOwnRobot(node, index, why_not);
+  if (!why_not.empty()) {
+    WaitForOwnRobot(node, index, why_not);
+  } else if (sent || !ready.empty()) {
+    invocation.reason.clear();  // what it waited for has come
+  }
   if (flow_.nodes[node].invokes[invocation.invoke].timeout_ms) return sent || !ready.empty();
   if (!invocation.commands.empty())
     invocation.deadline_us.reset();

@@ -70,7 +70,7 @@ void Engine::Core::Preempt(const RobotId& robot) {
   for (auto next = waiting.Next(robot, 0, could, end); next;
        next = waiting.Next(robot, next->first, could, end)) {
     const auto to = runs.find(next->second);
-    if (to == runs.end() || !to->second.preempts) continue;
+    if (to == runs.end() || !to->second.preempts || Bars(robot, RootOf(to->second)) != nullptr) continue;
     return TakeFrom(from->second.id, robot, to->second);
   }
 }
@@ -109,6 +109,7 @@ bool RunStepper::HasItsRobot(size_t node, size_t index) {
   const CommandOwner self{run_.id, node, index};
   const std::string& operation = flow_.nodes[node].invokes[invocation.invoke].operation.value;
   if (!core_.ledger.IsFree(invocation.robot, core_.RootOf(run_)) ||
+      core_.Bars(invocation.robot, core_.RootOf(run_)) != nullptr ||
       core_.ledger.Occupied(invocation.robot, invocation.occupies, self) ||
       !core_.CouldServe(*core_.PlanOf(operation), invocation.robot)) {
     core_.waiting.Wait(core_.RankOf(run_), self, core_.WishOf(run_, self));

@@ -18,6 +18,7 @@ void Settle(Engine::Core* core, const Run& ended) {
   core->released.insert(ended.robots.begin(), ended.robots.end());
   core->waiting.Block(core->RankOf(ended), ended.id, {});
   ActivatedRunEnded(core, ended.id);
+  if (ended.parent.empty()) core->EndReservations(ended.id);
   if (ended.parent.empty()) return;
   if (Run* parent = core->Mutable(ended.parent)) {
     RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
@@ -55,6 +56,7 @@ void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
     };
     std::optional<std::pair<uint64_t, RunId>> next;
     if (core->ledger.Holder(robot) == nullptr) next = core->waiting.Next(robot, it->second, offers);
+    while (next && core->BarsRun(robot, next->second)) next = core->waiting.Next(robot, next->first, offers);
     if (!next) {
       it = freed->erase(it);
       continue;
@@ -85,6 +87,8 @@ void ReconsiderWaiting(Engine::Core* core) {
     if (!news) return;
     for (const CommandOwner& owner : core->waiting.Oldest(wish, SIZE_MAX)) core->touched.insert(owner.run);
   });
+  // Each of them has a reason of its own.
+  for (const CommandOwner& owner : std::exchange(core->barred, {})) core->touched.insert(owner.run);
   for (const auto& [robot, root] : core->ledger.holders()) {
     TouchTree(core, root);
     core->coveted.insert(robot);  // a robot may say that it has ended a step after its command has
@@ -93,7 +97,6 @@ void ReconsiderWaiting(Engine::Core* core) {
 }
 
 void AdvanceAll(Engine::Core* core) {
-  std::set<RunId> settled;
   std::map<RobotId, uint64_t> freed;
   while (true) {
     // before runs go on: a robot between two steps goes to a more urgent run
@@ -112,15 +115,10 @@ void AdvanceAll(Engine::Core* core) {
     for (const auto& [number, id] : work) {
       if (Run* run = core->Mutable(id)) RunStepper(core, run).Advance();
     }
-    for (const RunId& id : std::set<RunId>(core->changed)) {
-      auto it = core->runs.find(id);
-      if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second)
-        continue;
-      Settle(core, it->second);
-    }
+    for (const RunId& id : std::exchange(core->ended, {})) Settle(core, core->runs.at(id));
     Release(core, &freed);
     if (core->touched.empty()) Offer(core, &freed);
-    if (core->touched.empty() && core->coveted.empty()) return;
+    if (core->touched.empty() && core->coveted.empty() && core->ended.empty()) return;
   }
 }
 

@@ -229,9 +229,12 @@ absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request) 
 absl::Status Engine::CheckRequest(const RunRequest& request) const {
   const bool starts =
       request.kind == RunRequest::Kind::kStart || request.kind == RunRequest::Kind::kInvokeService;
-  if (starts && core_->runs.size() >= core_->limits.runs_live) {
-    return OverloadError(absl::StrCat("there are ", core_->runs.size(), " live runs; the limit runs_live is ",
-                                      core_->limits.runs_live));
+  if (starts) {
+    const auto flow = core_->FindFlow(nullptr, request.target);
+    const bool of_workflow = request.kind == RunRequest::Kind::kStart && flow;
+    const std::string full =
+        core_->WhyNoRoom(of_workflow ? flow->first->flows[flow->second].nodes.size() : 1);
+    if (!full.empty()) return OverloadError(full);
   }
   switch (request.kind) {
     case RunRequest::Kind::kStart: {

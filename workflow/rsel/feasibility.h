@@ -21,6 +21,7 @@ struct OfferedOperation {
   std::string description;
   bool inputs_known = true;  // false: `inputs` says nothing
   PartTypes input_types = {}, output_types = {};
+  std::vector<std::string> capabilities = {};  // IRIs of the classes that it is of
 };
 
 // The robots that offer every operation of the plan, in order of their IRIs.

@@ -46,6 +46,19 @@ TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
   EXPECT_EQ(seen_us_, 0) << "not by this server";
 }
 
+TEST_F(FleetLeasesTest, WhereTimeIsSimulatedLeasesLastInTheTimeOfThisWorldAndTheGraphIsToldTheOther) {
+  ManualClock simulated(7'000'000);
+  FleetLeases leases(&simulated, &clock_);
+  leases.Renew("R", "d", [](bool) {});
+  leases.Told("R", "d", true);
+  simulated.Advance(std::chrono::hours(9));
+  EXPECT_TRUE(leases.TakeLost().empty()) << "its adapter was heard of a moment ago";
+  PassALease();
+  const std::vector<FleetLeases::Lost> lost = leases.TakeLost();
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].seen_us, 7'000'000);
+}
+
 TEST_F(FleetLeasesTest, OneAdapterSpeaksForARobotWhileItsLeaseLives) {
   EXPECT_EQ(leases_.Claim("R", "a:1"), "");
   Renew();

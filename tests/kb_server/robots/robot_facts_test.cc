@@ -168,6 +168,23 @@ TEST_F(RobotFactsTest, TypesOfPartsAreReadBackAndReplaced) {
       << "nothing of a part that has no type any more";
 }
 
+TEST_F(RobotFactsTest, ClassesOfOperationsAreReadBackAndReplaced) {
+  RobotDescription guide = Guide();
+  guide.operations[0].capabilities = {"docent:Navigation", "https://example.org/Tour", "docent:Navigation"};
+  guide.operations[1].capabilities = {"no IRI"};
+  std::vector<std::string> warnings;
+  Join(AcceptedDescription(guide, &warnings));
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("capability \"no IRI\" of operation speak is not an absolute IRI")));
+  const auto capabilities = [this] { return ReadRobots(dictionary_, writer_.current()).at(0).capabilities; };
+  EXPECT_THAT(capabilities(), ElementsAre("https://example.org/Tour", DocentIri("Navigation")));
+  EXPECT_THAT(OfferedOperations(dictionary_, writer_.current()).at(0).capabilities,
+              testing::UnorderedElementsAre("https://example.org/Tour", DocentIri("Navigation")));
+  Join(Guide());
+  EXPECT_THAT(capabilities(), IsEmpty());
+  EXPECT_THAT(OfferedOperations(dictionary_, writer_.current()).at(0).capabilities, IsEmpty());
+}
+
 TEST_F(RobotFactsTest, TheDirectorySaysWhichAddressesATurnBrought) {
   GraphRobotDirectory directory(&dictionary_);
   EXPECT_THAT(directory.AddressesIn(Delta()), IsEmpty());

@@ -3,8 +3,12 @@
 #ifndef DOCENT_TESTS_KB_SERVER_TURN_RANDOM_DOCUMENTS_H_
 #define DOCENT_TESTS_KB_SERVER_TURN_RANDOM_DOCUMENTS_H_
 
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "tests/kb_server/test_world.h"
@@ -55,10 +59,12 @@ class RandomDocuments {
   // Workflow W0 … W2; a workflow may invoke those after it as sub-flows.
   WriteBatch Workflow(int number) {
     nodes_ = 1 + dice_.Below(4);
+    const std::string flow = absl::StrCat("F", number);
+    priorities[flow] = 0;
     std::string text = absl::StrCat(
         "<CAWL name=\"W", number, "\" xmlns:w=\"urn:w:\" xmlns:xsd=\"http://www.w3.org/2001/XMLSchema#\" ",
         "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">", Activator(number), "<flow name=\"F", number, "\"",
-        Urgency(), dice_.OneIn(4, "incident") ? " ext:onFailure=\"incident\"" : "",
+        Urgency(flow), dice_.OneIn(4, "incident") ? " ext:onFailure=\"incident\"" : "",
         "><variable name=\"target\"/><variable name=\"count\" type=\"xsd:integer\"><initialize>"
         "<from expression=\"0\"/></initialize></variable><source name=\"s\"/>");
     std::string links;
@@ -95,6 +101,9 @@ class RandomDocuments {
   // Flow/node → the word of its condition; → that of its ext:while-holds.
   std::map<std::string, int> words, holds;
   std::map<int, SimulatedActivator> activators;  // by workflow
+  // Flow/node → of each invoke the class that it asks for, or "".
+  std::map<std::string, std::vector<std::string>> classes;
+  std::map<std::string, int> priorities;  // by flow: the highest that a run of it may have
 
  private:
   using By = SimulatedActivator::By;
@@ -107,11 +116,37 @@ class RandomDocuments {
     return text;
   }
   // Some runs are more urgent than others, and some of these take robots from them.
-  std::string Urgency() {
+  std::string Urgency(const std::string& flow) {
     const bool urgent = dice_.OneIn(1, "priority");
     const int kind = dice_.Below(3), priority = dice_.Below(4) - 1;
     if (!urgent || kind == 0) return "";
+    priorities[flow] = std::max(priorities[flow], priority);
     return absl::StrCat(" ext:priority=\"", priority, "\"", dice_.OneIn(3) ? "" : " ext:preempt=\"true\"");
+  }
+  // Some nodes reserve robots for their run, and some give them back.
+  std::string Reservation() {
+    if (dice_.OneIn(12, "reserve")) return "<ext:release/>";
+    if (!dice_.OneIn(6, "reserve")) return "";
+    std::string text = "<ext:reserve robots=\"";
+    for (int r = 0; r < SimulatedRobots(); ++r) {
+      if (r == 0 || dice_.OneIn(2))
+        absl::StrAppend(&text, " &lt;urn:w:R", (r + dice_.Below(2)) % SimulatedRobots(), ">");
+    }
+    absl::StrAppend(&text, "\" lasting=\"", 1 + dice_.Below(15), "s\"");
+    if (dice_.OneIn(2)) absl::StrAppend(&text, " priority=\"", dice_.Below(5) - 1, "\"");
+    return text + (dice_.OneIn(3) ? " at=\"done\"/>" : "/>");
+  }
+  // An operation by its name, or any of a class.
+  std::string Wanted(const std::string& place) {
+    std::string wanted;
+    if (dice_.OneIn(4, "class")) {
+      auto one = SimulatedClasses().begin();
+      std::advance(one, dice_.Below(static_cast<int>(SimulatedClasses().size())));
+      wanted = one->first;
+    }
+    classes[place].push_back(wanted);
+    return wanted.empty() ? absl::StrCat("operation=\"", Operation(), "\"")
+                          : absl::StrCat("ext:capability=\"&lt;", wanted, ">\"");
   }
   std::string Operation() { return SimulatedOperations()[static_cast<size_t>(dice_.Below(5))].name; }
 
@@ -127,7 +162,7 @@ class RandomDocuments {
     static constexpr const char* kModes[] = {"", "single", "queued", "restart", "parallel"};
     const std::string mode = kModes[dice_.Below(5)];
     activator.queues = mode == "queued";
-    std::string text = absl::StrCat("<activator name=\"A\"", Urgency());
+    std::string text = absl::StrCat("<activator name=\"A\"", Urgency(absl::StrCat("F", number)));
     if (!mode.empty() && dice_.OneIn(1, "mode")) {
       absl::StrAppend(&text, " ext:mode=\"", mode, "\"");
       if (mode == "queued" || mode == "parallel")
@@ -206,6 +241,7 @@ class RandomDocuments {
     const std::string place = absl::StrCat("F", number, "/N", n);
     words.erase(place);
     holds.erase(place);
+    classes.erase(place);
     const bool condition = dice_.OneIn(2, "condition");
     const bool each = condition && dice_.OneIn(4, "each");
     std::string text = absl::StrCat("<node name=\"N", n, "\"");
@@ -225,20 +261,22 @@ class RandomDocuments {
     text += ">";
     if (condition) absl::StrAppend(&text, Condition(number, place));
     const int invokes = 1 + dice_.Below(2);
-    for (int i = 0; i < invokes; ++i) absl::StrAppend(&text, Invoke(number));
-    return absl::StrCat(text, Actions(), "</node>");
+    for (int i = 0; i < invokes; ++i) {
+      absl::StrAppend(&text, Invoke(number, place));
+      classes[place].resize(static_cast<size_t>(i) + 1);
+    }
+    return absl::StrCat(text, Actions(), Reservation(), "</node>");
   }
 
-  std::string Invoke(int number) {
+  std::string Invoke(int number, const std::string& place) {
     const int kind = dice_.Below(5);
     std::string text = "<invoke ";
     if (kind == 0 && number + 1 < kSimulatedWorkflows && dice_.OneIn(1, "subflow"))
       absl::StrAppend(&text, "subflow=\"W", number + 1, "\"");
+    else if (kind == 1 && dice_.OneIn(1, "service"))
+      absl::StrAppend(&text, "operation=\"service", dice_.Below(2), "\"");
     else
-      absl::StrAppend(
-          &text, "operation=\"",
-          kind == 1 && dice_.OneIn(1, "service") ? absl::StrCat("service", dice_.Below(2)) : Operation(),
-          "\"");
+      absl::StrAppend(&text, Wanted(place));
     if (dice_.OneIn(2, "timeout")) absl::StrAppend(&text, " ext:timeout=\"", 1 + dice_.Below(10), "s\"");
     if (dice_.OneIn(3, "retry"))
       absl::StrAppend(&text, " ext:retry=\"", 1 + dice_.Below(2), "\"", RetryPolicy());

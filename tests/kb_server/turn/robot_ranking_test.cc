@@ -2,6 +2,7 @@
 #include "kb_server/turn/robot_ranking.h"
 
 #include "absl/strings/str_cat.h"
+#include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
 #include "kb_server/turn/spatial_functions.h"
 #include "kb_server/turn/turn.h"
@@ -47,6 +48,12 @@ class RobotRankingTest : public testing::Test {
                  "/></node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" "
                  "to=\"e\"/></flow></CAWL>"));
   }
+  // A connection; its name.
+  std::string Connect(const std::string& from, const std::string& to) {
+    const std::string name = absl::StrCat(from, "To", to);
+    Turn(Tell({Fact(name, "docent:fromPlace", from), Fact(name, "docent:toPlace", to)}));
+    return name;
+  }
   // The robot of a new run that goes to `place`; its command ends at once.
   std::string Chosen(const std::string& place = "Nowhere") {
     const TurnResult turn = Turn(test::Start("T/F", {{"place", test::Iri(place)}}));
@@ -85,6 +92,95 @@ TEST_F(RobotRankingTest, TheNearestToTheGoalIsPreferredToTheOneWithTheMostCharge
              Fact("P", "docent:x", Number("9")), Fact("P", "docent:y", Number("1"))}));
   EXPECT_EQ(Chosen("B01"), "urn:w:R2");
   EXPECT_EQ(Chosen("B02"), "urn:w:R1") << "where that is, nobody knows";
+}
+
+TEST_F(RobotRankingTest, TheNearestIsThatWithTheShortestRouteAlongTheRoadmap) {
+  Deploy("");
+  const auto at = [](const char* name, const char* x, const char* y) {
+    return std::vector<TermQuad>{Fact(name, "docent:x", Number(x)), Fact(name, "docent:y", Number(y))};
+  };
+  // R1 and the goal are on the two sides of a wall, the door of which is far away. R2 is in the room of the goal.
+  for (const auto& facts : {at("R1", "0", "10"), at("R2", "20", "10.5"), at("B01", "0", "11"),
+                            at("Near", "0", "9"), at("Far", "0", "12"), at("Door", "30", "10.5")})
+    Turn(Tell(facts));
+  EXPECT_EQ(Chosen("B01"), "urn:w:R1") << "along the straight line";
+  for (const char* name : {"Near", "Far"}) {
+    Connect(name, "Door");
+    Connect("Door", name);
+  }
+  EXPECT_EQ(Chosen("B01"), "urn:w:R1") << "nearer to each other than to the roadmap";
+  for (const auto& facts : {at("R1", "0", "9.2"), at("B01", "0", "11.8")}) Turn(Tell(facts));
+  Turn(Tell({}, {Fact("R1", "docent:y", Number("10")), Fact("B01", "docent:y", Number("11"))}));
+  EXPECT_EQ(Chosen("B01"), "urn:w:R2");
+}
+
+TEST_F(RobotRankingTest, ARouteLeadsAlongNoConnectionThatIsClosed) {
+  Deploy("");
+  const auto at = [](const char* name, const char* x) {
+    return std::vector<TermQuad>{Fact(name, "docent:x", Number(x)), Fact(name, "docent:y", Number("0"))};
+  };
+  for (const auto& facts : {at("R1", "0"), at("R2", "50"), at("Goal", "20"), at("A", "0"), at("B", "10"),
+                            at("C", "20"), at("D", "50")})
+    Turn(Tell(facts));
+  Turn(Tell({Fact("docent:closed", "a", "docent:StateProperty"),
+             Fact("docent:length", "a", "docent:StateProperty")}));
+  Connect("A", "B");
+  Connect("D", "C");
+  const std::string lift = Connect("B", "C");
+  EXPECT_EQ(Chosen("Goal"), "urn:w:R1");
+  Turn(Tell({Fact(lift, "docent:length", Number("40"))}));
+  EXPECT_EQ(Chosen("Goal"), "urn:w:R2") << "50 m against 30 m";
+  Turn(Tell({Fact(lift, "docent:length", Number("12"))}));
+  EXPECT_EQ(Chosen("Goal"), "urn:w:R1");
+  Turn(Tell({Fact(lift, "docent:closed", Term::Boolean(true))}));
+  EXPECT_EQ(Chosen("Goal"), "urn:w:R2") << "no way leads from R1";
+  Turn(Tell({Fact(lift, "docent:closed", Term::Boolean(false))}));
+  EXPECT_EQ(Chosen("Goal"), "urn:w:R1");
+}
+
+TEST_F(RobotRankingTest, WithoutAGoalNoDistanceCounts) {
+  Deploy("");
+  Turn(Tell({Fact("R1", "docent:x", Number("0")), Fact("R1", "docent:y", Number("0")),
+             Fact("R1", "docent:battery", Number("10")), Fact("R2", "docent:battery", Number("90"))}));
+  const TurnResult turn = Turn(test::Start("T/F"));
+  ASSERT_EQ(turn.record.commands.size(), 1u);
+  EXPECT_EQ(turn.record.commands[0].robot.value(), "urn:w:R2");
+  Turn(test::Report(turn.record.commands[0].id, CommandReport::Outcome::kSucceeded));
+  EXPECT_EQ(Chosen("AlsoNowhere"), "urn:w:R2") << "a place of which the graph says nothing";
+}
+
+TEST_F(RobotRankingTest, AServicePointMayHaveItsPlaceAsWkt) {
+  Deploy("");
+  const std::string wkt = "http://www.opengis.net/ont/geosparql#asWKT";
+  const auto point = [](const char* text) {
+    return Term::Literal(text, "http://www.opengis.net/ont/geosparql#wktLiteral");
+  };
+  Turn(Tell({Fact("R1", "docent:x", Number("0")), Fact("R1", "docent:y", Number("0")),
+             Fact("R2", "docent:x", Number("9")), Fact("R2", "docent:y", Number("0")),
+             Fact("B01", "docent:servicePoint", "P1"), Fact("P1", wkt, point("POINT(6 0)")),
+             Fact("B02", "docent:servicePoint", "P2"), Fact("P2", wkt, point("POINT(0 0)"))}));
+  EXPECT_EQ(Chosen("B01"), "urn:w:R2") << "as halls describe it";
+  EXPECT_EQ(Chosen("B02"), "urn:w:R1");
+}
+
+TEST_F(RobotRankingTest, ARunsVariablesAreNotThoseOfTheDefaultQuery) {
+  Deploy("");
+  Turn(Tell({Fact("R3", "docent:battery", Number("90"))}));
+  const TurnResult turn = Turn(test::Start(
+      "T/F",
+      {{"place", test::Iri("Nowhere")}, {"charge", Number("1")}, {"used", Number("1")}, {"x", Number("1")}}));
+  ASSERT_EQ(turn.record.commands.size(), 1u);
+  EXPECT_EQ(turn.record.commands[0].robot.value(), "urn:w:R3");
+}
+
+TEST_F(RobotRankingTest, TheLoadOfARobotIsWhatItWorksForAndWhatWaitsForItByName) {
+  Deploy("");
+  Turn(Tell({Fact("R1", "docent:outOfService", Term::Literal("a wheel"))}));
+  const TurnResult waits = Turn(test::Start("T/F", {{"robot", test::Iri("R1")}}));
+  EXPECT_TRUE(waits.record.commands.empty());
+  const GraphVersionPtr version = stages_->writer.Freeze(Revision(head_));
+  EXPECT_EQ(GraphReader(dictionary_, *version).Object(test::Name("R1"), DocentIri("load")), "1");
+  EXPECT_EQ(GraphReader(dictionary_, *version).Object(test::Name("R2"), DocentIri("load")), "");
 }
 
 TEST_F(RobotRankingTest, ADocumentHasAnOrderOfItsOwn) {

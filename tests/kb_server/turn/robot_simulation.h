@@ -40,6 +40,13 @@ inline const SimulatedOperation& OperationNamed(const std::string& name) {
   return SimulatedOperations().back();
 }
 
+// Classes of operations: one that stands alone, and one above another.
+inline const std::map<std::string, std::set<std::string>>& SimulatedClasses() {
+  static const auto* all = new std::map<std::string, std::set<std::string>>{
+      {"urn:w:Moves", {"drive"}}, {"urn:w:Speaks", {"say", "wave"}}, {"urn:w:SpeaksAndWaves", {"wave"}}};
+  return *all;
+}
+
 inline int SimulatedRobots() {
   static const int robots = NumberFromEnvironment("DOCENT_SIMULATION_ROBOTS", 3);
   return robots;
@@ -54,8 +61,10 @@ class Fleet {
   static int NumberOf(const RobotId& robot) { return robot.value().back() - '0'; }
 
   WriteBatch Joins() {
-    WriteBatch batch = Tell({Fact("docent:status", "a", "docent:StateProperty"),
-                             Fact("docent:incarnation", "a", "docent:StateProperty")});
+    WriteBatch batch =
+        Tell({Fact("docent:status", "a", "docent:StateProperty"),
+              Fact("docent:incarnation", "a", "docent:StateProperty"),
+              Fact("SpeaksAndWaves", "http://www.w3.org/2000/01/rdf-schema#subClassOf", "Speaks")});
     for (int r = 0; r < SimulatedRobots(); ++r) {
       for (const TermQuad& fact : Presence(r)) Add(&batch, fact);
       for (const SimulatedOperation& operation : SimulatedOperations()) {
@@ -63,6 +72,16 @@ class Fleet {
         if (r == 2 && operation.name == "dance") continue;  // that one cannot
         Add(&batch, Fact(Robot(r), "docent:offers", iri));
         Add(&batch, Fact(iri, "docent:idempotent", Term::Boolean(operation.idempotent)));
+        // The most special class of the operation; R1 does not say of which its say is.
+        std::string special;
+        for (const auto& [name, operations] : SimulatedClasses()) {
+          if (operations.contains(operation.name) && !(r == 1 && operation.name == "say")) special = name;
+        }
+        if (!special.empty()) {
+          TermQuad of_class = Fact(iri, "docent:capability", special);
+          of_class.graph = Iri(Robot(r));
+          Add(&batch, of_class);
+        }
         for (const std::string& resource : operation.occupies) {
           TermQuad fact = Fact(iri, "docent:occupies", Term::Literal(resource));
           fact.graph = Iri(Robot(r));

@@ -4,6 +4,9 @@
 //   - a robot is free exactly when its last holder and all of its commands have ended;
 //   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
 //     guard_revision, or of a run that is paused;
+//   - no command goes to a robot that is reserved for others, unless its run is of a higher priority or held a robot of the
+//     reservation before; what waits for a reserved robot goes on when the reservation has ended;
+//   - who asks for a class of operations gets one of this class;
 //   - every live run waits for a thing that Workflows.Explain names;
 //   - an activator fires once for each event and each occurrence of its time, and not without one;
 //   - what was told for as long as a run lives is gone when it has ended; a variable has only values of its type;
@@ -15,8 +18,11 @@
 #include <array>
 #include <iostream>
 #include <memory>
+#include <tuple>
+#include <utility>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
@@ -27,6 +33,7 @@
 #include "kb_server/door/workflow_removal.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/run_waits.h"
+#include "kb_server/robots/reservations.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/random_world.h"
@@ -97,6 +104,8 @@ class Simulation {
   static bool Failed() { return ::testing::Test::HasFailure(); }
   size_t commands() const { return commands_; }
   size_t preempted() const { return preempted_; }
+  size_t barred() const { return barred_; }
+  size_t by_class() const { return by_class_; }
 
  private:
   static constexpr int kSteps = 70;
@@ -154,6 +163,7 @@ class Simulation {
   WriteBatch Anything() {
     const int robot = dice_.Below(test::SimulatedRobots());
     if (dice_.OneIn(4)) return dice_.OneIn(1, "steering") ? Steering() : WriteBatch();
+    if (dice_.OneIn(10)) return dice_.OneIn(1, "reserve") ? Reservation() : WriteBatch();
     switch (dice_.Below(18)) {
       case 0:
       case 1:
@@ -283,6 +293,36 @@ class Simulation {
     return batch;
   }
 
+  // An operator keeps robots for a run, a workflow or none, or gives some back.
+  WriteBatch Reservation() {
+    WriteBatch batch;
+    Graph();
+    if (!reservations_.empty() && dice_.OneIn(3)) {
+      const auto& one =
+          reservations_[static_cast<size_t>(dice_.Below(static_cast<int>(reservations_.size())))];
+      EXPECT_TRUE(ReleaseReservation(one.iri, dictionary_, *version_, &batch).ok());
+      return batch;
+    }
+    ReservationRequest request;
+    for (int r = 0; r < test::SimulatedRobots(); ++r) {
+      if (request.robots.empty() || dice_.OneIn(2))
+        request.robots.push_back(test::Name(Fleet::Robot((r + dice_.Below(2)) % test::SimulatedRobots())));
+    }
+    request.priority = dice_.Below(5) - 1;
+    request.lasting_ms = 1000 + static_cast<uint64_t>(dice_.Below(15000));
+    const std::vector<std::string> live = LiveRuns();
+    if (!live.empty() && dice_.OneIn(2)) {
+      request.kept_for = live[static_cast<size_t>(dice_.Below(static_cast<int>(live.size())))];
+      if (dice_.OneIn(2)) request.lasting_ms = 0;
+    } else if (dice_.OneIn(2)) {
+      request.kept_for = absl::StrCat("W", dice_.Below(test::kSimulatedWorkflows));
+    }
+    engine::Reservation made;
+    const absl::Status status = MakeReservation(request, dictionary_, *version_, now_us_, &batch, &made);
+    EXPECT_TRUE(status.ok() || absl::IsNotFound(status)) << status;
+    return status.ok() ? batch : WriteBatch();
+  }
+
   WriteBatch OutOfService(int robot, bool out) {
     const TermQuad fact = Fact(Fleet::Robot(robot), "docent:outOfService", Term::Literal("a wheel"));
     WriteBatch batch = out ? Tell({fact}) : Tell({}, {fact});
@@ -304,6 +344,8 @@ class Simulation {
 
   void Turn(WriteBatch batch) {
     batch.time_us = now_us_;
+    const std::vector<engine::Reservation> reserved_before = reservations_;
+    const std::map<RobotId, std::string> held_before = Holders();
     const auto result = RunTurn(stages_.get(), batch, log_.size() + 1);
     if (!result.ok()) {
       Note(absl::StrCat("refused: ", std::string(result.status().message())));
@@ -321,6 +363,7 @@ class Simulation {
     }
     GraphReader* graph = Graph();
     Remember(*graph, result->record.transitions);
+    reservations_ = ReadReservations(dictionary_, *version_);
     for (const Notification& notification : result->notifications) postman_.Send(notification, now_us_);
     CheckWrites(*graph);
     for (const RobotCommand& command : result->record.commands) {
@@ -328,6 +371,7 @@ class Simulation {
       const bool stays =
           std::find(result->cancels.begin(), result->cancels.end(), command.id) == result->cancels.end();
       CheckCommand(*graph, command, stays);
+      CheckReserved(command, RootOf(*graph, IdParts(command.id).run), reserved_before, held_before);
       under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run)};
     }
     CheckHolds(*graph);
@@ -390,6 +434,63 @@ class Simulation {
     EXPECT_TRUE(status == DocentIri("Standby") || (status == DocentIri("Busy") && robot_has_command))
         << command.id.value() << " to a robot that is " << status;
     if (stays) CheckGuard(command, id);
+    CheckClass(command, id);
+  }
+
+  std::map<RobotId, std::string> Holders() const {
+    std::map<RobotId, std::string> holders;
+    for (int r = 0; r < test::SimulatedRobots(); ++r) {
+      const RobotId robot(test::Name(Fleet::Robot(r)));
+      if (const RunId* holder = stages_->engine.HolderOf(robot)) holders[robot] = holder->value();
+    }
+    return holders;
+  }
+
+  // Reservations that were there before this turn and after it were there when the command was decided.
+  void CheckReserved(const RobotCommand& command, const std::string& root,
+                     const std::vector<engine::Reservation>& before,
+                     const std::map<RobotId, std::string>& held_before) {
+    const std::string flow = root.substr(0, root.find('-'));
+    const auto priority = documents_.priorities.find(flow);
+    const int rank = priority == documents_.priorities.end() ? 0 : priority->second;
+    const auto is_own = [&](const engine::Reservation& reservation) {
+      return reservation.kept_for == RunIri(RunId(root)) ||
+             reservation.kept_for == WorkflowIri("W" + flow.substr(1));
+    };
+    const auto in_order = [](const engine::Reservation& a, const engine::Reservation& b) {
+      return std::tie(b.priority, a.since_us, a.iri) < std::tie(a.priority, b.since_us, b.iri);
+    };
+    for (const engine::Reservation& one : before) {
+      const auto same =
+          std::find_if(reservations_.begin(), reservations_.end(), [&](const engine::Reservation& other) {
+            return other.iri == one.iri && other.since_us == one.since_us && other.priority == one.priority;
+          });
+      if (same == reservations_.end() || !one.robots.contains(command.robot) || is_own(one)) continue;
+      bool may = rank > one.priority;
+      for (const auto* list : {&before, &std::as_const(reservations_)}) {
+        for (const engine::Reservation& own : *list)
+          may = may || (is_own(own) && own.robots.contains(command.robot) && in_order(own, one));
+      }
+      for (const RobotId& robot : one.robots) {
+        const auto holder = held_before.find(robot);
+        may = may || (holder != held_before.end() && holder->second == root);
+      }
+      EXPECT_TRUE(may) << command.id.value() << " of run " << root << ", of priority " << rank << ", to "
+                       << command.robot.value() << ", which is kept by " << one.iri << " for " << one.kept_for
+                       << ", with priority " << one.priority;
+    }
+  }
+
+  void CheckClass(const RobotCommand& command, const IdParts& id) {
+    const auto wanted = documents_.classes.find(absl::StrCat(id.flow(), "/", id.node));
+    if (wanted == documents_.classes.end() || wanted->second.empty()) return;
+    size_t invocation = 0;
+    ASSERT_TRUE(absl::SimpleAtoi(id.place.substr(id.place.rfind('/') + 1), &invocation));
+    const std::string& of_class = wanted->second[invocation % wanted->second.size()];
+    if (of_class.empty()) return;
+    ++by_class_;
+    EXPECT_TRUE(test::SimulatedClasses().at(of_class).contains(command.operation))
+        << command.operation << " is not of class " << of_class;
   }
 
   // Another node that wrote in the turn may have made it fall right after it was asked.
@@ -464,6 +565,10 @@ class Simulation {
                                           << run.DebugString();
       for (const v1::Wait& wait : reply.waits()) {
         EXPECT_FALSE(wait.detail().empty());
+        if (wait.kind() != "operator" && absl::StrContains(wait.detail(), "is reserved")) {
+          ++barred_;
+          EXPECT_FALSE(reservations_.empty()) << id << " waits for the end of a reservation that has ended";
+        }
         if (wait.kind() != "command") continue;
         const bool under_way = std::any_of(
             under_way_.begin(), under_way_.end(),
@@ -515,6 +620,7 @@ class Simulation {
     }
     EXPECT_EQ(stages_->engine.live_runs(), 0u);
     EXPECT_TRUE(stages_->engine.OpenCommands().empty());
+    EXPECT_TRUE(reservations_.empty()) << "each ends by time, or with its run";
     EXPECT_TRUE(stages_->engine.OpenNotifications().empty());
     EXPECT_THAT(Graph()->Subjects(kRdfType, Term::Iri(DocentIri("TimeTrigger"))), ::testing::IsEmpty())
         << "a time is asked for though nothing waits for it";
@@ -554,24 +660,31 @@ class Simulation {
   test::FiringModel firings_;
   size_t commands_ = 0;
   size_t preempted_ = 0;
+  size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
+  size_t by_class_ = 0;  // commands of those that asked for a class
+  std::vector<engine::Reservation> reservations_;
 };
 
 TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
-  size_t commands = 0, preempted = 0;
+  size_t commands = 0, preempted = 0, barred = 0, by_class = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
     simulation.Play();
     commands += simulation.commands();
     preempted += simulation.preempted();
+    barred += simulation.barred();
+    by_class += simulation.by_class();
     if (HasFailure()) break;
   }
   if (only < 0) {
     EXPECT_GT(commands, 5u * static_cast<size_t>(seeds)) << "it has to try something";
     EXPECT_GT(preempted, static_cast<size_t>(seeds) / 30) << "of pre-emption, too";
+    EXPECT_GT(barred, static_cast<size_t>(seeds) / 30) << "of reservations";
+    EXPECT_GT(by_class, static_cast<size_t>(seeds) / 3) << "of classes of operations";
   }
 }
 

@@ -51,6 +51,20 @@ TEST_F(SpatialFunctionsTest, DistanceIsMetresToTheMillimetre) {
   EXPECT_FALSE(Call("distance", {Decimal("0"), test::Iri("a"), Decimal("3"), Decimal("4")}).ok());
 }
 
+TEST_F(SpatialFunctionsTest, RouteLengthIsMetresAlongTheRoadmap) {
+  const Term roadmap = Term::Literal("0 0 4 0; 4 0 4 3");
+  EXPECT_EQ(*Call("routeLength", {Term::Literal("0 0"), Term::Literal("POINT(4 3)"), roadmap}),
+            Decimal("7.000"));
+  EXPECT_EQ(*Call("routeLength", {Term::Literal("0 0"), Term::Literal("POINT(4 3)"), Term::Literal("")}),
+            Decimal("5.000"));
+  EXPECT_FALSE(Call("routeLength", {Term::Literal("4 3"), Term::Literal("0 0"), roadmap}).ok())
+      << "against the ways";
+  EXPECT_FALSE(Call("routeLength", {Term::Literal("0"), Term::Literal("0 0"), roadmap}).ok());
+  EXPECT_FALSE(Call("routeLength", {test::Iri("a"), Term::Literal("0 0"), roadmap}).ok());
+  EXPECT_FALSE(
+      Call("routeLength", {Term::Literal("0 0"), Term::Literal("4 3"), Term::Literal("0 0 4")}).ok());
+}
+
 TEST_F(SpatialFunctionsTest, InRegionReadsTheOutline) {
   const Term square = Term::Literal("POLYGON((0 0, 4 0, 4 4, 0 4, 0 0))");
   const Term yes = Term::Literal("true", std::string(kXsdBoolean));

@@ -427,25 +427,27 @@ TEST_F(FailingTurnTest, AnActivatorThatMatchesWhatItsOwnRunsWrite) {
       "<subject>?a</subject><verb>?b</verb><object>?c</object></constraint></rule></context></condition>"
       "</activator><flow name=\"F\"><source name=\"s\"/><sink name=\"e\"/><link from=\"s\" "
       "to=\"e\"/></flow></CAWL>";
-  Fail(Put(Document::Kind::kCawl, "e.xml", everything), absl::StatusCode::kResourceExhausted, "in one turn");
+  Fail(Put(Document::Kind::kCawl, "e.xml", everything), absl::StatusCode::kResourceExhausted,
+       "the activator of E");
   GoOn();
 }
 
-TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherWithoutEnd) {
-  // each run is a new binding of the activator that started it
-  std::string again =
-      "<CAWL name=\"Again\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
-      "<activator name=\"OnItself\"><activate flow=\"Again\"/><condition><context name=\"c\"><rule "
-      "name=\"r\">"
-      "<constraint "
-      "name=\"k\"><subject>?run</subject><verb>docent:workflow</verb><object>\"Again\"</object></constraint>"
-      "</rule></context></condition></activator><flow name=\"Again\"><source name=\"start\"/><node "
-      "name=\"N\">"
-      "<invoke operation=\"nothing\"/></node><sink name=\"end\"/><link from=\"start\" to=\"N\"/><link "
-      "from=\"N\" to=\"end\"/>"
-      "</flow></CAWL>";
-  for (World* world : {&world_, &twin_}) world->Must(Put(Document::Kind::kCawl, "again.xml", again));
-  WriteBatch batch = test::Start("Again");
+TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherInALongRow) {
+  // each run is a new binding of the next one's activator
+  for (int i = 0; i < 8; ++i) {
+    const std::string next = absl::StrCat(
+        "<CAWL name=\"W", i,
+        "\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">",
+        "<activator name=\"OnTheOneBefore\"><activate flow=\"F\"/><condition><context name=\"c\"><rule "
+        "name=\"r\">",
+        "<constraint name=\"k\"><subject>?run</subject><verb>docent:workflow</verb><object>\"W", i - 1,
+        "\"</object></constraint></rule></context></condition></activator>",
+        "<flow name=\"F\"><source name=\"start\"/><node name=\"N\"><invoke operation=\"nothing\"/></node>"
+        "<sink name=\"end\"/><link from=\"start\" to=\"N\"/><link from=\"N\" to=\"end\"/></flow></CAWL>");
+    for (World* world : {&world_, &twin_})
+      world->Must(Put(Document::Kind::kCawl, absl::StrCat("w", i, ".xml"), next));
+  }
+  WriteBatch batch = test::Start("W0");
   batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "docent:isAt", "Hall")});
   Fail(batch, absl::StatusCode::kResourceExhausted, "engine_rounds_per_turn");
   GoOn();

@@ -193,6 +193,25 @@ TEST_F(CommandSessionTest, AtTheDeadlineItAsksForTheEndAndWaitsForIt) {
   EXPECT_TRUE(session_->done());
 }
 
+// A simulator may stop the clock.
+class StoppedHost final : public FakeHost {
+ public:
+  absl::Time SteadyNow() const override { return stopped ? absl::UnixEpoch() : now; }
+  bool stopped = true;
+};
+
+TEST(CommandSession, NoDeadlineIsReachedWhileTheClockStandsStill) {
+  StoppedHost host;
+  CommandSession session(&host, ProxySettings(), Drive(), absl::Seconds(10), false);
+  session.UseAddress("a:1");
+  session.OnFeedback(1, Says(v1::Feedback::RUNNING));
+  host.Go(absl::Hours(1));
+  EXPECT_THAT(host.cancels, IsEmpty());
+  host.stopped = false;
+  host.Go(absl::Seconds(11));
+  EXPECT_THAT(host.cancels, ElementsAre("a:1"));
+}
+
 TEST_F(CommandSessionTest, AtTheDeadlineOneThatNeverWentOutFails) {
   host_.connected = false;
   Begin(Drive(), false, absl::Seconds(10));
