@@ -328,6 +328,7 @@ void AddRunsCommand(CLI::App* app, int* exit_code) {
       "  docent runs BoothGuide-1 --watch\n"
       "  docent runs pause BoothGuide-1 --reason 'the hall is being cleaned'");
   AddSteeringCommands(command, exit_code);
+  AddSaveCommand(command, exit_code);
   command->callback([arguments, command, exit_code] {
     if (command->get_subcommands().empty()) *exit_code = ShowRuns(*arguments);
   });

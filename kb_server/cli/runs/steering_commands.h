@@ -11,6 +11,9 @@ namespace docent::server {
 
 void AddSteeringCommands(CLI::App* runs, int* exit_code);
 
+// docent runs save.
+void AddSaveCommand(CLI::App* runs, int* exit_code);
+
 // Cancels a run and shows it. Returns the exit code.
 int CancelRun(const ClientOptions& client, const std::string& run);
 

@@ -1,0 +1,17 @@
+// Replays → messages. Pure functions; any thread.
+#ifndef DOCENT_KB_SERVER_GRPC_REPLAY_REPLAY_PROTO_H_
+#define DOCENT_KB_SERVER_GRPC_REPLAY_REPLAY_PROTO_H_
+
+#include <string>
+
+#include "docent/v1/replays.pb.h"
+#include "kb_server/replay/run_replays.h"
+
+namespace docent::server {
+
+void ToProto(const Replayed& replayed, v1::ReplayReply* reply);
+void ToProto(const Trial& trial, const std::string& node, v1::TryNodeReply* reply);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_GRPC_REPLAY_REPLAY_PROTO_H_

@@ -1,0 +1,54 @@
+// Questions about the facts of a replay: whether the activator fires, and what a condition lacks. One thread, that of the stages.
+#ifndef DOCENT_KB_SERVER_REPLAY_PLAY_QUESTIONS_H_
+#define DOCENT_KB_SERVER_REPLAY_PLAY_QUESTIONS_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/clock.h"
+#include "kb_server/replay/case_player.h"
+#include "kb_server/replay/run_case.h"
+#include "kb_server/replay/run_tree.h"
+#include "kb_server/turn/turn.h"
+#include "workflow/cawl/ast.h"
+
+namespace docent::server {
+
+struct Activation {
+  bool fires = false;
+  std::map<std::string, Term> values;  // with which it starts a run
+  std::string why_not;                 // for people
+  std::string ask;                     // what does not hold, with the values in it
+  std::string note;                    // what could not be asked, for people
+};
+// Whether the document's activator fires for the key `values` on the graph that the stages have now.
+absl::StatusOr<Activation> FindActivation(Stages* stages, const cawl::Document& document,
+                                          const NamedTerms& values, TimeMicros now_us);
+
+class PlayQuestions {
+ public:
+  // The stages and the cancellation must outlive it; `version` is theirs.
+  PlayQuestions(const Stages* stages, GraphVersionPtr version, TimeMicros now_us, Cancellation* cancellation)
+      : stages_(*stages), version_(std::move(version)), now_us_(now_us), cancellation_(cancellation) {}
+
+  // The facts that an ASK lacks, or that stand in its way, for people; empty: it holds, or that is not known.
+  std::string Missing(const std::string& ask);
+  // The nodes of the tree that wait, with their conditions.
+  void AddWaits(const RunTree& tree, std::vector<PlayedWait>* waits);
+  // Why the first invocation that is pending has no robot; empty: none is.
+  std::string Pending(const RunTree& tree) const;
+
+ private:
+  const Stages& stages_;
+  const GraphVersionPtr version_;
+  const TimeMicros now_us_;
+  Cancellation* const cancellation_;
+  int asked_ = 0;
+};
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_REPLAY_PLAY_QUESTIONS_H_

@@ -1,0 +1,31 @@
+// Workflow documents as a replay deploys them. Pure functions; any thread.
+#ifndef DOCENT_KB_SERVER_REPLAY_PLAYED_DOCUMENT_H_
+#define DOCENT_KB_SERVER_REPLAY_PLAYED_DOCUMENT_H_
+
+#include <map>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "graph/base/limits.h"
+#include "workflow/cawl/ast.h"
+
+namespace docent::server {
+
+// A document that is correct: INVALID_ARGUMENT with every mistake, its place and remedy, if it is not. `name` is for people.
+absl::StatusOr<cawl::DocumentPtr> ParseWorkflow(const std::string& text, const std::string& name,
+                                                const Limits& limits);
+
+// The same document with an activator that never fires: a replay starts its one run itself.
+cawl::DocumentPtr WithoutFiring(const cawl::Document& document);
+
+// The same with one node in one flow, which follows on the source at once. NOT_FOUND: there is no such flow or node; the nearest
+// is named.
+absl::StatusOr<cawl::DocumentPtr> OnlyNode(const cawl::Document& document, const std::string& flow,
+                                           const std::string& node);
+
+// An ASK with values in place of its variables.
+std::string WithValues(const std::string& ask, const std::map<std::string, Term>& values);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_REPLAY_PLAYED_DOCUMENT_H_

@@ -1,0 +1,142 @@
+#include "kb_server/replay/run_replays.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
+#include "kb_server/replay/played_document.h"
+
+namespace docent::server {
+namespace {
+
+constexpr absl::Duration kPoll = absl::Milliseconds(50);
+
+// The first thing that a replay of the document that ran does otherwise than it was recorded, for people; empty: nothing.
+std::string Unfaithful(const std::vector<NodeComparison>& nodes) {
+  if (IsSame(nodes)) return "";
+  const Difference& first = nodes.front().differences.front();
+  return absl::StrCat(
+      "the document that ran does not do the same in a replay either: ",
+      nodes.front().node.empty() ? "the run" : nodes.front().node, ", in turn ", first.turn,
+      ", recorded: ", first.recorded, "; replayed: ", first.replayed,
+      ". It went by something that is not replayed, such as what other runs did or facts about them");
+}
+
+}  // namespace
+
+absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, const std::string& name,
+                                    const PlayOptions& options) {
+  Replayed replayed;
+  replayed.recorded = std::move(recorded);
+  const auto play = [&](const std::string& document_text, const std::string& document_name, Play* out,
+                        std::vector<NodeComparison>* nodes) -> absl::Status {
+    const auto document = ParseWorkflow(document_text, document_name, options.limits);
+    if (!document.ok()) return document.status();
+    absl::StatusOr<Play> played = PlayCase(replayed.recorded, *document, options);
+    if (!played.ok()) return played.status();
+    *nodes = Compare(replayed.recorded, **document, *played);
+    *out = *std::move(played);
+    return absl::OkStatus();
+  };
+  const Document& own = replayed.recorded.document;
+  const bool edited = !text.empty() && text != own.text;
+  absl::Status status =
+      play(edited ? text : own.text, edited ? name : own.name, &replayed.play, &replayed.nodes);
+  if (!status.ok()) return status;
+  if (IsSame(replayed.nodes)) return replayed;
+  std::vector<NodeComparison> of_own = replayed.nodes;
+  if (edited) {
+    Play again;
+    if (status = play(own.text, own.name, &again, &of_own); !status.ok()) return status;
+  }
+  if (std::string note = Unfaithful(of_own); !note.empty()) replayed.play.notes.push_back(std::move(note));
+  return replayed;
+}
+
+// One replay at a time: it waits for its turn as long as it may take.
+class RunReplays::Turn {
+ public:
+  explicit Turn(RunReplays* replays) : replays_(*replays) {}
+  ~Turn() {
+    absl::MutexLock lock(&replays_.mutex_);
+    replays_.busy_ = false;
+  }
+
+ private:
+  RunReplays& replays_;
+};
+
+absl::Status RunReplays::Enter(Cancellation* cancellation) {
+  const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !busy_; };
+  while (true) {
+    if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
+    absl::MutexLock lock(&mutex_);
+    if (!mutex_.AwaitWithTimeout(absl::Condition(&idle), kPoll)) continue;
+    busy_ = true;
+    return absl::OkStatus();
+  }
+}
+
+CaseRecorder RunReplays::Recorder(Cancellation* cancellation) const {
+  return CaseRecorder({ports_.log, ports_.functions, ports_.limits, ports_.replay_limits, cancellation});
+}
+
+PlayOptions RunReplays::Options(bool assume_done, Cancellation* cancellation) const {
+  return {ports_.functions, ports_.limits, ports_.replay_limits, cancellation, assume_done};
+}
+
+absl::StatusOr<KnownRun> RunReplays::Find(const RunId& run, uint64_t* newest) const {
+  const GraphVersionPtr version = ports_.queries->Newest();
+  *newest = version->revision().value();
+  return FindRun(*ports_.dictionary, *version, run, ports_.limits);
+}
+
+absl::StatusOr<Replayed> RunReplays::Replay(const RunId& run, const std::string& text,
+                                            const std::string& name, bool assume_done,
+                                            Cancellation* cancellation) {
+  uint64_t newest = 0;
+  const absl::StatusOr<KnownRun> known = Find(run, &newest);
+  if (!known.ok()) return known.status();
+  if (!text.empty()) {  // before the long part
+    if (auto document = ParseWorkflow(text, name, ports_.limits); !document.ok()) return document.status();
+  }
+  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
+  const Turn turn(this);
+  absl::StatusOr<RunCase> recorded = Recorder(cancellation).Record(*known, newest);
+  if (!recorded.ok()) return recorded.status();
+  return ReplayCase(*std::move(recorded), text, name, Options(assume_done, cancellation));
+}
+
+absl::StatusOr<Replayed> RunReplays::Save(const RunId& run, Cancellation* cancellation) {
+  return Replay(run, "", "", false, cancellation);
+}
+
+absl::StatusOr<Trial> RunReplays::TryNode(const RunId& run, const std::string& node,
+                                          std::optional<uint64_t> turn, const std::string& text,
+                                          const std::string& name, Cancellation* cancellation) {
+  uint64_t newest = 0;
+  const absl::StatusOr<KnownRun> known = Find(run, &newest);
+  if (!known.ok()) return known.status();
+  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
+  const Turn place(this);
+  absl::StatusOr<RunCase> moment = Recorder(cancellation).Moment(*known, node, turn, newest);
+  if (!moment.ok()) return moment.status();
+  const auto document = ParseWorkflow(text.empty() ? moment->document.text : text,
+                                      text.empty() ? moment->document.name : name, ports_.limits);
+  if (!document.ok()) return document.status();
+  if ((*document)->name.value != known->workflow) {
+    return absl::InvalidArgumentError(absl::StrCat("the document is of workflow ", (*document)->name.value,
+                                                   ", and run ", run.value(), " is of ", known->workflow,
+                                                   "; give a document of that workflow"));
+  }
+  const auto only = OnlyNode(**document, known->flow, node);
+  if (!only.ok()) return only.status();
+  absl::StatusOr<Play> play = PlayCase(*moment, *only, Options(false, cancellation));
+  if (!play.ok()) return play.status();
+  return Trial{*std::move(moment), *std::move(play)};
+}
+
+}  // namespace docent::server

@@ -1,0 +1,77 @@
+// Replays of runs of a running server, one at a time: each makes past stages again, which takes memory and time. Beside the
+// writer, on the thread that asks; any thread.
+#ifndef DOCENT_KB_SERVER_REPLAY_RUN_REPLAYS_H_
+#define DOCENT_KB_SERVER_REPLAY_RUN_REPLAYS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "graph/base/replay_limits.h"
+#include "graph/log/context_log.h"
+#include "kb_server/door/query_port.h"
+#include "kb_server/replay/case_player.h"
+#include "kb_server/replay/case_recorder.h"
+#include "kb_server/replay/play_difference.h"
+
+namespace docent::server {
+
+// A replay and what came of it.
+struct Replayed {
+  RunCase recorded;
+  Play play;
+  std::vector<NodeComparison> nodes;
+};
+// Plays a case with a document, or where `text` is empty with the one that ran, and compares. Where an edited document does
+// otherwise, the one that ran is played, too: what it does otherwise than it was recorded is noted in play.notes.
+absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, const std::string& name,
+                                    const PlayOptions& options);
+
+// What one node does at one moment.
+struct Trial {
+  RunCase moment;
+  Play play;
+};
+
+class RunReplays {
+ public:
+  struct Ports {
+    log::ContextLog* log = nullptr;
+    const QueryPort* queries = nullptr;
+    const Dictionary* dictionary = nullptr;  // of its versions
+    const sparql::FunctionRegistry* functions = nullptr;
+    Limits limits;
+    ReplayLimits replay_limits;
+  };
+  // Everything must outlive it.
+  explicit RunReplays(const Ports& ports) : ports_(ports) {}
+
+  // Errors as those of CaseRecorder and PlayCase.
+  absl::StatusOr<Replayed> Replay(const RunId& run, const std::string& text, const std::string& name,
+                                  bool assume_done, Cancellation* cancellation);
+  absl::StatusOr<Trial> TryNode(const RunId& run, const std::string& node, std::optional<uint64_t> turn,
+                                const std::string& text, const std::string& name, Cancellation* cancellation);
+  // The case, and what a replay of it does otherwise.
+  absl::StatusOr<Replayed> Save(const RunId& run, Cancellation* cancellation);
+
+  int timeout_ms() const { return ports_.replay_limits.replay_timeout_ms; }
+
+ private:
+  class Turn;  // holds the place of the one replay
+  absl::StatusOr<KnownRun> Find(const RunId& run, uint64_t* newest) const;
+  CaseRecorder Recorder(Cancellation* cancellation) const;
+  PlayOptions Options(bool assume_done, Cancellation* cancellation) const;
+  absl::Status Enter(Cancellation* cancellation);
+
+  const Ports ports_;
+  absl::Mutex mutex_;
+  bool busy_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_REPLAY_RUN_REPLAYS_H_

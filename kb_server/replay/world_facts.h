@@ -1,0 +1,49 @@
+// The part of the graph and of a turn that a case keeps: what neither rules nor the run itself made. One thread.
+#ifndef DOCENT_KB_SERVER_REPLAY_WORLD_FACTS_H_
+#define DOCENT_KB_SERVER_REPLAY_WORLD_FACTS_H_
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/base/replay_limits.h"
+#include "kb_server/replay/run_case.h"
+#include "kb_server/replay/run_tree.h"
+#include "kb_server/turn/turn.h"
+
+namespace docent::server {
+
+class WorldFacts {
+ public:
+  // Both must outlive it; `own` may be null: no graph is the run's own.
+  WorldFacts(const Stages* stages, const RunTree* own, const ReplayLimits& limits);
+
+  // RESOURCE_EXHAUSTED naming replay_facts: these and the changes before are too many.
+  absl::StatusOr<std::vector<TermQuad>> All();
+  absl::StatusOr<std::vector<QuadOperation>> Changes(const Delta& delta);
+
+  // Robots that runs other than the own hold.
+  const Holds& holds() const { return holds_; }
+  void ReadHolds();
+  // True if they changed.
+  bool UpdateHolds(const Delta& delta);
+
+ private:
+  bool IsOfWorld(TermId graph);
+  absl::Status Count(size_t more);
+  TermQuad Decode(const Quad& quad) const;
+
+  const Stages& stages_;
+  const RunTree* const own_;
+  const ReplayLimits limits_;
+  size_t counted_ = 0;
+  Holds holds_;
+};
+
+// Rules, robot services and workflows that the stages have, but for the workflow `but`.
+std::vector<Document> DocumentsOf(const Stages& stages, const std::string& but);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_REPLAY_WORLD_FACTS_H_
