@@ -44,7 +44,7 @@ int Serve(const ServerSettings& settings) {
   auto server = Server::Start(settings, ShowProgress);
   if (!server.ok()) return Fail(server.status());
   std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address()
-            << std::endl;
+            << (settings.simulated_clock.empty() ? "" : " time=simulated") << std::endl;
   timespec second{0, 500'000'000};
   while (true) {
     int received = sigtimedwait(&signals, nullptr, &second);
@@ -163,6 +163,12 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
       ->check(AtLeast(0))
       ->type_name("BYTES")
       ->capture_default_str();
+  command
+      ->add_option("--simulated-clock", settings->simulated_clock,
+                   "Take the time from this file, in which a simulator writes it (2026-05-12T09:00:00Z), in "
+                   "place of the "
+                   "system's clock")
+      ->type_name("FILE");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "absl/synchronization/notification.h"
 #include "graph/base/overload.h"
 #include "graph/log/sqlite_log.h"
+#include "graph/rdf/date_time.h"
 #include "kb_server/door/descriptors.h"
 #include "kb_server/http/http_graph_store.h"
 #include "kb_server/http/http_guard.h"
@@ -50,12 +51,13 @@ absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
 
 }  // namespace
 
-Server::Server(const ServerSettings& settings)
+Server::Server(const ServerSettings& settings, std::unique_ptr<SimulatedClock> simulated_clock)
     : settings_(settings),
-      clock_(settings.clock),
+      simulated_clock_(std::move(simulated_clock)),
+      clock_(simulated_clock_ != nullptr ? simulated_clock_.get() : settings.clock),
       inbox_(&clock_, settings.limits),
       feed_(settings.limits.run_events_kept),
-      leases_(&clock_),
+      leases_(&clock_, simulated_clock_ != nullptr ? static_cast<const Clock*>(&real_clock_) : &clock_),
       query_memory_("queries_memory_bytes", settings.limits.queries_memory_bytes),
       send_budget_(settings.limits.streams_bytes) {
   RegisterSpatialFunctions(&functions_);
@@ -72,7 +74,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   for (const std::string& entry : settings.notify) {
     if (absl::Status status = RemoteAccess::CheckAllowed(entry); !status.ok()) return status;
   }
-  std::unique_ptr<Server> server(new Server(settings));
+  std::unique_ptr<SimulatedClock> simulated;
+  if (!settings.simulated_clock.empty()) {
+    auto clock = SimulatedClock::Open(settings.simulated_clock);
+    if (!clock.ok()) return clock.status();
+    simulated = *std::move(clock);
+  }
+  std::unique_ptr<Server> server(new Server(settings, std::move(simulated)));
   if (absl::Status status = server->Recover(progress); !status.ok()) return status;
   server->MakeWorkers();
   server->StartWriter();
@@ -130,15 +138,24 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports.dictionary = &dictionary_;
   ports.functions = &functions_;
   ports.limits = settings_.limits;
-  const Clock* wall = settings_.wall_clock != nullptr ? settings_.wall_clock
-                      : settings_.clock != nullptr    ? settings_.clock
-                                                      : &system_clock_;
-  clock_source_ = std::make_unique<ClockSource>(wall, &clock_, &inbox_, &dictionary_);
+  const Clock* wall = simulated_clock_ != nullptr       ? simulated_clock_.get()
+                      : settings_.wall_clock != nullptr ? settings_.wall_clock
+                      : settings_.clock != nullptr      ? settings_.clock
+                                                        : &system_clock_;
+  clock_source_ =
+      std::make_unique<ClockSource>(wall, &clock_, simulated_clock_ != nullptr, &inbox_, &dictionary_);
   ports.saw = [this](const Delta& delta) { clock_source_->Saw(delta); };
   writer_ = std::make_unique<Writer>(ports);
-  const absl::Status recovered = writer_->Recover(progress);
-  if (recovered.ok()) clock_.NotBefore(writer_->newest_time_us());
-  return recovered;
+  if (const absl::Status recovered = writer_->Recover(progress); !recovered.ok()) return recovered;
+  const TimeMicros newest_us = writer_->newest_time_us();
+  if (simulated_clock_ != nullptr && newest_us > simulated_clock_->Now()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the simulated clock ", settings_.simulated_clock, " says ",
+        DateTimeTerm(simulated_clock_->Now()).lexical, ", and the data folder has a turn of ",
+        DateTimeTerm(newest_us).lexical, "; write a later time, or begin with another data folder"));
+  }
+  clock_.NotBefore(newest_us);
+  return absl::OkStatus();
 }
 
 // What works for clients beside the writer, and the ports by which handlers reach it.
@@ -147,6 +164,8 @@ void Server::MakeWorkers() {
   remote_ = std::make_unique<RemoteAccess>(settings_.allow, settings_.limits, workers_.get());
   what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&inbox_, workers_.get(), &dictionary_, &functions_,
                                                     &clock_, settings_.limits, settings_.explain_limits});
+  replays_ = std::make_unique<RunReplays>(
+      RunReplays::Ports{log_.get(), &queries_, &dictionary_, &functions_, settings_.limits, ReplayLimits{}});
   ports_.queries = &queries_;
   ports_.dictionary = &dictionary_;
   ports_.functions = &functions_;
@@ -182,6 +201,19 @@ void Server::StartWriter() {
     writer_ended_ = true;
   });
   clock_source_->Start();
+  if (simulated_clock_ == nullptr) return;
+  spdlog::warn("the time is simulated: {} tells it, now {}", settings_.simulated_clock,
+               DateTimeTerm(simulated_clock_->Now()).lexical);
+  simulated_clock_->OnMove([this] {
+    inbox_.Wake();
+    clock_source_->Wake();
+  });
+}
+
+std::optional<TimeMicros> Server::NextDue() const {
+  const std::optional<TimeMicros> turn = writer_->NextDue(), clock = clock_source_->NextDue();
+  if (!turn && !clock) return std::nullopt;
+  return std::max(clock_.Now(), std::min(turn.value_or(INT64_MAX), clock.value_or(INT64_MAX)));
 }
 
 Server::~Server() {
@@ -191,6 +223,7 @@ Server::~Server() {
   std::thread patience([this, &writer_done] {
     if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(2)) && writer_) writer_->EndTurns();
   });
+  if (simulated_clock_) simulated_clock_->OnMove(nullptr);
   if (clock_source_) clock_source_->Stop();
   http_server_.reset();
   if (live_) live_->Stop();
@@ -218,7 +251,9 @@ void Server::LeaveSnapshot() {
 absl::Status Server::StartGrpc(size_t connections) {
   auto address = ParseAddress(settings_.grpc_address, settings_.insecure);
   if (!address.ok()) return address.status();
-  auto server = GrpcServer::Start(settings_.grpc_address, connections, ports_, &leases_);
+  replays_service_ = std::make_unique<ReplaysService>(ports_, replays_.get());
+  auto server =
+      GrpcServer::Start(settings_.grpc_address, connections, ports_, &leases_, replays_service_.get());
   if (!server.ok()) {
     return absl::Status(server.status().code(),
                         absl::StrCat(server.status().message(), "; choose another with --grpc"));
@@ -234,7 +269,7 @@ absl::Status Server::StartHttp(size_t connections) {
   if (absl::Status status = ReadApp(); !status.ok()) return status;
   AddServerMetrics({writer_.get(), proxies_.get(), &leases_, &inbox_, &queries_, snapshots_.get(), log_.get(),
                     history_.get(), &query_memory_, &dictionary_, &grpc_server_->listener(), &send_budget_,
-                    subscriptions_.get()},
+                    subscriptions_.get(), &clock_, simulated_clock_ != nullptr, [this] { return NextDue(); }},
                    &metrics_);
   HttpRoutes routes;
   AddHealthRoute(&routes, [this] { return Health(); });
@@ -256,7 +291,8 @@ absl::Status Server::StartHttp(size_t connections) {
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;
   options.send_budget = &send_budget_;
-  options.clock = ports_.clock;
+  options.clock = simulated_clock_ != nullptr ? static_cast<const Clock*>(&system_clock_)
+                                              : &clock_;  // of Date: of this world
   auto server = HttpServer::Start(options, std::move(routes));
   if (!server.ok()) {
     return absl::Status(server.status().code(),

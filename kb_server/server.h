@@ -13,13 +13,16 @@
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
 #include "graph/base/memory_budget.h"
+#include "graph/base/steady_clock.h"
 #include "kb_server/clock/clock_source.h"
+#include "kb_server/clock/simulated_clock.h"
 #include "kb_server/connect/connect_routes.h"
 #include "kb_server/door/door_clock.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/door/send_budget.h"
 #include "kb_server/grpc/grpc_server.h"
+#include "kb_server/grpc/replay/replays_service.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/live/live.h"
 #include "kb_server/robots/fleet_leases.h"
@@ -58,6 +61,7 @@ struct ServerSettings {
   const Clock* clock = nullptr;  // null: steady time since the start; must outlive the server
   // Tells times of day; null: `clock`, or where that is null the system's. It must outlive the server.
   const Clock* wall_clock = nullptr;
+  std::string simulated_clock;  // file in which a simulator tells the time, in place of both; empty: none
 };
 
 class Server {
@@ -85,7 +89,7 @@ class Server {
   absl::Status Health() const;
 
  private:
-  explicit Server(const ServerSettings& settings);
+  Server(const ServerSettings& settings, std::unique_ptr<SimulatedClock> simulated_clock);
   absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
   void MakeWorkers();
   void StartWriter();
@@ -93,8 +97,12 @@ class Server {
   absl::Status StartGrpc(size_t connections);
   absl::Status StartHttp(size_t connections);
   absl::Status ReadApp();
+  // The time at which something falls due without input; none: nothing does. Where something is under way it is now.
+  std::optional<TimeMicros> NextDue() const;
 
   const ServerSettings settings_;
+  const std::unique_ptr<SimulatedClock> simulated_clock_;  // null: the time is that of this world
+  const SteadyClock real_clock_;
   DoorClock clock_;
   const SystemClock system_clock_;
   Dictionary dictionary_;
@@ -124,6 +132,8 @@ class Server {
   LoadRunner loads_{&ports_};
   std::unique_ptr<RemoteAccess> remote_;
   std::unique_ptr<Notifier> notifier_;
+  std::unique_ptr<RunReplays> replays_;
+  std::unique_ptr<ReplaysService> replays_service_;
   std::unique_ptr<GrpcServer> grpc_server_;
   AppFiles app_;
   ConnectPorts connect_;

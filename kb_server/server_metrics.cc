@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
+#include <optional>
 
 namespace docent::server {
 namespace {
@@ -43,12 +45,29 @@ void AddTurnMetrics(const MeasuredParts& parts, Metrics* metrics) {
         &counters->firings_ignored);
   metrics->AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
                             [counters] { return static_cast<double>(counters->live_runs.load()); });
+  metrics->AddGaugeFunction("docent_commands_open", "Commands that have no final report yet",
+                            [parts] { return static_cast<double>(parts.proxies->open()); });
   metrics->AddCounterFunction("docent_robot_feedback_refused_total",
                               "Messages of robot adapters that cannot be about their command",
                               [parts] { return static_cast<double>(parts.proxies->refused_feedback()); });
   metrics->AddCounterFunction("docent_joins_refused_total",
                               "Joins of adapters refused because another one speaks for their robot",
                               [parts] { return static_cast<double>(parts.leases->refused()); });
+}
+
+void AddTimeMetrics(const MeasuredParts& parts, Metrics* metrics) {
+  constexpr double kMicros = 1e6;
+  metrics->AddGaugeFunction("docent_time_seconds", "Time of the server's clock, since 1970",
+                            [parts] { return static_cast<double>(parts.clock->Now()) / kMicros; });
+  metrics->AddGaugeFunction("docent_time_is_simulated", "1 where a simulator tells the time, else 0",
+                            [parts] { return parts.simulated_time ? 1.0 : 0.0; });
+  metrics->AddGaugeFunction(
+      "docent_next_due_seconds",
+      "When something falls due though nothing comes in, by that clock; now, while something is under way",
+      [parts] {
+        const std::optional<TimeMicros> due = parts.next_due();
+        return due ? static_cast<double>(*due) / kMicros : std::numeric_limits<double>::infinity();
+      });
 }
 
 void AddGraphMetrics(const MeasuredParts& parts, Metrics* metrics) {
@@ -144,6 +163,7 @@ void AddSubscriptionMetrics(const MeasuredParts& parts, Metrics* metrics) {
 
 void AddServerMetrics(const MeasuredParts& parts, Metrics* metrics) {
   AddTurnMetrics(parts, metrics);
+  AddTimeMetrics(parts, metrics);
   AddGraphMetrics(parts, metrics);
   AddLogMetrics(parts, metrics);
   AddMemoryMetrics(parts, metrics);

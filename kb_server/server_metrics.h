@@ -2,6 +2,10 @@
 #ifndef DOCENT_KB_SERVER_SERVER_METRICS_H_
 #define DOCENT_KB_SERVER_SERVER_METRICS_H_
 
+#include <functional>
+#include <optional>
+
+#include "graph/base/clock.h"
 #include "graph/base/memory_budget.h"
 #include "graph/log/context_log.h"
 #include "graph/rdf/dictionary.h"
@@ -33,6 +37,9 @@ struct MeasuredParts {
   GrpcListener* listener = nullptr;
   const SendBudget* send_budget = nullptr;
   Subscriptions* subscriptions = nullptr;
+  const Clock* clock = nullptr;
+  bool simulated_time = false;
+  std::function<std::optional<TimeMicros>()> next_due;  // Server::NextDue
 };
 
 // The parts must outlive the last reading of the metrics.

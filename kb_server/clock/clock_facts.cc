@@ -61,6 +61,7 @@ class ClockLook {
     std::vector<std::string> places = PlacesWithHours(dictionary_, graph_);
     Cut(&places);
     for (const std::string& place : places) LookAtPlace(place);
+    SayWhoTellsTheTime();
     for (const Fact& fact : told_) {
       if (!wanted_.contains(fact)) Change(QuadOperation::Kind::kRemove, fact);
     }
@@ -71,6 +72,16 @@ class ClockLook {
   }
 
  private:
+  // A graph that a simulation has left says so until a clock of this world has looked at it.
+  void SayWhoTellsTheTime() {
+    const Fact simulated{std::string(kClockGraph), "simulatedTime", Term::Boolean(true)};
+    if (now_.simulated) wanted_.insert(simulated);
+    if (!now_.simulated && told_.contains(simulated)) {
+      out_.news.push_back(
+          "the data folder has the times of a simulation; the clock goes on after the newest of them");
+    }
+  }
+
   void Cut(std::vector<std::string>* subjects) {
     if (subjects->size() <= kTimeTriggers) return;
     out_.news.push_back(absl::StrCat("the clock looks at ", kTimeTriggers, " of ", subjects->size(),

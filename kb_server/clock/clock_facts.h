@@ -31,6 +31,7 @@ inline constexpr size_t kTimeTriggers = 10000;
 struct ClockTimes {
   TimeMicros wall_us = 0;    // times of day follow it
   TimeMicros steady_us = 0;  // intervals follow it: the clock of turns
+  bool simulated = false;    // a simulator tells the time (docent:simulatedTime)
 };
 
 struct ClockFacts {

@@ -50,11 +50,12 @@ void ClockSource::Run() {
       if (next_wall_us_) wait = std::min(wait, *next_wall_us_ - wall_.Now());
       if (next_steady_us_) wait = std::min(wait, *next_steady_us_ - steady_.Now());
       const auto wake = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-        return stopped_ || (asked_ && !looking_);
+        return stopped_ || ((asked_ || woken_) && !looking_);
       };
       mutex_.AwaitWithTimeout(absl::Condition(&wake),
                               absl::Microseconds(looking_ ? kPollUs : std::max<TimeMicros>(wait, 0)));
       if (stopped_) return;
+      woken_ = false;
       if (looking_ || !Due()) continue;
       looking_ = true;
       asked_ = false;
@@ -72,7 +73,7 @@ void ClockSource::Look() {
       std::move(batch),
       [this, occurred](const absl::StatusOr<BatchOutcome>& outcome) { Looked(outcome, *occurred); },
       [this, occurred](const TurnView& view, WriteBatch* filled) -> absl::Status {
-        const ClockTimes now{wall_.Now(), steady_.Now()};
+        const ClockTimes now{wall_.Now(), steady_.Now(), simulated_};
         ClockFacts facts = ClockFactsAt(now, dictionary_, view.graph);
         *occurred = facts.occurs;
         for (const std::string& news : facts.news) spdlog::warn("{}", news);
@@ -118,6 +119,19 @@ void ClockSource::Saw(const Delta& delta) {
     return;
   absl::MutexLock lock(&mutex_);
   asked_ = true;
+}
+
+void ClockSource::Wake() {
+  absl::MutexLock lock(&mutex_);
+  woken_ = true;
+}
+
+std::optional<TimeMicros> ClockSource::NextDue() const {
+  absl::MutexLock lock(&mutex_);
+  if (asked_ || looking_) return 0;
+  std::optional<TimeMicros> due = next_steady_us_;
+  if (next_wall_us_) due = std::min(due.value_or(INT64_MAX), *next_wall_us_ - ahead_us_);
+  return due;
 }
 
 }  // namespace docent::server

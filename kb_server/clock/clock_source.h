@@ -21,9 +21,11 @@ namespace docent::server {
 
 class ClockSource {
  public:
-  // All must outlive it, and it the writer's last turn. `wall`: times of day; `steady`: the clock of turns.
-  ClockSource(const Clock* wall, const Clock* steady, Inbox* inbox, const Dictionary* dictionary)
-      : wall_(*wall), steady_(*steady), inbox_(*inbox), dictionary_(*dictionary) {}
+  // All must outlive it, and it the writer's last turn. `wall`: times of day; `steady`: the clock of turns; `simulated`: a
+  // simulator moves both, and says so by Wake.
+  ClockSource(const Clock* wall, const Clock* steady, bool simulated, Inbox* inbox,
+              const Dictionary* dictionary)
+      : wall_(*wall), steady_(*steady), simulated_(simulated), inbox_(*inbox), dictionary_(*dictionary) {}
   ~ClockSource() { Stop(); }
 
   // From now on; the first look is made at once.
@@ -31,6 +33,10 @@ class ClockSource {
   void Stop();
   // A turn changed the graph: whether that changes which times there are. The writer's thread.
   void Saw(const Delta& delta);
+  // The clocks were moved. Any thread.
+  void Wake();
+  // When it has something to tell next, by the clock of turns; 0: it is about to tell it. Any thread.
+  std::optional<TimeMicros> NextDue() const;
 
  private:
   void Run();
@@ -41,6 +47,7 @@ class ClockSource {
 
   const Clock& wall_;
   const Clock& steady_;
+  const bool simulated_;
   Inbox& inbox_;
   const Dictionary& dictionary_;
   std::thread thread_;
@@ -49,10 +56,11 @@ class ClockSource {
   absl::flat_hash_map<TermId, bool> predicates_, classes_;
   std::optional<TermId> type_;
 
-  absl::Mutex mutex_;
+  mutable absl::Mutex mutex_;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
-  bool asked_ ABSL_GUARDED_BY(mutex_) = true;        // a look is wanted
-  bool looking_ ABSL_GUARDED_BY(mutex_) = false;     // a batch is under way
+  bool asked_ ABSL_GUARDED_BY(mutex_) = true;     // a look is wanted
+  bool looking_ ABSL_GUARDED_BY(mutex_) = false;  // a batch is under way
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
   TimeMicros ahead_us_ ABSL_GUARDED_BY(mutex_) = 0;  // of the wall clock to the steady one, when last looked
   std::optional<TimeMicros> next_wall_us_ ABSL_GUARDED_BY(mutex_), next_steady_us_ ABSL_GUARDED_BY(mutex_);
 };

@@ -107,6 +107,11 @@ class Committer {
   std::vector<GraphVersionPtr> Commit(DecidedGroup group);
   // Waits until all is told, or it stands still.
   void Wait();
+  // Nothing is in flight. Any thread.
+  bool idle() const {
+    absl::MutexLock lock(&mutex_);
+    return groups_.empty();
+  }
 
   bool halted() const { return halted_; }
   struct Refused {
@@ -142,7 +147,7 @@ class Committer {
   WriterCounters& counters_;
   const std::function<void()> on_halted_;
 
-  absl::Mutex mutex_;
+  mutable absl::Mutex mutex_;
   std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);    // in flight
   size_t turns_ ABSL_GUARDED_BY(mutex_) = 0;                   // of these
   std::vector<GraphVersionPtr> gone_ ABSL_GUARDED_BY(mutex_);  // see Commit

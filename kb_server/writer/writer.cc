@@ -146,11 +146,14 @@ absl::Status Writer::Run() {
     std::optional<TimeMicros> deadline = stages_->NextDeadline();
     if (deadline) deadline = std::max(*deadline, next_tick_us_);
     FreeGone();
+    next_due_us_ = deadline.value_or(kNever);
     std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, at_most);
+    if (!batches.empty()) next_due_us_ = 0;
     if (committer_.halted()) fatal_ = Reconcile();
     if (refused_ && batches.empty()) LogTakesNothing(&batches);
     if (!batches.empty()) {
       TakeGroup(std::move(batches));
+      GoOnWithRuns();
     } else if (ports_.inbox->closed()) {
       break;
     } else if (deadline && ports_.inbox->Passed(*deadline)) {
@@ -160,6 +163,12 @@ absl::Status Writer::Run() {
     }
   }
   return End();
+}
+
+std::optional<TimeMicros> Writer::NextDue() const {
+  if (ports_.inbox->size() > 0 || !committer_.idle()) return 0;
+  const TimeMicros due = next_due_us_;
+  return due == kNever ? std::nullopt : std::make_optional(due);
 }
 
 absl::Status Writer::End() {
@@ -213,6 +222,29 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
   PublishCounters();
 }
 
+// Runs that had more to do than their turn allows go on between groups, too, not only when no batch waits.
+void Writer::GoOnWithRuns() {
+  if (!stages_->engine.AwaitsTick() || newest_time_us_ < next_tick_us_) return;
+  PendingBatch tick;
+  tick.batch.clock_tick = true;
+  tick.batch.time_us = newest_time_us_;
+  tick.done = [](const absl::StatusOr<BatchOutcome>&) {};
+  std::vector<PendingBatch> group;
+  group.push_back(std::move(tick));
+  TakeGroup(std::move(group));
+}
+
+// What is due is tried again after a pause. Said once: no client hears of it.
+void Writer::RefusedTick(TimeMicros time_us, const absl::Status& why) {
+  next_tick_us_ = time_us + kTickPauseUs;
+  const std::string refusal(why.message());
+  if (!absl::IsCancelled(why) && refusal != tick_refusal_)
+    spdlog::error(
+        "what is due by time, or goes on with workflows, is refused and tried again each second: {}",
+        refusal);
+  tick_refusal_ = refusal;
+}
+
 void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
   if (pending.visit) {
     pending.visit(stages_.get(), Revision(newest_));
@@ -242,7 +274,7 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
   DecidedTurn turn;
   auto result = RunTurn(stages_.get(), std::move(pending.batch), newest_ + 1, &turn.record);
   if (!result.ok()) {
-    if (tick) next_tick_us_ = time_us + kTickPauseUs;
+    if (tick) RefusedTick(time_us, result.status());
     ++counters_.refused;
     const bool ending = absl::IsCancelled(result.status());
     group->answers.push_back(
@@ -251,6 +283,7 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
          std::move(pending.done)});
     return;
   }
+  if (tick) tick_refusal_.clear();
   ++newest_;
   newest_time_us_ = time_us;
   changes_.Add(Revision(newest_), result->delta);

@@ -8,9 +8,12 @@
 #ifndef DOCENT_KB_SERVER_WRITER_WRITER_H_
 #define DOCENT_KB_SERVER_WRITER_WRITER_H_
 
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -57,6 +60,9 @@ class Writer {
   // The turn that is under way is refused, and so are all after it: a long one does not hold up the end. Any thread.
   void EndTurns() { cancellation_.Cancel(); }
 
+  // When a turn falls due though nothing comes in, by the clock of turns; 0: a turn is under way. Any thread.
+  std::optional<TimeMicros> NextDue() const;
+
   // Of the newest turn. Not while Run runs.
   TimeMicros newest_time_us() const { return newest_time_us_; }
 
@@ -76,6 +82,8 @@ class Writer {
   bool LogTakesNothing(std::vector<PendingBatch>* batches);
   void SetLogStatus(const absl::Status& status);
   void TakeGroup(std::vector<PendingBatch> batches);
+  void GoOnWithRuns();
+  void RefusedTick(TimeMicros time_us, const absl::Status& why);
   void Decide(PendingBatch pending, DecidedGroup* group);
   void Commit(DecidedGroup group);
   void FreeGone();
@@ -98,8 +106,11 @@ class Writer {
   mutable absl::Mutex log_status_mutex_;
   absl::Status log_status_ ABSL_GUARDED_BY(log_status_mutex_);
   absl::Status fatal_;
-  TimeMicros next_tick_us_ = 0;       // no clock tick before this time
-  std::deque<GraphVersionPtr> gone_;  // held here alone, to be freed, the oldest first
+  TimeMicros next_tick_us_ = 0;  // no clock tick before this time
+  std::string tick_refusal_;     // why the last one was refused; empty: it was not
+  static constexpr TimeMicros kNever = INT64_MAX;
+  std::atomic<TimeMicros> next_due_us_ = 0;  // see NextDue
+  std::deque<GraphVersionPtr> gone_;         // held here alone, to be freed, the oldest first
   WriterCounters counters_;
   Committer committer_;
 };

@@ -351,6 +351,30 @@ TEST_F(ClockFactsTest, APlaceIsOpenByItsOpeningHours) {
   EXPECT_EQ(Value("docent:openNow"), "true");
 }
 
+TEST_F(ClockFactsTest, TheGraphSaysWhetherTheTimeIsSimulated) {
+  const auto look = [&](bool simulated) {
+    return ClockFactsAt({wall_us_, steady_us_, simulated}, dictionary_, stages_->writer.current());
+  };
+  const auto apply = [&](const ClockFacts& facts) {
+    WriteBatch batch;
+    batch.source = kClockGraph;
+    batch.mode = WriteBatch::Mode::kLoad;
+    batch.operations = facts.operations;
+    Turn(std::move(batch));
+  };
+  EXPECT_TRUE(look(false).operations.empty());
+  const ClockFacts begins = look(true);
+  ASSERT_EQ(begins.operations.size(), 1u);
+  apply(begins);
+  EXPECT_EQ(Value("docent:simulatedTime"), "true");
+  EXPECT_TRUE(look(true).operations.empty());
+  const ClockFacts over = look(false);
+  ASSERT_EQ(over.news.size(), 1u) << "the operator has to know that these times are not of this world";
+  apply(over);
+  EXPECT_EQ(Value("docent:simulatedTime"), "");
+  EXPECT_TRUE(look(false).news.empty());
+}
+
 TEST_F(ClockFactsTest, AReplayNeedsNoClock) {
   Deploy(Activator("<ext:time at=\"18:00\"/>"));
   EXPECT_EQ(GoTo("2026-11-26T18:00"), 1);
