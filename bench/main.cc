@@ -12,6 +12,7 @@
 #include "bench/reaction_bench.h"
 #include "bench/recovery_bench.h"
 #include "bench/rules_bench.h"
+#include "bench/workflow_bench.h"
 #include "bench/writes_bench.h"
 #include "graph/base/program_setup.h"
 
@@ -25,6 +26,8 @@ struct Benchmark {
 
 constexpr Benchmark kBenchmarks[] = {
     {"reaction", "from Assert to Invoke, durable", docent::bench::RunReactionBench},
+    {"workflow", "100,000 runs that wait, and nodes completed a second, durable",
+     docent::bench::RunWorkflowBench},
     {"constraints", "an update with 100 to 100,000 conditions, beside asking again and CLIPS",
      docent::bench::RunConstraintsBench},
     {"notify", "from Assert to the notification of the one subscription of thousands that changes",

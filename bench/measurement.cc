@@ -78,6 +78,12 @@ double Median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
+double Percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
 std::string ToJsonLine(const Measurement& m) {
   std::string out =
       absl::StrFormat(R"({"bench":%s,"case":%s,"system":%s,"metric":%s,"unit":%s,)", Quoted(m.bench),

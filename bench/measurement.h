@@ -21,6 +21,9 @@ struct Measurement {
 // Median, the mean of the two middle ones for an even count. Requires at least one value.
 double Median(std::vector<double> values);
 
+// The value below which `share` of them lie, 0 to 1; 0 of none.
+double Percentile(std::vector<double> values, double share);
+
 // {"bench":…,"case":…,"system":…,"metric":…,"unit":…,"value":median,"min":…,"max":…,"runs":n}; value null and a
 // "reason" where nothing was measured.
 std::string ToJsonLine(const Measurement& measurement);

@@ -36,12 +36,6 @@ struct Arguments {
   bool only_streams = false;
 };
 
-double Percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
-}
-
 // Facts without constraints, up to `triples` in total.
 std::vector<TermQuad> World(size_t triples, size_t constraints) {
   std::vector<TermQuad> quads = ConstraintBackground(constraints);

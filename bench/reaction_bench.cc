@@ -13,15 +13,12 @@
 #include "absl/synchronization/mutex.h"
 #include "bench/assert_client.h"
 #include "bench/command_line.h"
+#include "bench/instant_robots.h"
 #include "bench/measurement.h"
 #include "bench/server_process.h"
 #include "bench/worlds/workflow_mix.h"
 #include "docent/v1/context.grpc.pb.h"
-#include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
-#include "docent/v1/workflows.grpc.pb.h"
-#include "graph/rdf/formats/serializer.h"
-#include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/one_callback_thread.h"
 
@@ -74,39 +71,6 @@ class Reactions {
   SteadyClock::time_point last_ ABSL_GUARDED_BY(mutex_);
 };
 
-// The single feedback of a command that is done at once.
-class DoneAtOnce final : public grpc::ServerWriteReactor<v1::Feedback> {
- public:
-  explicit DoneAtOnce(const std::string& command) {
-    feedback_.set_command_id(command);
-    feedback_.set_state(v1::Feedback::SUCCEEDED);
-    feedback_.set_progress(1);
-    feedback_.set_incarnation("bench");
-    StartWriteAndFinish(&feedback_, grpc::WriteOptions(), grpc::Status::OK);
-  }
-  void OnDone() override { delete this; }
-
- private:
-  v1::Feedback feedback_;
-};
-
-// Adapter for all robots; each command is done at once.
-class InstantAdapter final : public v1::RobotAdapter::CallbackService {
- public:
-  explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
-  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*,
-                                                 const v1::InvokeRequest* request) override {
-    for (const v1::NamedTerm& argument : request->arguments()) {
-      reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical()
-                                                        : argument.value().iri());
-    }
-    return new DoneAtOnce(request->command_id());
-  }
-
- private:
-  Reactions& reactions_;
-};
-
 std::string WorkflowText(size_t i) {
   return absl::StrCat("<CAWL name=\"W", i,
                       "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
@@ -123,43 +87,12 @@ grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::s
                      size_t triples, size_t constraints) {
   std::vector<TermQuad> quads = Background(triples, constraints);
   for (TermQuad& quad : StateProperties()) quads.push_back(std::move(quad));
-  for (int r = 0; r < kRobots; ++r) {
-    Term robot = Term::Iri(absl::StrCat("urn:mix:robot", r));
-    auto say = [&](std::string_view local, Term object) {
-      quads.push_back({robot, Term::Iri(DocentIri(local)), std::move(object), Term()});
-    };
-    quads.push_back({robot, Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("Robot")), Term()});
-    for (const char* variable : {"t", "v"}) {
-      const Term ping = Term::Iri(absl::StrCat("urn:docent:operation:ping_", variable));
-      say("offers", ping);
-      quads.push_back({ping, Term::Iri(DocentIri("input")), Term::Literal(variable), robot});
-      quads.push_back({ping, Term::Iri(DocentIri("inputsKnown")), Term::Boolean(true), robot});
-    }
-    say("incarnation", Term::Literal("bench"));
-    say("adapterAddress", Term::Literal(adapter));
-  }
-  auto ontologies = v1::Ontologies::NewStub(channel);
-  constexpr size_t kChunk = 20000;
-  for (size_t from = 0; from < quads.size(); from += kChunk) {
-    std::vector<TermQuad> chunk(quads.begin() + from, quads.begin() + std::min(quads.size(), from + kChunk));
-    v1::LoadRequest request;
-    request.set_kind(v1::LoadRequest::DATA);
-    request.set_media_type("application/n-quads");
-    request.set_text(*SerializeRdf(chunk, RdfFormat::kNQuads));
-    v1::LoadReply reply;
-    grpc::ClientContext context;
-    grpc::Status status = ontologies->Load(&context, request, &reply);
-    if (!status.ok()) return status;
-  }
-  auto workflows = v1::Workflows::NewStub(channel);
+  for (TermQuad& quad : InstantRobots(kRobots, adapter, {{"ping_t", "t"}, {"ping_v", "v"}}))
+    quads.push_back(std::move(quad));
+  if (grpc::Status status = LoadQuads(channel, quads); !status.ok()) return status;
   for (size_t i = 0; i < constraints; ++i) {
-    v1::DeployRequest request;
-    request.set_name(absl::StrCat("W", i));
-    request.set_cawl(WorkflowText(i));
-    v1::DeployReply reply;
-    grpc::ClientContext context;
-    grpc::Status status = workflows->Deploy(&context, request, &reply);
-    if (!status.ok()) return status;
+    if (grpc::Status status = Deploy(channel, absl::StrCat("W", i), WorkflowText(i)); !status.ok())
+      return status;
   }
   return grpc::Status::OK;
 }
@@ -210,12 +143,6 @@ Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions,
   return phase;
 }
 
-double Percentile(std::vector<double> values, double p) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(p * values.size()))];
-}
-
 struct Arguments {
   bool json = false;
   size_t triples = 100000;
@@ -234,12 +161,12 @@ Measurement Figure(const std::string& name, const std::string& system, const std
 int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
   const server::OneCallbackThread one_callback_thread;  // as in the server
   Reactions reactions;
-  InstantAdapter adapter(&reactions);
-  grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
-  builder.RegisterService(&adapter);
-  std::unique_ptr<grpc::Server> adapter_server = builder.BuildAndStart();
+  InstantAdapter adapter([&reactions](const v1::InvokeRequest& request) {
+    for (const v1::NamedTerm& argument : request.arguments()) {
+      reactions.Invoked(argument.value().has_literal() ? argument.value().literal().lexical()
+                                                       : argument.value().iri());
+    }
+  });
   auto server = ServerProcess::Start(arguments.folder);
   if (!server.ok()) {
     std::fprintf(stderr, "docent-bench: %s\n", std::string(server.status().message()).c_str());
@@ -248,8 +175,7 @@ int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
   auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
   std::fprintf(stderr, "loading %zu triples and deploying %zu workflows ...\n", arguments.triples,
                arguments.constraints);
-  grpc::Status prepared =
-      Prepare(channel, absl::StrCat("127.0.0.1:", port), arguments.triples, arguments.constraints);
+  grpc::Status prepared = Prepare(channel, adapter.address(), arguments.triples, arguments.constraints);
   if (!prepared.ok()) {
     std::fprintf(stderr, "docent-bench: %s\n", prepared.error_message().c_str());
     return 2;

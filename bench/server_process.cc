@@ -66,6 +66,13 @@ double ServerProcess::CpuSeconds() const {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+double ServerProcess::ResidentMegabytes() const {
+  std::ifstream statm(absl::StrCat("/proc/", pid_, "/statm"));  // proc(5): pages
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
 ServerProcess::~ServerProcess() {
   if (pid_ > 0) {
     kill(pid_, SIGTERM);

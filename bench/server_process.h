@@ -23,6 +23,8 @@ class ServerProcess {
   const std::string& http_address() const { return http_address_; }
   // CPU time of the server so far.
   double CpuSeconds() const;
+  // Memory of the server now, resident.
+  double ResidentMegabytes() const;
 
  private:
   ServerProcess() = default;

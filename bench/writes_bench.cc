@@ -36,12 +36,6 @@ struct Arguments {
   std::string folder = ".";
 };
 
-double Percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
-}
-
 QuadOperation Fact(const std::string& subject, const std::string& predicate, Term object) {
   return {QuadOperation::Kind::kAdd, {Term::Iri(subject), Term::Iri(predicate), std::move(object), Term()}};
 }
