@@ -37,12 +37,14 @@ int main(int argc, char** argv) {
   docent::server::AddWhatIfCommand(&app, &exit_code);
   docent::server::AddUpdateCommand(&app, &exit_code);
   docent::server::AddCheckCommand(&app, &exit_code);
+  docent::server::AddTestCommand(&app, &exit_code);
   docent::server::AddFmtCommand(&app, &exit_code);
   docent::server::AddMapCommand(&app, &exit_code);
   docent::server::AddValidateCommand(&app, &exit_code);
   docent::server::AddOntologyCommand(&app, &exit_code);
   docent::server::AddRunCommand(&app, &exit_code);
   docent::server::AddRunsCommand(&app, &exit_code);
+  docent::server::AddReplayCommand(&app, &exit_code);
   docent::server::AddWorkflowsCommand(&app, &exit_code);
   docent::server::AddRobotsCommand(&app, &exit_code);
   docent::server::AddServicesCommand(&app, &exit_code);

@@ -243,6 +243,19 @@ class Robot:
         return self.process.stop()
 
 
+# ---- scenario s04 -------------------------------------------------------------------------------------------------------
+
+S04 = ROOT / "scenarios" / "s04_museum_day"
+
+
+def load_s04(server):
+    """The server has a simulated clock; scenarios/s04_museum_day/simulation plays the rest."""
+    load_ontology(server)
+    server.command("load", "--as", "ontology", S04 / "museum.ttl")
+    server.load(S04 / "hall.ttl", S04 / "world.ttl", S04 / "museum.rules")
+    server.load(*sorted(S04.glob("*.rsel.xml")), *sorted(S04.glob("*.cawl.xml")))
+
+
 # ---- scenario s02 -------------------------------------------------------------------------------------------------------
 
 S02 = ROOT / "scenarios" / "s02_real_robot_log"

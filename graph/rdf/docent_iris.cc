@@ -105,6 +105,15 @@ std::optional<std::string> OperationOfIri(std::string_view iri) {
   return NameOfSegment(iri.substr(kOperation.size()));
 }
 
+std::optional<std::string> WorkflowOfIri(std::string_view iri) {
+  if (!iri.starts_with(kWorkflow)) return std::nullopt;
+  return NameOfSegment(iri.substr(kWorkflow.size()));
+}
+
+std::string ReservationIri(std::string_view id) {
+  return Concat("urn:docent:reservation:", id);
+}
+
 std::string RunIri(const RunId& run) {
   return Concat(kRun, run.value());
 }

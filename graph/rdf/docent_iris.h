@@ -33,6 +33,12 @@ std::string WorkflowIri(std::string_view name);
 // nullopt: not the IRI of an operation.
 std::optional<std::string> OperationOfIri(std::string_view iri);
 
+// nullopt: not the IRI of a workflow.
+std::optional<std::string> WorkflowOfIri(std::string_view iri);
+
+// urn:docent:reservation:ID. That of a run has the run's id.
+std::string ReservationIri(std::string_view id);
+
 // urn:docent:run:ID. An id consists of segments and is copied as it is.
 std::string RunIri(const RunId& run);
 // nullopt: not the IRI of a run.

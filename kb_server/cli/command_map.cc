@@ -65,6 +65,7 @@ void AddMapCommand(CLI::App* app, int* exit_code) {
   CLI::App* map = app->add_subcommand("map", "Bring in maps of other systems");
   map->group(kDocumentsGroup);
   map->require_subcommand(1);
+  map->footer("Example:\n  docent map import floor.yaml nodes.yaml --out hall.ttl");
   auto arguments = std::make_shared<ImportArguments>();
   arguments->options.name_space = "https://w3id.org/docent/place#";
   CLI::App* command = map->add_subcommand(

@@ -42,6 +42,7 @@ RobotDescription Describe(const v1::JoinRequest& request) {
     to.idempotent = operation.idempotent();
     to.occupies = {operation.occupies().begin(), operation.occupies().end()};
     to.description = operation.description();
+    to.capabilities = {operation.capabilities().begin(), operation.capabilities().end()};
     TakeParts(operation.inputs(), operation.input_parts(), &to.inputs, &to.input_types);
     TakeParts(operation.outputs(), operation.output_parts(), &to.outputs, &to.output_types);
   }
@@ -66,6 +67,7 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
   }
   for (const std::string& command : robot.ending_commands) out->add_ending_commands(command);
   for (const std::string& operation : robot.operations) out->add_operations(operation);
+  for (const std::string& capability : robot.capabilities) out->add_capabilities(capability);
   out->set_last_seen_us(robot.last_seen_us);
   if (robot.x_m && robot.y_m) {
     out->set_has_pose(true);
@@ -74,6 +76,8 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
     if (robot.heading_rad) out->set_heading_rad(*robot.heading_rad);
   }
   for (const std::string& region : robot.regions) out->add_regions(region);
+  for (const engine::Reservation& reservation : robot.reservations)
+    ToProto(reservation, out->add_reservations());
 }
 
 constexpr std::chrono::milliseconds kProbe{1000};

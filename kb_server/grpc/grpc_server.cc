@@ -5,10 +5,11 @@
 #include <grpcpp/support/server_interceptor.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
+
+#include "docent/v1/replays.grpc.pb.h"
 
 namespace docent::server {
 namespace {
@@ -61,18 +62,18 @@ GrpcServer::GrpcServer(const ServicePorts& ports, FleetLeases* leases)
     : context_(ports), ontologies_(ports), workflows_(ports), robot_services_(ports), fleet_(ports, leases) {}
 
 absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(const std::string& address, size_t connections,
-                                                              const ServicePorts& ports,
-                                                              FleetLeases* leases) {
+                                                              const ServicePorts& ports, FleetLeases* leases,
+                                                              grpc::Service* replays) {
   absl::StatusOr<std::unique_ptr<GrpcListener>> listener = GrpcListener::Listen(address, connections);
   if (!listener.ok()) return listener.status();
   std::unique_ptr<GrpcServer> server(new GrpcServer(ports, leases));
   server->listener_ = *std::move(listener);
-  if (absl::Status status = server->Build(ports.limits); !status.ok()) return status;
+  if (absl::Status status = server->Build(ports.limits, replays); !status.ok()) return status;
   server->listener_->Start();
   return server;
 }
 
-absl::Status GrpcServer::Build(const Limits& limits) {
+absl::Status GrpcServer::Build(const Limits& limits, grpc::Service* replays) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -82,12 +83,13 @@ absl::Status GrpcServer::Build(const Limits& limits) {
   // A message holds a document and little else; what is larger than document_bytes is refused by that name.
   const size_t message_bytes = std::max(limits.grpc_message_bytes, limits.document_bytes + kBesideDocument);
   builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
-  const std::array<std::pair<const char*, grpc::Service*>, 5> services = {
-      {{v1::Context::service_full_name(), &context_},
-       {v1::Ontologies::service_full_name(), &ontologies_},
-       {v1::Workflows::service_full_name(), &workflows_},
-       {v1::RobotServices::service_full_name(), &robot_services_},
-       {v1::Fleet::service_full_name(), &fleet_}}};
+  std::vector<std::pair<const char*, grpc::Service*>> services = {
+      {v1::Context::service_full_name(), &context_},
+      {v1::Ontologies::service_full_name(), &ontologies_},
+      {v1::Workflows::service_full_name(), &workflows_},
+      {v1::RobotServices::service_full_name(), &robot_services_},
+      {v1::Fleet::service_full_name(), &fleet_}};
+  if (replays != nullptr) services.emplace_back(v1::Replays::service_full_name(), replays);
   for (const auto& [name, service] : services) builder.RegisterService(service);
   RefuseCompression(&builder);
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
@@ -100,9 +102,9 @@ absl::Status GrpcServer::Build(const Limits& limits) {
 }
 
 std::vector<std::string> GrpcServer::ServiceNames() {
-  return {v1::Context::service_full_name(), v1::Ontologies::service_full_name(),
+  return {v1::Context::service_full_name(),   v1::Ontologies::service_full_name(),
           v1::Workflows::service_full_name(), v1::RobotServices::service_full_name(),
-          v1::Fleet::service_full_name()};
+          v1::Fleet::service_full_name(),     v1::Replays::service_full_name()};
 }
 
 std::shared_ptr<grpc::Channel> GrpcServer::InProcess() {

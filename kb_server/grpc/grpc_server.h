@@ -17,10 +17,11 @@ namespace docent::server {
 
 class GrpcServer {
  public:
-  // Serves at `address`, see GrpcListener::Listen; at most `connections` at one time. Both pointers and `ports` must
-  // outlive it.
+  // Serves at `address`, see GrpcListener::Listen; at most `connections` at one time. All pointers and `ports` must
+  // outlive it. `replays`: the service Replays, of a folder above; null: it is not served.
   static absl::StatusOr<std::unique_ptr<GrpcServer>> Start(const std::string& address, size_t connections,
-                                                           const ServicePorts& ports, FleetLeases* leases);
+                                                           const ServicePorts& ports, FleetLeases* leases,
+                                                           grpc::Service* replays = nullptr);
   // No new connections and calls from now on; those that are under way may go on until `deadline`.
   void Stop(std::chrono::system_clock::time_point deadline);
 
@@ -33,7 +34,7 @@ class GrpcServer {
 
  private:
   GrpcServer(const ServicePorts& ports, FleetLeases* leases);
-  absl::Status Build(const Limits& limits);
+  absl::Status Build(const Limits& limits, grpc::Service* replays);
 
   ContextService context_;
   OntologiesService ontologies_;

@@ -18,6 +18,7 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/robots/fleet_leases.h"
+#include "kb_server/robots/reservations.h"
 
 namespace docent::server {
 
@@ -142,6 +143,8 @@ class RobotServicesService final : public v1::RobotServices::CallbackService {
   const RunPorts& ports_;
 };
 
+void ToProto(const engine::Reservation& reservation, v1::RobotReservation* out);
+
 class FleetService final : public v1::Fleet::CallbackService {
  public:
   FleetService(const WritePorts& ports, FleetLeases* leases) : ports_(ports), leases_(*leases) {}
@@ -155,6 +158,10 @@ class FleetService final : public v1::Fleet::CallbackService {
   grpc::ServerUnaryReactor* PutInService(grpc::CallbackServerContext* context,
                                          const v1::PutInServiceRequest* request,
                                          v1::ServiceStateReply* reply) override;
+  grpc::ServerUnaryReactor* Reserve(grpc::CallbackServerContext* context, const v1::ReserveRequest* request,
+                                    v1::ReserveReply* reply) override;
+  grpc::ServerUnaryReactor* Release(grpc::CallbackServerContext* context, const v1::ReleaseRequest* request,
+                                    v1::ReleaseReply* reply) override;
 
  private:
   void ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,

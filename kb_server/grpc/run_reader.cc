@@ -14,15 +14,24 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
+#include "kb_server/robots/capability_classes.h"
 #include "kb_server/robots/robot_records.h"
 
 namespace docent::server {
 namespace {
 
-// The robots that could do what a pending invocation waits for. `wanted`: IRI of the only one, or empty.
-void ReadAwaited(const GraphReader& graph, const std::string& wanted, v1::Invocation* out) {
-  for (const std::string& robot :
-       graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(out->operation())))) {
+// The robots that could do what a pending invocation waits for. `wanted`: IRI of the only one, or empty. `capability`: the class
+// of which it asks for an operation, or empty.
+void ReadAwaited(const GraphReader& graph, const std::string& wanted, const std::string& capability,
+                 v1::Invocation* out) {
+  std::vector<std::string> robots;
+  if (capability.empty()) {
+    robots = graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(out->operation())));
+  } else {
+    robots = graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")));
+    std::erase_if(robots, [&](const std::string& robot) { return !IsCapable(graph, robot, capability); });
+  }
+  for (const std::string& robot : robots) {
     if (!wanted.empty() && robot != wanted) continue;
     v1::AwaitedRobot* awaited = out->add_awaits();
     awaited->set_robot(robot);
@@ -61,7 +70,8 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, const std:
   double progress = 0;
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
   ReadSteps(graph, iri, out);
-  if (out->state() == "pending") ReadAwaited(graph, wanted, out);
+  if (out->state() == "pending")
+    ReadAwaited(graph, wanted, graph.Object(iri, DocentIri("wantedCapability")), out);
 }
 
 // 0: it is no number.

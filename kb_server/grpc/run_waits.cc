@@ -130,7 +130,23 @@ class WaitCollector {
     wait->set_detail(absl::StrCat(
         "robot ", Angled(robot), ", which is ", ToAbsl(ToString(RobotStateOf(graph_, robot))),
         out ? absl::StrCat(", out of service (", *out, ")") : "", held_by.empty() ? "" : ", held by run ",
-        held_by, why.empty() ? "" : absl::StrCat(": ", why)));
+        held_by, ReservedText(robot, why), why.empty() ? "" : absl::StrCat(": ", why)));
+  }
+
+  // Who the robot is kept for, unless `why` says so.
+  std::string ReservedText(const std::string& robot, const std::string& why) const {
+    if (absl::StrContains(why, "is reserved")) return "";
+    std::string text;
+    for (const Term& reservation : graph_.Objects(robot, DocentIri("reservedBy"))) {
+      const std::string kept_for = graph_.Object(reservation.lexical, DocentIri("reservedFor"));
+      const std::string until = graph_.Object(reservation.lexical, DocentIri("reservedUntil"));
+      const auto run = RunOfIri(kept_for);
+      const auto workflow = WorkflowOfIri(kept_for);
+      absl::StrAppend(&text, ", reserved", run ? absl::StrCat(" for run ", run->value()) : "",
+                      workflow ? absl::StrCat(" for workflow ", *workflow) : "",
+                      until.empty() ? "" : absl::StrCat(" until ", until));
+    }
+    return text;
   }
 
   void AddInvocation(const v1::Run& run, const v1::Node& node, int number, const std::string& place,
@@ -208,8 +224,9 @@ class WaitCollector {
       AddRobot(place, node, invocation.robot(), reason);
     } else if (invocation.awaits().empty()) {
       New(place, node, "robot")
-          ->set_detail(absl::StrCat("a robot that offers ", invocation.operation(),
-                                    reason.empty() ? "" : absl::StrCat(": ", reason)));
+          ->set_detail(absl::StrCat(
+              "a robot that offers ", invocation.operation().starts_with("<") ? "an operation of class " : "",
+              invocation.operation(), reason.empty() ? "" : absl::StrCat(": ", reason)));
     } else {
       for (const v1::AwaitedRobot& robot : invocation.awaits()) AddRobot(place, node, robot.robot(), reason);
     }

@@ -1,6 +1,7 @@
 #include "kb_server/work/graph_environment.h"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,12 @@ class LiveEnvironment final : public cawl::Environment {
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
+  }
+  std::optional<std::vector<std::string>> OfferedCapabilities() const override {
+    std::set<std::string> classes;
+    for (const rsel::OfferedOperation& offered : Offered())
+      classes.insert(offered.capabilities.begin(), offered.capabilities.end());
+    return std::vector<std::string>(classes.begin(), classes.end());
   }
   std::vector<std::string> ApplicationServices() const override {
     std::vector<std::string> names;

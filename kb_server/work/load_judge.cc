@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
-#include "absl/time/time.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_writer.h"
 #include "kb_server/door/catalog.h"
@@ -135,7 +133,7 @@ shapes::ValidateOptions ValidateOptionsOf(const ReadPorts& ports, Cancellation* 
   options.all_memory = ports.query_memory;
   options.cancellation = cancellation;
   options.functions = ports.functions;
-  options.now_us = absl::ToUnixMicros(absl::Now());
+  options.now_us = ports.clock->Now();
   return options;
 }
 

@@ -6,6 +6,13 @@ namespace docent::ontology {
 
 const std::vector<FindingKind>& FindingKinds() {
   static const auto* kinds = new std::vector<FindingKind>{
+      {"activator-feeds-itself", "warning", "CAWL",
+       "A constraint of an activator matches what its own runs write into the graph: it matches any fact, or "
+       "facts of runs "
+       "whatever their workflow. Each run may then start another. A turn ends that at a limit, and the "
+       "deployment of such a "
+       "workflow may be refused.",
+       "Name a predicate, a class or a thing; or leave the workflow's own runs out by docent:workflow."},
       {"activator-never-rises", "warning", "CAWL",
        "No alternative of an activator's condition can hold, so it starts no run. What is wrong with the "
        "alternatives is told beside it.",

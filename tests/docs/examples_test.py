@@ -36,6 +36,8 @@ def ending(language, text):
         return ".rules"
     if language == "turtle" and "@prefix" in text:
         return ".ttl"
+    if re.search(r"^(DELETE|INSERT)\b", text, re.MULTILINE):  # an update, which is not checked
+        return None
     if language == "sparql" and re.match(r"(#[^\n]*\n)*(PREFIX|SELECT|ASK|CONSTRUCT|DESCRIBE)\b", text):
         return ".rq"
     return None

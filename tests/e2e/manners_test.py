@@ -103,7 +103,7 @@ class Manners(StageTest):
         stage.load_s01(self.server)
         self.assertIn("no runs", self.server.run("runs").stderr)
         for command, header in (("services", r"service +steps +robots that offer all of it +from"),
-                                ("robots", r"robot +state +x, y, heading +in +held by +operations +adapter")):
+                                ("robots", r"robot +state +x, y, heading +in +held by +reserved +operations +can +adapter")):
             lines = self.server.command(command).splitlines()
             self.assertRegex(lines[0], f"^{header}$")
             self.assertRegex(lines[1], r"^-+(  -+)+$")

@@ -20,6 +20,7 @@ namespace {
 struct Arguments {
   AdapterOptions options;
   std::vector<std::string> operations;
+  std::vector<std::string> capabilities;
   std::vector<std::string> facts;
   int take_ms = 100;
   bool idempotent = false;
@@ -36,6 +37,11 @@ Operation MakeOperation(const std::string& text, const Arguments& arguments) {
       const std::vector<std::string> name_and_type = absl::StrSplit(part, absl::MaxSplits('=', 1));
       operation.input_parts.push_back({name_and_type[0], name_and_type.size() > 1 ? name_and_type[1] : ""});
     }
+  }
+  for (const std::string& text : arguments.capabilities) {
+    const std::vector<std::string> name_and_class = absl::StrSplit(text, absl::MaxSplits('=', 1));
+    if (name_and_class.size() == 2 && name_and_class[0] == operation.name)
+      operation.capabilities.push_back(name_and_class[1]);
   }
   operation.idempotent = arguments.idempotent;
   operation.description = "does nothing, slowly";
@@ -93,6 +99,8 @@ int main(int argc, char** argv) {
   app.add_option("--listen", arguments.options.listen, "HOST:PORT to serve at; port 0 takes a free one");
   app.add_option("--operation", arguments.operations, "NAME or NAME:PART,PART; may be given several times")
       ->required();
+  app.add_option("--capability", arguments.capabilities,
+                 "NAME=CLASS: the operation is of this class; several times");
   app.add_option("--fact", arguments.facts,
                  "LOCAL=IRI: a docent: property of the robot, told at the start; several times");
   app.add_option("--journal", arguments.options.journal_path,

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 class CawlGolden : public testing::TestWithParam<std::string> {};
 
 // Lines: "operation NAME INPUT…", and of such an operation "input NAME PART TYPE", "output NAME RESULT…",
-// "step NAME OPERATION TIMEOUT_MS"; "service NAME", "class IRI", "property IRI", "word IRI".
+// "step NAME OPERATION TIMEOUT_MS"; "service NAME", "capability IRI", "class IRI", "property IRI", "word IRI".
 QuadEnvironment ReadEnvironment(const std::string& text) {
   QuadEnvironment out;
   std::vector<TermQuad> quads;
@@ -41,6 +41,8 @@ QuadEnvironment ReadEnvironment(const std::string& text) {
       operation.longest_step = {first, std::stoll(second)};
     } else if (kind == "service") {
       out.AddApplicationService(name);
+    } else if (kind == "capability") {
+      out.AddCapability(name);
     } else if (kind == "class" || kind == "property") {
       quads.push_back({Term::Iri(name), Term::Iri(std::string(kRdfType)), Term::Iri(type), Term()});
     } else if (kind == "word") {

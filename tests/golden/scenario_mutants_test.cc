@@ -7,6 +7,7 @@ namespace {
 
 constexpr char kGuide[] = "scenarios/s01_booth_guide/booth_guide.cawl.xml";
 constexpr char kServices[] = "scenarios/s01_booth_guide/booth_guide.rsel.xml";
+constexpr char kTour[] = "scenarios/s04_museum_day/tour.cawl.xml";
 constexpr char kJohn[] = "scenarios/s03_johns_service/johns_service.cawl.xml";
 constexpr char kTalk[] = "scenarios/s03_johns_service/talk.rsel.xml";
 constexpr char kDelivery[] = "scenarios/s05_hospital_round/delivery.cawl.xml";
@@ -158,6 +159,14 @@ const Mutant kMutants[] = {
      "prefix ext: of attribute timeout is not declared"},
     {kDoors, "", "docent:Region\">?region", "docent:Regoin\">?region", "the ontology has no class"},
     {kDoors, "", "<sink name=\"Seen\"", "<sink name=\"Entered\"", "source and sink have the same name"},
+    // ---- s04
+    {kTour, "name=\"Choose\"", "museum:toSee", "museum:toSe", "the ontology has no property"},
+    {kTour, "", "Show or Lost or HandOver", "Show or Last or HandOver", "joinCondition names Last"},
+    {kTour, "name=\"Meet\"", "<invoke operation=\"meetGroup\"", "<invoke operation=\"meetGruop\"",
+     "meetGruop"},
+    {kTour, "", "<object>museum:GuideRequest", "<object>museum:GuideRequst", "the ontology has no"},
+    {kTour, "", "from=\"Lost\" to=\"Wait\" ext:while=\"$request museum:toSee ?more\"",
+     "from=\"Lost\" to=\"Wait\"", "a cycle without while"},
     {kDoors, "", "<context name=\"Entered\"", "<contxt name=\"Entered\"", "XML:", "</context>"},
     // ---- s03
     {kJohn, "", "<invoke subflow=\"BoothGuide\"", "<invoke subflow=\"BoothGiude\"",
@@ -218,10 +227,12 @@ INSTANTIATE_TEST_SUITE_P(All, ScenarioMutants, testing::ValuesIn(kMutants),
                          [](const auto& info) { return std::to_string(info.index); });
 
 TEST(Scenarios, NothingIsFoundInThem) {
-  for (const char* file : {kGuide, kServices, kDoors, kJohn, kTalk, kDelivery, kNight, kCare}) {
-    const std::string text = ReadFile(InTree(file));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(InTree("scenarios"))) {
+    const std::string file = std::filesystem::relative(entry.path(), InTree(".")).string();
+    if (!file.ends_with(".cawl.xml") && !file.ends_with(".rsel.xml")) continue;
+    const std::string text = ReadFile(entry.path());
     const Diagnostics diagnostics = CheckScenarioFile(file, text);
-    EXPECT_TRUE(diagnostics.empty()) << Render(diagnostics, text);
+    EXPECT_TRUE(diagnostics.empty()) << file << "\n" << Render(diagnostics, text);
   }
 }
 

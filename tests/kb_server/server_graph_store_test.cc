@@ -299,7 +299,7 @@ TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:named",
                    kTurtle + std::string("Content-Range: bytes 0-1/9\r\n"), "# part"),
             400);
-  EXPECT_TRUE(Ask("GRAPH <urn:named> { <a:a> <a:b> <a:c> }"));
+  EXPECT_TRUE(Holds("GRAPH <urn:named> { <a:a> <a:b> <a:c> }"));
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=https://w3id.org/docent%23inferred", kTurtle, ""), 403);
   EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kTurtle, ""), 415);
   EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kUpdate, "CLEAR ALL"), 422);

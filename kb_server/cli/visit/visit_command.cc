@@ -78,6 +78,7 @@ void AddVisitCommand(CLI::App* app, int* exit_code) {
       app->add_subcommand("visit", "Print QR codes that hang at booths and open the visitors' page");
   visit->group(kRobotsGroup);
   visit->require_subcommand(1);
+  visit->footer("Example:\n  docent visit qr --booth B05 --url https://expo.example.org > B05.svg");
   auto arguments = std::make_shared<QrArguments>();
   CLI::App* qr = visit->add_subcommand(
       "qr", "Write the QR code of a booth as SVG: a phone that scans it calls a robot to the booth");

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
+#include "graph/base/workflow_limits.h"
 #include "tests/workflow/cawl/documents.h"
+#include "workflow/cawl/parser.h"
 
 namespace docent::cawl {
 namespace {
@@ -45,6 +48,29 @@ TEST(CheckDocument, AFreeNameThatTheRunHasIsWorthAWarning) {
   const std::string begun =
       "<variable name=\"w\"><initialize><from expression=\"expo:R01\"/></initialize></variable>";
   EXPECT_THAT(CheckDocument(document("?v", begun, "?w"), "f", nullptr).diagnostics, SizeIs(1));
+}
+
+// A limit of new texts: those of a log are parsed again when it is replayed.
+TEST(CheckDocument, AFlowHasSoManyNodes) {
+  const auto chain = [](size_t nodes) {
+    std::string text = "<CAWL name=\"D\"><flow name=\"F\"><source name=\"s\"/>",
+                links = "<link from=\"s\" to=\"n0\"/>";
+    for (size_t i = 0; i < nodes; ++i) {
+      const std::string name = absl::StrCat("n", i);
+      absl::StrAppend(&text, "<node name=\"", name, "\"/>");
+      absl::StrAppend(&links, "<link from=\"", name, "\" to=\"",
+                      i + 1 < nodes ? absl::StrCat("n", i + 1) : "t", "\"/>");
+    }
+    return absl::StrCat(text, "<sink name=\"t\"/>", links, "</flow></CAWL>");
+  };
+  EXPECT_TRUE(CheckDocument(chain(kWorkflowLimits.flow_nodes), "f", nullptr).ok());
+  const std::string text = chain(kWorkflowLimits.flow_nodes + 1);
+  const CheckReport report = CheckDocument(text, "f", nullptr);
+  ASSERT_FALSE(report.ok());
+  ASSERT_THAT(report.diagnostics, SizeIs(1));
+  EXPECT_EQ(report.diagnostics[0].message, "flow F has 4001 nodes; the limit flow_nodes is 4000");
+  EXPECT_EQ(report.diagnostics[0].span.offset, text.find("F\""));
+  EXPECT_TRUE(ParseCawl(text, "f").ok());
 }
 
 TEST(CheckDocument, AnEmptyEnvironmentOffersNothing) {
