@@ -55,6 +55,7 @@ class Day(GroupLife, RobotLife, ServerLife):
                 due = self.settle()
                 times = [t for t in (due, self.events[0][0] if self.events else None, self.next_kill(), end_us) if t is not None]
                 self.clock.go_to(max(self.clock.now_us, min(times)))
+                self.idleness.wait_for_time(self.clock)
                 self.act()
             self.settle()
         finally:
@@ -98,7 +99,7 @@ class Day(GroupLife, RobotLife, ServerLife):
         return busy
 
     def stop_at(self, time_us, go_on):
-        """The clock stops there until `go_on()`."""
+        """The clock stops there until `go_on()`. The server may be another one then."""
         self.at_time(time_us, lambda: self.stop_clock(go_on))
 
     def stop_clock(self, go_on):
@@ -106,3 +107,4 @@ class Day(GroupLife, RobotLife, ServerLife):
         self.show(self.clock.now_us, "the clock stands still")
         while not go_on():
             self.work()
+        self.wait_for_robots()

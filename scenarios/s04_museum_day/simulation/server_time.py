@@ -42,6 +42,18 @@ class Idleness:
         numbers = dict(line.rsplit(" ", 1) for line in lines if line.startswith("docent_") and "{" not in line)
         return {name: float(value) for name, value in numbers.items()}
 
+    def wait_for_time(self, clock):
+        """Until the server has the clock's time: what is told from then on happens at that time."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not self.is_at(clock, self.look()):
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"the server does not see that it is {text_of(clock.now_us)}")
+            time.sleep(LOOK_S)
+
+    @staticmethod
+    def is_at(clock, seen):
+        return abs(seen["docent_time_seconds"] * 1e6 - clock.now_us) < 1
+
     def wait(self, clock, commands_open, work):
         """Until nothing is under way at the clock's time. `commands_open`: gives the least and the most commands that robots
         have; `work` is called between looks, and says whether it found something to do. When the next thing is due, or None."""
@@ -51,7 +63,7 @@ class Idleness:
             worked = work()
             seen = self.look()
             least, most = commands_open()
-            idle = (not worked and abs(seen["docent_time_seconds"] * 1e6 - clock.now_us) < 1 and seen["docent_inbox_batches"] == 0
+            idle = (not worked and self.is_at(clock, seen) and seen["docent_inbox_batches"] == 0
                     and seen["docent_next_due_seconds"] * 1e6 > clock.now_us + 0.5
                     and least <= seen["docent_commands_open"] <= most)
             still = still + 1 if idle and seen["docent_turns_total"] == before else 0

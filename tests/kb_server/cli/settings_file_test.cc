@@ -1,9 +1,12 @@
 #include "kb_server/cli/settings_file.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 
+#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -88,7 +91,7 @@ struct Command {
   }
 
   absl::Status Apply(const std::string& text, std::vector<std::string> arguments) {
-    const std::string file = testing::TempDir() + "/docent_settings.toml";
+    const std::string file = absl::StrCat(testing::TempDir(), "/docent_settings_", getpid(), ".toml");
     std::ofstream(file) << text;
     arguments.emplace_back("serve");
     app.parse(arguments);
@@ -136,7 +139,7 @@ TEST(SettingsFileTest, AValueThatTheOptionRefusesIsToldAtItsLine) {
   Command command;
   const absl::Status status = command.Apply("\nrecords = \"many\"\n", {});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("docent_settings.toml:2:1: error: "));
+  EXPECT_THAT(std::string(status.message()), HasSubstr(".toml:2:1: error: "));
   EXPECT_THAT(std::string(status.message()), HasSubstr("many"));
 }
 
