@@ -12,7 +12,7 @@ export interface PaletteEntry {
   id: string; // what an invoke names
   title: string;
   detail: string;
-  inputs: { name: string; type: string }[]; // types are IRIs
+  inputs: { name: string; type: string; optional?: boolean }[]; // types are IRIs
 }
 export interface PaletteData {
   entries: PaletteEntry[];
@@ -36,6 +36,9 @@ export function keepImported(entries: readonly PaletteEntry[]) {
   localStorage.setItem(importedKey, JSON.stringify([...known, ...entries].slice(-500)));
 }
 
+// Given, it is the robot that the run takes; else the run takes one that is free.
+const robotVariable = "robot";
+
 // A workflow with the values that it begins with, so that the flow that reuses it has them, too.
 export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
   if (entry.kind !== "workflow" || entry.inputs.length > 0) return entry;
@@ -49,7 +52,7 @@ export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
     ...entry,
     inputs: (flow?.variables ?? []).filter((v) => v.name && !v.initial && !bound.has(v.name)).map((v) => {
       const colon = v.type.indexOf(":");
-      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "" };
+      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "", ...(v.name === robotVariable && { optional: true }) };
     }),
   };
 }

@@ -24,7 +24,7 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
   const [error, setError] = useState<PlainError | null>(null);
   const types = [...new Set(entry.inputs.map((i) => i.type).filter((type) => /^[^\s<>"{}|^`\\]+$/.test(type)))];
   const things = usePoll(types.length > 0 ? `things ${types.join(" ")}` : "", async (signal) => new Map(await Promise.all(types.map(async (type): Promise<[string, Choice[]]> => [type, await thingsOf(type, names, signal)]))), 30_000);
-  const inputs = edit ? entry.inputs : entry.inputs.filter((i) => !favourite.values[i.name]);
+  const inputs = edit ? entry.inputs : entry.inputs.filter((i) => !i.optional && !favourite.values[i.name]);
   const lacks = inputs.filter((i) => !(values[i.name] ?? "").trim());
   const go = async () => {
     setBusy(true);
@@ -55,7 +55,7 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
           {edit && <label className="property"><span>What stands on the button</span><input className="field" data-first value={title} placeholder={words(favourite.name)} maxLength={60} onChange={(e) => setTitle(e.target.value)} /></label>}
           {edit && inputs.length > 0 && <p className="quiet">Values that are always the same. What is left empty is asked for at each start.</p>}
           {inputs.map((input, i) => (
-            <label key={input.name} className="property"><span>{words(input.name)}</span><Combo label={words(input.name)} placeholder={edit ? "asked for" : names.short(input.type).replace(/^[\w-]+:/, "").toLowerCase()} value={values[input.name] ?? ""} choices={things.data?.get(input.type) ?? []} autoFocus={!edit && i === 0} onChange={(value) => setValues((before) => ({ ...before, [input.name]: value }))} /></label>
+            <label key={input.name} className="property"><span>{words(input.name)}</span><Combo label={words(input.name)} placeholder={input.optional ? "any" : edit ? "asked for" : names.short(input.type).replace(/^[\w-]+:/, "").toLowerCase()} value={values[input.name] ?? ""} choices={things.data?.get(input.type) ?? []} autoFocus={!edit && i === 0} onChange={(value) => setValues((before) => ({ ...before, [input.name]: value }))} /></label>
           ))}
           {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         </div>

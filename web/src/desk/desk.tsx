@@ -117,7 +117,7 @@ function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names;
     return () => void (there = false);
   }, [entryKey]);
   useEffect(() => () => window.clearTimeout(timer.current), []);
-  const asked = (inputs ?? []).filter((i) => !favourite.values[i.name]);
+  const asked = (inputs ?? []).filter((i) => !i.optional && !favourite.values[i.name]);
   const label = (value: string) => vocabulary.things.find((t) => t.term === value)?.label || value.replace(/^[\w-]+:/, "");
   const touch = () => {
     if (busy || !entry || !inputs) return;

@@ -44,7 +44,7 @@ describe("without a mouse", () => {
     const built = await draftNow(page, "Greeter");
     expect(built).toContain('<node name="Brief information">');
     expect(built).toContain('<variable name="user" type="docent:Visitor"/>');
-    expect(await page.evaluate(() => document.activeElement?.getAttribute("data-id"))).toBe("Brief information");
+    await page.waitForFunction(() => document.activeElement?.getAttribute("data-id") === "Brief information");
     await page.keyboard.press("Escape");
     for (let i = 0; i < 100; i++) await page.keyboard.press("Control+z");
     await draft(page, "Greeter").toBe(empty);
@@ -99,7 +99,7 @@ describe("canvas and text", () => {
     await page.keyboard.type("<");
     await page.waitForSelector(".broken");
     expect(await page.locator(".react-flow__node").count()).toBe(5);
-    expect(await page.locator(".finding, .findings-bar .bad").count()).toBeGreaterThan(0);
+    await page.locator(".finding, .findings-bar .bad").first().waitFor();
     await stage.picture(page, "compose-broken-text");
     await page.keyboard.press("Backspace");
     await page.waitForSelector(".broken", { state: "detached" });

@@ -35,7 +35,7 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
       const image = new Image();
       image.src = `data:image/svg+xml;base64,${btoa(text)}`;
       await image.decode();
-      const canvas = Object.assign(document.createElement("canvas"), { width: 400, height: Math.round((400 * image.height) / image.width) });
+      const canvas = Object.assign(document.createElement("canvas"), { width: 160, height: Math.round((160 * image.height) / image.width) });
       const context = canvas.getContext("2d");
       context?.drawImage(image, 0, 0, canvas.width, canvas.height);
       return { data: [...(context?.getImageData(0, 0, canvas.width, canvas.height).data ?? [])], width: canvas.width, height: canvas.height };
