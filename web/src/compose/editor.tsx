@@ -17,6 +17,7 @@ import { dropDraft, saveDraft, watchDraft, type Draft } from "./drafts";
 import { saveFile } from "./files";
 import { type Finding, useFindings } from "./findings";
 import { FindingsPanel } from "./findings_panel";
+import { focusStep } from "./focus_step";
 import { ImportDialog } from "./import_dialog";
 import { keepImported, usePalette } from "./palette_data";
 import { PalettePanel } from "./palette_panel";
@@ -110,7 +111,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     const part = shownFlow(session.document, session.good, props.flow);
     const element = only ? part?.steps.find((s) => s.key === only && !s.stale)?.element : linkKeys.length === 1 && stepKeys.length === 0 ? part?.links.find((l) => l.key === linkKeys[0])?.element : undefined;
     if (element && !session.view.hasFocus) session.reveal(element.from, element.openTo);
-    if (focus && only) window.setTimeout(() => window.document.querySelector<HTMLElement>(`.react-flow__node[data-id="${CSS.escape(only)}"]`)?.focus(), 90);
+    if (focus && only) focusStep(only);
   }, [name, props.flow, session]);
   const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key])), [session, flowKey, onSelect]);
 
