@@ -46,6 +46,7 @@ class FileChecker {
 
   // By the prefixes of the RDF documents that were added, in their order.
   const IriNames& names() const { return names_; }
+  const sparql::FunctionRegistry& functions() const { return functions_; }
 
  private:
   // The shapes of all documents, read once; each finding with its file.

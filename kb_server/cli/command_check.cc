@@ -80,7 +80,9 @@ void Append(const std::vector<ontology::Finding>& more, std::vector<ontology::Fi
 
 class Checker {
  public:
-  explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
+  explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {
+    environment_.SetFunctions(&files_.functions());
+  }
 
   // Ontologies, RSEL processes and the names of workflows first, so that workflows are checked against them whatever the
   // order of the files.

@@ -21,7 +21,8 @@ namespace docent::server {
 namespace {
 
 cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, const std::string& name) {
-  auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
+  auto environment =
+      GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get(), ports.functions);
   cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
   for (Diagnostic& warning : CostWarnings(report, name, ports))
     report.diagnostics.push_back(std::move(warning));

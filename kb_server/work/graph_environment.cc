@@ -18,10 +18,11 @@ namespace {
 class LiveEnvironment final : public cawl::Environment {
  public:
   LiveEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
-                  std::shared_ptr<const Catalog> catalog)
+                  std::shared_ptr<const Catalog> catalog, const sparql::FunctionRegistry* functions)
       : dictionary_(dictionary),
         version_(std::move(version)),
         catalog_(std::move(catalog)),
+        functions_(functions),
         class_types_({Concat(kRdfsNs, "Class"), Concat(kOwlNs, "Class")}),
         property_types_({Concat(kRdfNs, "Property"), Concat(kOwlNs, "ObjectProperty"),
                          Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
@@ -43,6 +44,7 @@ class LiveEnvironment final : public cawl::Environment {
       classes.insert(offered.capabilities.begin(), offered.capabilities.end());
     return std::vector<std::string>(classes.begin(), classes.end());
   }
+  const sparql::FunctionRegistry* Functions() const override { return functions_; }
   std::vector<std::string> ApplicationServices() const override {
     std::vector<std::string> names;
     for (const auto& [document, revision] : catalog_->workflows) {
@@ -156,6 +158,7 @@ class LiveEnvironment final : public cawl::Environment {
   const Dictionary& dictionary_;
   const GraphVersionPtr version_;
   const std::shared_ptr<const Catalog> catalog_;
+  const sparql::FunctionRegistry* const functions_;
   const std::vector<std::string> class_types_;
   const std::vector<std::string> property_types_;
   mutable std::optional<std::vector<rsel::OfferedOperation>> offered_;
@@ -164,8 +167,9 @@ class LiveEnvironment final : public cawl::Environment {
 }  // namespace
 
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
-                                                    std::shared_ptr<const Catalog> catalog) {
-  return std::make_unique<LiveEnvironment>(dictionary, std::move(version), std::move(catalog));
+                                                    std::shared_ptr<const Catalog> catalog,
+                                                    const sparql::FunctionRegistry* functions) {
+  return std::make_unique<LiveEnvironment>(dictionary, std::move(version), std::move(catalog), functions);
 }
 
 }  // namespace docent::server

@@ -12,10 +12,11 @@
 
 namespace docent::server {
 
-// Looks things up in `version` when they are asked for, and keeps it. `dictionary` must outlive it. One
+// Looks things up in `version` when they are asked for, and keeps it. `dictionary` and `functions` must outlive it. One
 // thread.
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
-                                                    std::shared_ptr<const Catalog> catalog);
+                                                    std::shared_ptr<const Catalog> catalog,
+                                                    const sparql::FunctionRegistry* functions);
 
 }  // namespace docent::server
 

@@ -4,6 +4,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/function_registry.h"
 #include "tests/golden/findings.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/cawl/check/check.h"
@@ -18,7 +19,9 @@ class CawlGolden : public testing::TestWithParam<std::string> {};
 // Lines: "operation NAME INPUT…", and of such an operation "input NAME PART TYPE", "output NAME RESULT…",
 // "step NAME OPERATION TIMEOUT_MS"; "service NAME", "capability IRI", "class IRI", "property IRI", "word IRI".
 QuadEnvironment ReadEnvironment(const std::string& text) {
+  static const sparql::FunctionRegistry no_functions;  // but the casts
   QuadEnvironment out;
+  out.SetFunctions(&no_functions);
   std::vector<TermQuad> quads;
   std::map<std::string, OperationSignature> operations;
   std::istringstream lines(text);

@@ -9,6 +9,7 @@
 
 #include "graph/base/text.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/lexer.h"
 #include "graph/sparql/syntax/parser.h"
 
@@ -32,6 +33,17 @@ void ForEachSubSelect(const sparql::Algebra& algebra, bool inside, const Visit& 
     ForEachSubSelect(*algebra.expression->pattern, true, visit);
   for (const sparql::AlgebraPtr& child : algebra.children)
     ForEachSubSelect(*child, inside || is_select, visit);
+}
+
+// Expressions of the algebra and of what stands in it, without those that another server evaluates.
+template <typename Visit>
+void ForEachOwnExpression(const sparql::Algebra& algebra, const Visit& visit) {
+  if (algebra.kind == sparql::Algebra::Kind::kService) return;
+  sparql::ForEachExpression(algebra, [&](const sparql::Expression& e) {
+    visit(e);
+    if (e.pattern != nullptr) ForEachOwnExpression(*e.pattern, visit);
+  });
+  for (const sparql::AlgebraPtr& child : algebra.children) ForEachOwnExpression(*child, visit);
 }
 
 bool HasOrder(const sparql::Algebra& algebra) {
@@ -127,14 +139,16 @@ class AssignmentReader {
     const std::string& text = out_.query_text.value;
     if (!Report(sparql::ParseExpression(text, options_).diagnostics)) return;
     ReadInputs(text);
+    constexpr std::string_view kBefore = "SELECT ((";
     sparql::ParsedQuery parsed =
-        sparql::ParseQuery(Concat("SELECT ((", text, "\n) AS ?", kValue, ") {}"), options_);
+        sparql::ParseQuery(Concat(kBefore, text, "\n) AS ?", kValue, ") {}"), options_);
     if (!parsed.ok()) {
       reader_.Error(out_.query_text.span, Concat("SPARQL: ", parsed.diagnostics[0].message),
                     "write one expression, e.g. $n + 1");
       return;
     }
     out_.outputs.push_back(variable);
+    ReadCalls(*parsed.query.algebra, kBefore.size());
     out_.query = std::make_shared<const sparql::Query>(std::move(parsed.query));
   }
 
@@ -167,6 +181,7 @@ class AssignmentReader {
     }
     CheckSubSelects(*parsed.query.algebra);
     out_.ordered = HasOrder(*parsed.query.algebra);
+    ReadCalls(*parsed.query.algebra, 0);
     out_.query = std::make_shared<const sparql::Query>(std::move(parsed.query));
   }
 
@@ -191,6 +206,16 @@ class AssignmentReader {
       out_.inputs.push_back(name);
       out_.input_places.push_back(PlaceOf(span));
     }
+  }
+
+  // `before`: bytes that stand before the text in what was parsed.
+  void ReadCalls(const sparql::Algebra& algebra, size_t before) {
+    ForEachOwnExpression(algebra, [&](const sparql::Expression& e) {
+      if (e.kind != sparql::Expression::Kind::kFunction) return;
+      SourceSpan in_text = e.span;
+      in_text.offset -= before;
+      out_.calls.push_back({e.term.lexical, e.arguments.size(), PlaceOf(in_text)});
+    });
   }
 
   void CheckSubSelects(const sparql::Algebra& algebra) {

@@ -272,9 +272,15 @@ struct Action {
   std::vector<std::string> inputs;             // variables of the run that it uses
   std::vector<SourceSpan> input_places;        // of their first uses
   std::vector<Text> outputs;                   // that it sets, in order of the columns
-  bool ordered = false;                        // it has ORDER BY
-  bool may_be_none = false;                    // none="unset"
-  std::optional<Term> otherwise;               // default
+  struct Call {
+    std::string function;  // IRI
+    size_t arguments = 0;
+    SourceSpan place;
+  };
+  std::vector<Call> calls;        // of functions that SPARQL itself does not have
+  bool ordered = false;           // it has ORDER BY
+  bool may_be_none = false;       // none="unset"
+  std::optional<Term> otherwise;  // default
   // kNotify; `inputs` are the variables of its data
   Text target;                                           // "https://…", "mqtt:TOPIC" or $name
   std::vector<std::pair<std::string, SourceSpan>> uses;  // variables of `target` and `event_subject`

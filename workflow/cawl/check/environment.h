@@ -14,6 +14,10 @@
 
 #include "graph/rdf/term.h"
 
+namespace docent::sparql {
+class FunctionRegistry;
+}
+
 namespace docent::cawl {
 
 // An RSEL process or an operation that a robot offers.
@@ -41,6 +45,8 @@ class Environment {
   virtual std::vector<std::string> OperationNames() const = 0;
   // IRIs of the classes of operations that robots describe now; nullopt: it is not known which robots there are.
   virtual std::optional<std::vector<std::string>> OfferedCapabilities() const { return std::nullopt; }
+  // Functions of queries beside those of SPARQL itself; null: it is not known which there are.
+  virtual const sparql::FunctionRegistry* Functions() const { return nullptr; }
   // Flows of other documents that `subflow` may name.
   virtual std::vector<std::string> ApplicationServices() const = 0;
   // IRIs of classes, of properties, and of other named things that the ontologies describe.
@@ -68,12 +74,15 @@ class QuadEnvironment final : public Environment {
   void AddApplicationService(std::string name);
   // A class of which a robot offers an operation.
   void AddCapability(std::string iri);
+  // They must outlive the environment.
+  void SetFunctions(const sparql::FunctionRegistry* functions) { functions_ = functions; }
   // Whether one of the ontologies declares a class or a property.
   bool HasWords() const { return !classes_.empty() || !properties_.empty(); }
 
   std::optional<OperationSignature> FindOperation(std::string_view name) const override;
   std::vector<std::string> OperationNames() const override;
   std::optional<std::vector<std::string>> OfferedCapabilities() const override { return capabilities_; }
+  const sparql::FunctionRegistry* Functions() const override { return functions_; }
   std::vector<std::string> ApplicationServices() const override;
   bool IsClass(const std::string& iri) const override;
   bool IsProperty(const std::string& iri) const override;
@@ -94,6 +103,7 @@ class QuadEnvironment final : public Environment {
   std::set<std::string, std::less<>> properties_;
   std::set<std::string, std::less<>> known_;
   Facts objects_, subjects_;
+  const sparql::FunctionRegistry* functions_ = nullptr;
 };
 
 }  // namespace docent::cawl

@@ -5,6 +5,7 @@
 
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/function_registry.h"
 #include "workflow/cawl/rule_names.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
@@ -150,6 +151,7 @@ class EnvironmentChecker {
       if (node.hold) CheckConstraint(*node.hold);
       for (const Action& action : node.actions) {
         for (const Constraint& fact : action.facts) CheckConstraint(fact);
+        for (const Action::Call& call : action.calls) CheckCall(call);
       }
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
@@ -165,6 +167,14 @@ class EnvironmentChecker {
     for (const Link& link : flow.links) {
       if (link.while_constraint) CheckConstraint(*link.while_constraint);
     }
+  }
+
+  void CheckCall(const Action::Call& call) {
+    if (environment_.Functions() == nullptr || reader_.full()) return;
+    const auto mistake = sparql::FindCallMistake(environment_.Functions(), call.function, call.arguments);
+    if (!mistake) return;
+    reader_.Warning(call.place, Concat(mistake->message, ": the node will fail"), mistake->hint).rule =
+        kUndefinedTerm;
   }
 
   void CheckInputs(const Flow& flow, const Node& node, const Invoke& invoke,
@@ -200,7 +210,12 @@ class EnvironmentChecker {
   }
 
   void CheckConstraint(const Constraint& constraint) {
-    if (constraint.time != Constraint::Time::kNone) return;  // the clock's own words
+    if (constraint.time != Constraint::Time::kNone) {  // the clock's own words, but for a place that is open
+      const Word& place = constraint.subject;
+      if (place.kind == Word::Kind::kTerm && place.term.IsIri())
+        CheckResource(place.term.lexical, place.span);
+      return;
+    }
     if (constraint.verb.kind == Word::Kind::kTerm) {
       CheckWord(constraint.verb.term.lexical, constraint.verb.span, "property", &Environment::IsProperty,
                 &Environment::Properties);
