@@ -4,6 +4,7 @@ import { createConnectTransport } from "@connectrpc/connect-web";
 import { Context } from "../gen/docent/v1/context_pb";
 import { Fleet } from "../gen/docent/v1/fleet_pb";
 import { Ontologies } from "../gen/docent/v1/ontologies_pb";
+import { Replays } from "../gen/docent/v1/replays_pb";
 import { RobotServices } from "../gen/docent/v1/robot_services_pb";
 import { Workflows } from "../gen/docent/v1/workflows_pb";
 import { plain } from "./errors";
@@ -32,5 +33,6 @@ export const workflows = createClient(Workflows, transport);
 export const fleet = createClient(Fleet, transport);
 export const services = createClient(RobotServices, transport);
 export const context = createClient(Context, transport);
+export const replays = createClient(Replays, createConnectTransport({ baseUrl, interceptors: [watch], defaultTimeoutMs: 120_000 })); // a past state is made again from the log
 export const ontologies = createClient(Ontologies, transport);
 export const workflowStreams = createClient(Workflows, streamTransport);

@@ -24,9 +24,10 @@ export function valueOf(term: Term | undefined): Value | undefined {
   }
 }
 
-export async function query(text: string, signal?: AbortSignal): Promise<Answer> {
+// `asOf`: of the graph as it was at this time or revision; empty: as it is now.
+export async function query(text: string, signal?: AbortSignal, asOf = ""): Promise<Answer> {
   const answer: Answer = { variables: [], rows: [], boolean: false, revision: 0n };
-  for await (const { part } of context.query({ query: text, timeoutMs: 8000 }, signal ? { signal } : {})) {
+  for await (const { part } of context.query({ query: text, timeoutMs: 8000, asOf }, signal ? { signal } : {})) {
     if (part.case === "header") Object.assign(answer, { variables: part.value.variables, boolean: part.value.boolean, revision: part.value.revision });
     else if (part.case === "row") answer.rows.push(Object.fromEntries(answer.variables.map((name, i) => [name, valueOf(part.value.values[i])])));
   }

@@ -9,6 +9,7 @@ import { useCommands } from "./commands";
 import { CommandPalette } from "./command_palette";
 import { KeysDialog } from "./keys_dialog";
 import { Link } from "./link";
+import { usePast } from "./past";
 import { navigate, paths, useRoute, type Route } from "./router";
 import { themeShown, toggleTheme, useTheme } from "./theme";
 import "./shell.css";
@@ -20,21 +21,24 @@ const RunPage = lazy(() => import("../operate/run_page"));
 const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
 const Desk = lazy(() => import("../desk/desk"));
+const TimeBar = lazy(() => import("../operate/time_bar"));
 
 const places = [
-  { title: "Compose", path: paths.documents(), icon: Workflow, views: ["documents", "compose"] },
-  { title: "Runs", path: paths.runs(), icon: ListChecks, views: ["runs", "run"] },
-  { title: "Hall", path: paths.hall(), icon: MapIcon, views: ["hall"] },
-  { title: "Waiting", path: paths.board(), icon: Timer, views: ["board"] },
-  { title: "Desk", path: paths.desk(), icon: ConciergeBell, views: ["desk"] },
+  { title: "Compose", path: paths.documents, icon: Workflow, views: ["documents", "compose"] },
+  { title: "Runs", path: paths.runs, icon: ListChecks, views: ["runs", "run"] },
+  { title: "Hall", path: paths.hall, icon: MapIcon, views: ["hall"] },
+  { title: "Waiting", path: paths.board, icon: Timer, views: ["board"] },
+  { title: "Desk", path: paths.desk, icon: ConciergeBell, views: ["desk"] },
 ];
+const timed = ["hall", "runs", "run"]; // views that can show the past
 
 export function App() {
   const route = useRoute();
   const theme = useTheme();
+  usePast(); // links take the time along
   const [open, setOpen] = useState<"commands" | "keys" | null>(null);
   useCommands([
-    ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path) })),
+    ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path()) })),
     { title: "All commands", group: "Everywhere", keys: "Mod+K", inFields: true, hidden: true, run: () => setOpen("commands") },
     { title: "Show the keys", group: "Everywhere", icon: Keyboard, keys: "?", run: () => setOpen("keys") },
     { title: themeShown() === "dark" ? "Light colours" : "Dark colours", words: "theme mode", group: "Everywhere", icon: theme === "dark" ? Sun : Moon, run: toggleTheme },
@@ -45,7 +49,7 @@ export function App() {
       <nav className="rail" aria-label="Views">
         <Link className="rail-mark" href={paths.documents()} aria-label="Docent, all workflows"><img src="/icon.svg" alt="" /></Link>
         {places.map((place) => (
-          <Link key={place.title} href={place.path} aria-current={place.views.includes(route.view) ? "page" : undefined}>
+          <Link key={place.title} href={place.path()} aria-current={place.views.includes(route.view) ? "page" : undefined}>
             <place.icon size={18} strokeWidth={1.8} />
             {place.title}
           </Link>
@@ -62,6 +66,7 @@ export function App() {
             <View route={route} />
           </Suspense>
         </Guard>
+        {timed.includes(route.view) && <Suspense><TimeBar run={route.view === "run" ? route.run : ""} /></Suspense>}
       </div>
       {open === "commands" && <CommandPalette onClose={() => setOpen(null)} />}
       {open === "keys" && <KeysDialog onClose={() => setOpen(null)} />}

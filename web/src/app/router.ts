@@ -1,5 +1,7 @@
 // Addresses of views: every view is a URL that restores it. Paths only; what a view keeps beside its name is in the query.
+// The time that a view shows is in the query as well, and the paths of those that can show the past take it along (past.ts).
 import { useSyncExternalStore } from "react";
+import { followAddress, timeInAddress } from "./past";
 
 export type Route =
   | { view: "documents" }
@@ -34,9 +36,9 @@ function decode(part: string): string {
 export const paths = {
   documents: () => "/compose",
   compose: (name: string, flow = "", step = "") => `/compose/${encodeURIComponent(name)}${query({ flow, step })}`,
-  runs: (state = "", workflow = "") => `/runs${query({ state, workflow })}`,
-  run: (id: string, node = "") => `/runs/${encodeURIComponent(id)}${query({ node })}`,
-  hall: (at = "") => `/hall${query({ at })}`,
+  runs: (state = "", workflow = "") => `/runs${query({ state, workflow, t: timeInAddress() })}`,
+  run: (id: string, node = "") => `/runs/${encodeURIComponent(id)}${query({ node, t: timeInAddress() })}`,
+  hall: (at = "") => `/hall${query({ at, t: timeInAddress() })}`,
   board: () => "/board",
   desk: (search = "") => `/desk${search}`,
 };
@@ -49,18 +51,23 @@ function query(values: Record<string, string>): string {
 const listeners = new Set<() => void>();
 function subscribe(listener: () => void) {
   listeners.add(listener);
-  window.addEventListener("popstate", listener);
-  return () => {
-    listeners.delete(listener);
-    window.removeEventListener("popstate", listener);
-  };
+  return () => void listeners.delete(listener);
+}
+function changed() {
+  followAddress();
+  for (const listener of listeners) listener();
+}
+// To be called once, at the start.
+export function startRouter() {
+  window.addEventListener("popstate", changed);
+  followAddress();
 }
 
 // `replace`: where the view stays and only its details change, so that Back leads to the view before.
 export function navigate(path: string, replace = false) {
   if (path === window.location.pathname + window.location.search) return;
   window.history[replace ? "replaceState" : "pushState"](null, "", path);
-  for (const listener of listeners) listener();
+  changed();
 }
 
 export function useRoute(): Route {

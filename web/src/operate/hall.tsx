@@ -1,12 +1,13 @@
 // The hall live: booths and regions from the graph, robots with pose, trail and task, people where they are.
 import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, QrCode, Route, Unplug, User, X } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
+import { useAsOf, useKept, useShown } from "../api/as_of";
 import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
-import { usePoll } from "../api/poll";
 import { useNames, type Names } from "../api/prefixes";
 import { query } from "../api/sparql";
 import { useCommands } from "../app/commands";
+import { usePast } from "../app/past";
 import { Link } from "../app/link";
 import { navigate, paths } from "../app/router";
 import { words } from "../cawl/names";
@@ -14,6 +15,7 @@ import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_
 import { attempt } from "./run_actions";
 import { HallDrawing, type Camera } from "./hall_drawing";
 import { type Layout, useLayout, usePeople } from "./layout";
+import { askRobots } from "./past_hall";
 import { clock } from "./states";
 import { TourPanel } from "./tour_panel";
 import type { Stop } from "../cawl/tour";
@@ -21,7 +23,10 @@ import { Fact } from "./why";
 import "./hall.css";
 
 export function useRobots() {
-  return useFollow("robots", { call: "docent.v1.Fleet/List", request: {}, reply: ListRobotsReplySchema, poll: (signal) => fleet.list({}, { signal }), everyMs: 150 });
+  const at = usePast();
+  const now = useFollow(at === null ? "robots" : "", { call: "docent.v1.Fleet/List", request: {}, reply: ListRobotsReplySchema, poll: (signal) => fleet.list({}, { signal }), everyMs: 150 });
+  const then = useAsOf("robots", at, askRobots);
+  return useKept("robots", at === null ? now : then);
 }
 
 export default function Hall({ picked }: { picked: string }) {
@@ -32,12 +37,13 @@ export default function Hall({ picked }: { picked: string }) {
   const [camera, setCamera] = useState<Camera | null>(null);
   const pickedIri = picked ? names.long(picked) : "";
   const [tour, setTour] = useState<Stop[] | null>(null);
+  const past = usePast() !== null;
   const pickTour = (iri: string) => {
     const shape = layout.data?.shapes.find((s) => s.iri === iri && s.kind === "booth");
     if (shape && tour) setTour([...tour, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }]);
   };
   const pick = (iri: string) => navigate(paths.hall(iri === pickedIri ? "" : iri && (names.short(iri) || iri)), true);
-  const trails = useTrails(robots.data?.robots);
+  const trails = useTrails(robots.data?.robots, past);
   useEffect(() => void (document.title = "Hall – Docent"), []);
   const list = robots.data?.robots ?? [];
   useCommands([
@@ -56,7 +62,7 @@ export default function Hall({ picked }: { picked: string }) {
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
         {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
-        {!tour && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
+        {!tour && !past && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
         <div className="hall-zoom">
           <button className="button icon" aria-label="Nearer" onClick={() => setCamera((c) => zoomed(c, layout.data, 0.8))}><Plus size={15} /></button>
           <button className="button icon" aria-label="Farther" onClick={() => setCamera((c) => zoomed(c, layout.data, 1.25))}><Minus size={15} /></button>
@@ -84,18 +90,24 @@ function zoomed(camera: Camera | null, layout: Layout | undefined, by: number): 
 }
 
 const trailPoints = 240;
+const leapM = 4;
 
-function useTrails(robots: readonly RobotStatus[] | undefined): ReadonlyMap<string, { x: number; y: number }[]> {
+// Of now, or of the past as far as it was played; a leap begins another one.
+function useTrails(robots: readonly RobotStatus[] | undefined, past: boolean): ReadonlyMap<string, { x: number; y: number }[]> {
   const trails = useRef(new Map<string, { x: number; y: number }[]>());
+  const ofPast = useRef(past);
   return useMemo(() => {
+    if (ofPast.current !== past) trails.current.clear();
+    ofPast.current = past;
     for (const r of robots ?? []) {
       if (!r.hasPose) continue;
       const trail = trails.current.get(r.robot) ?? [];
       const last = trail.at(-1);
-      if (!last || Math.hypot(last.x - r.xM, last.y - r.yM) > 0.08) trails.current.set(r.robot, [...trail.slice(-trailPoints), { x: r.xM, y: r.yM }]);
+      const far = last ? Math.hypot(last.x - r.xM, last.y - r.yM) : 0;
+      if (!last || far > 0.08) trails.current.set(r.robot, [...(past && far > leapM ? [] : trail.slice(-trailPoints)), { x: r.xM, y: r.yM }]);
     }
     return new Map(trails.current);
-  }, [robots]);
+  }, [robots, past]);
 }
 
 export function taskWords(robot: RobotStatus): string {
@@ -125,9 +137,10 @@ function RobotRow({ robot, names, onPick }: { robot: RobotStatus; names: Names; 
 
 function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: Layout | undefined; names: Names; onClose: () => void; again: () => void }) {
   const { iri, names } = props;
+  const past = usePast() !== null;
   const robot = props.robots.find((r) => r.robot === iri);
   const shape = props.layout?.shapes.find((s) => s.iri === iri);
-  const facts = usePoll(`facts ${iri}`, (signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal), 1500);
+  const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
   const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
   const here = props.robots.filter((r) => r.regions.includes(iri));
   return (
@@ -145,11 +158,11 @@ function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: L
             <p className="quiet">{taskWords(robot)}{robot.heldFor[0]?.step ? `, step ${robot.heldFor[0].step}` : ""}{robot.heldBy && <> for <Link href={paths.run(robot.heldBy, robot.heldFor[0]?.node ?? "")}>{robot.heldBy}</Link></>}</p>
             {robot.hasPose && <p className="faint small number">{robot.xM.toFixed(2)} m, {robot.yM.toFixed(2)} m, {Math.round((robot.headingRad * 180) / Math.PI)}°</p>}
             {robot.state === "offline" && robot.lastSeenUs > 0n && <p className="faint small">last seen {clock(robot.lastSeenUs)}</p>}
-            <div className="row">
+            {!past && <div className="row">
               {robot.outOfService
                 ? <button className="button small" onClick={() => attempt("The robot is in service", () => fleet.putInService({ robot: iri }), props.again)}>Put in service</button>
                 : <button className="button small" title="It gets no further command; what it does ends" onClick={() => attempt("The robot is out of service", () => fleet.takeOutOfService({ robot: iri, cancelCommands: false, reason: "" }), props.again)}>Take out of service</button>}
-            </div>
+            </div>}
             <p className="row" style={{ flexWrap: "wrap", gap: 5 }}>{robot.operations.map((o) => <span key={o} className="tag">{words(o)}</span>)}</p>
           </>
         )}

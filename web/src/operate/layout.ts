@@ -1,4 +1,5 @@
 // The hall as shapes: read from the graph, where it is described once for robots and people.
+import { useShown } from "../api/as_of";
 import { query, type Row } from "../api/sparql";
 import { usePoll, type Polled } from "../api/poll";
 
@@ -123,11 +124,14 @@ const peopleQuery = `${prologue}SELECT ?p (SAMPLE(?n) AS ?name) (SAMPLE(?r) AS ?
   { ?p a docent:Visitor } UNION { ?p a docent:Person } OPTIONAL { ?p docent:isAt ?r } OPTIONAL { ?p schema:name|rdfs:label ?n } OPTIONAL { ?p docent:x ?px ; docent:y ?py } FILTER(isIRI(?p))
 } GROUP BY ?p LIMIT 500`;
 
-export function usePeople(): Polled<Person[]> {
-  return usePoll("people", async (signal) => (await query(peopleQuery, signal)).rows.map((row) => ({
+async function askPeople(asOf: string, signal: AbortSignal): Promise<Person[]> {
+  return (await query(peopleQuery, signal, asOf)).rows.map((row) => ({
     iri: row["p"]?.text ?? "", name: row["name"]?.text ?? "", at: row["region"]?.text ?? "",
     x: row["x"] ? Number(row["x"].text) : null, y: row["y"] ? Number(row["y"].text) : null,
-  })), 2000);
+  }));
+}
+export function usePeople(): Polled<Person[]> {
+  return useShown("people", askPeople, 2000);
 }
 
 export function centre(ring: readonly Point[]): Point {

@@ -4,6 +4,7 @@ import { useState } from "react";
 import { workflows } from "../api/client";
 import { sentence } from "../api/errors";
 import { useCommands } from "../app/commands";
+import { usePast } from "../app/past";
 import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
@@ -21,7 +22,8 @@ export function RunActions({ run, again, keys }: { run: Run; again: () => void; 
   const [asking, setAsking] = useState(false);
   const [reason, setReason] = useState("");
   const [undo, setUndo] = useState(false);
-  const there = isLive(run.state);
+  const past = usePast() !== null;
+  const there = isLive(run.state) && !past;
   const pause = () => attempt("The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: false }), again);
   const resume = () => attempt("The run goes on", () => workflows.resume({ what: { case: "run", value: run.id } }), again);
   useCommands(there && keys ? [
@@ -53,7 +55,8 @@ export function RunActions({ run, again, keys }: { run: Run; again: () => void; 
 
 // A node that failed and waits for somebody.
 export function SettleButtons({ run, node, again }: { run: string; node: Node; again: () => void }) {
-  if (node.state !== "incident") return null;
+  const past = usePast() !== null;
+  if (past || node.state !== "incident") return null;
   const settle = (how: SettleRequest_How, words: string) => () => attempt(words, () => workflows.settle({ run, node: node.name, how }), again);
   return (
     <div className="row" style={{ flexWrap: "wrap" }}>

@@ -1,12 +1,14 @@
 // One run: its flow with live states, what it waits for and why, its history and its values.
-import { ChevronRight, CircleAlert, Workflow } from "lucide-react";
+import { ChevronRight, CircleAlert, History, Workflow } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
+import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { readTriples, useNames, type Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
 import { termText } from "../api/terms";
 import { Link } from "../app/link";
+import { usePast } from "../app/past";
 import { navigate, paths } from "../app/router";
 import { type Flow, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
@@ -14,19 +16,24 @@ import { loadDraft } from "../compose/drafts";
 import { usePalette } from "../compose/palette_data";
 import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
 import { FlowView } from "./flow_view";
+import { askRun } from "./past_runs";
 import { RunActions, SettleButtons } from "./run_actions";
 import { stateOf, useTicks } from "./runs";
 import { clock, duration, isLive, nowUs, StateTag } from "./states";
 import { Timeline } from "./timeline";
+import { PastWhyNot } from "./past_why";
 import { Fact, WhyNot } from "./why";
 import "./run_page.css";
 
 export default function RunPage({ id, node }: { id: string; node: string }) {
-  const polled = useFollow(`run ${id}`, { call: "docent.v1.Workflows/Get", request: { run: id }, reply: RunSchema, poll: (signal) => workflows.get({ run: id }, { signal }), everyMs: 250 });
+  const at = usePast();
+  const now = useFollow(at === null ? `run ${id}` : "", { call: "docent.v1.Workflows/Get", request: { run: id }, reply: RunSchema, poll: (signal) => workflows.get({ run: id }, { signal }), everyMs: 250 });
+  const then = useAsOf(`run ${id}`, at, async (asOf, signal) => (await askRun(id, asOf, signal)) ?? null);
+  const polled = useKept<Run | null>(`run ${id}`, at === null ? now : then);
   const run = polled.data;
   useTicks(1000);
   useEffect(() => void (document.title = `${id} – Docent`), [id]);
-  const flow = useFlow(run);
+  const flow = useFlow(run ?? undefined);
   const names = useNames();
   const palette = usePalette();
   const serviceKey = palette.entries.filter((e) => e.kind === "service").map((e) => e.id).join("\n");
@@ -37,7 +44,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   if (!run)
     return (
       <main className="view nothing">
-        {polled.error ? <><CircleAlert size={28} /><h1>{polled.error.kind === "missing" ? `There is no run ${id}` : polled.error.title}</h1><p>{polled.error.kind === "missing" ? "It may have ended long ago: only the newest ended runs are kept." : polled.error.detail}</p><p><Link href={paths.runs()}>Show all runs</Link></p></> : <p aria-busy="true">Loading…</p>}
+        {run === null && at !== null ? <><History size={28} /><h1>{id} had not begun yet</h1><p>At {clock(BigInt(at) * 1000n)} there was no such run.</p></> : polled.error ? <><CircleAlert size={28} /><h1>{polled.error.kind === "missing" ? `There is no run ${id}` : polled.error.title}</h1><p>{polled.error.kind === "missing" ? "It may have ended long ago: only the newest ended runs are kept." : polled.error.detail}</p><p><Link href={paths.runs()}>Show all runs</Link></p></> : <p aria-busy="true">Loading…</p>}
       </main>
     );
   return (
@@ -61,7 +68,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
         )}
         <aside className="dock run-dock">
           <div className="segments run-tabs" role="tablist">
-            {([["now", chosen ? chosen.name : "Now"], ["history", "History"], ["values", "Values"]] as const).map(([key, title]) => <button key={key} role="tab" aria-selected={tab === key} className="cut" onClick={() => setTab(key)}>{title}</button>)}
+            {([["now", chosen ? chosen.name : at === null ? "Now" : "Then"], ["history", "History"], ["values", "Values"]] as const).map(([key, title]) => <button key={key} role="tab" aria-selected={tab === key} className="cut" onClick={() => setTab(key)}>{title}</button>)}
           </div>
           <div className="run-details" tabIndex={0} aria-label="Details">
             {tab === "now" && (chosen ? <NodeDetails run={run} node={chosen} names={names} again={polled.again} /> : <Now run={run} names={names} again={polled.again} />)}
@@ -113,6 +120,7 @@ function Now({ run, names, again }: { run: Run; names: Names; again: () => void 
 
 function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node; names: Names; again: () => void; titled?: boolean }) {
   const because = readTriples(node.firedBecause, names.short);
+  const past = usePast() !== null;
   return (
     <section className="run-section">
       <div className="row">
@@ -130,7 +138,7 @@ function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node
           {i.awaits.map((a) => <p key={a.robot} className="small faint">{localName(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{a.heldBy}</Link></>}</p>)}
         </div>
       ))}
-      {node.waitsFor && <><h3>Why not yet?</h3><WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} /></>}
+      {node.waitsFor && <><h3>Why not yet?</h3>{past ? <PastWhyNot run={run.id} node={node.name} names={names} /> : <WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} />}</>}
       {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} />)}</ul></>}
     </section>
   );

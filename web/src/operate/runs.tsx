@@ -1,14 +1,17 @@
 // All runs: which are live, where each stands, and how the others ended.
 import { ListChecks, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
+import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { localName } from "../api/sparql";
 import { useCommands } from "../app/commands";
 import { Link } from "../app/link";
+import { usePast } from "../app/past";
 import { navigate, paths } from "../app/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
 import { words } from "../cawl/names";
+import { askRuns } from "./past_runs";
 import { clock, duration, isLive, nowUs, StateTag } from "./states";
 import "./runs.css";
 
@@ -16,7 +19,10 @@ const filters = [["", "All"], ["live", "Live"], ["incident", "Needs you"], ["don
 const shownAtOnce = 200;
 
 export function useRuns() {
-  return useFollow("runs", { call: "docent.v1.Workflows/ListRuns", request: {}, reply: ListRunsReplySchema, poll: (signal) => workflows.listRuns({}, { signal }), everyMs: 500 });
+  const at = usePast();
+  const now = useFollow(at === null ? "runs" : "", { call: "docent.v1.Workflows/ListRuns", request: {}, reply: ListRunsReplySchema, poll: (signal) => workflows.listRuns({}, { signal }), everyMs: 500 });
+  const then = useAsOf("runs", at, askRuns);
+  return useKept("runs", at === null ? now : then);
 }
 
 // "running", and "paused" or "incident" where that says more.

@@ -1,5 +1,6 @@
 // States of runs and nodes as icon and words, never by colour alone; times for people.
 import { Ban, CircleAlert, CircleCheck, CircleDashed, CirclePause, Hourglass, LoaderCircle, Send, SkipForward, Undo2, type LucideIcon } from "lucide-react";
+import { shownNow } from "../app/past";
 
 interface Look {
   words: string;
@@ -47,4 +48,5 @@ export function clock(us: bigint): string {
   const today = at.toDateString() === new Date().toDateString();
   return at.toLocaleString([], { ...(!today && { day: "numeric", month: "short" }), hour: "2-digit", minute: "2-digit", second: "2-digit" });
 }
-export const nowUs = () => BigInt(Date.now()) * 1000n;
+// The time that is shown: of the past where that is shown.
+export const nowUs = () => BigInt(shownNow()) * 1000n;

@@ -6,6 +6,7 @@ import { type RunEvent, RunEventSchema } from "../gen/docent/v1/workflows_pb";
 import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
+import { showTime, usePast } from "../app/past";
 import { clock, look } from "./states";
 
 const kept = 2000;
@@ -75,8 +76,10 @@ export function detailWords(event: RunEvent, names: Names): string {
 
 export function Timeline({ run, names, picked, onPick }: { run: string; names: Names; picked: string; onPick: (node: string) => void }) {
   const { events, whole } = useRunEvents(run);
-  const shown = picked ? events.filter((e) => e.node === picked) : events;
-  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{events.length === 0 ? "What happens from now on stands here." : `Nothing of ${picked} yet.`}</p>;
+  const at = usePast();
+  const until = at === null ? events : events.filter((e) => Number(e.timeUs) / 1000 <= at);
+  const shown = picked ? until.filter((e) => e.node === picked) : until;
+  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{until.length === 0 && at !== null ? "Nothing had happened yet." : events.length === 0 ? "What happens from now on stands here." : `Nothing of ${picked} yet.`}</p>;
   return (
     <ol className="timeline">
       {!whole && <li className="faint small">What was before is no longer kept.</li>}
@@ -89,7 +92,7 @@ export function Timeline({ run, names, picked, onPick }: { run: string; names: N
               <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "run"}</button> <span className="faint">{e.kind !== "node" && e.kind !== "run" ? `${e.kind} ` : ""}{words}</span></div>
               {detailWords(e, names) && <div className="timeline-detail">{detailWords(e, names)}</div>}
             </div>
-            <time className="faint number small">{clock(e.timeUs)}</time>
+            <button className="timeline-time faint number small" title="Show this time" onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}>{clock(e.timeUs)}</button>
           </li>
         );
       })}

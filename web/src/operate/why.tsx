@@ -5,6 +5,7 @@ import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
+import { usePast } from "../app/past";
 import { quadOf, quadText, termOf } from "../api/terms";
 import type { MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";
@@ -22,6 +23,7 @@ export function Fact({ words, names, short }: { words: readonly string[]; names:
   const [proof, setProof] = useState<Proof | null>(null);
   const [state, setState] = useState<"closed" | "asking" | "open">("closed");
   const [error, setError] = useState<PlainError | null>(null);
+  const past = usePast() !== null; // proofs are of now
   const ask = async () => {
     if (state !== "closed") return setState("closed");
     setState("asking");
@@ -40,9 +42,9 @@ export function Fact({ words, names, short }: { words: readonly string[]; names:
     <li className="fact">
       <div className="fact-row">
         <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
-        <button className="button plain small" aria-expanded={state === "open"} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>
+        {!past && <button className="button plain small" aria-expanded={state === "open"} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>}
       </div>
-      {state === "open" && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It does not hold any more.</p>)}
+      {state === "open" && !past && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It does not hold any more.</p>)}
     </li>
   );
 }

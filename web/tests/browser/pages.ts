@@ -7,7 +7,7 @@ import { expect, inject, onTestFailed } from "vitest";
 
 const web = join(import.meta.dirname, "../..");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-export const patienceMs = 300_000; // for what comes at once on an idle machine; others may have nearly all of a busy one
+export const patienceMs = 1000 * Number(process.env["DOCENT_PATIENCE_S"] ?? 300); // for what comes at once on an idle machine; others may have nearly all of a busy one
 
 export interface PageOptions {
   dark?: boolean;

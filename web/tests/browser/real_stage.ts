@@ -1,7 +1,7 @@
 // The world of scenario s01 on a real server, with a real robot, in the one browser.
 import type { Page } from "playwright-core";
-import { expect } from "vitest";
-import { type PageOptions, Pages, picture } from "./pages";
+import { expect, vi } from "vitest";
+import { type PageOptions, Pages, patienceMs, picture } from "./pages";
 import { Processes } from "./processes";
 
 export const expo = "https://w3id.org/docent/expo#";
@@ -33,6 +33,22 @@ export class RealStage {
   }
   picture(page: Page, name: string): Promise<void> {
     return picture(page, `real-${name}`);
+  }
+  // Waits until it is so: of the server, outside of pages.
+  until(what: () => Promise<boolean>): Promise<boolean> {
+    return vi.waitUntil(what, { timeout: patienceMs, interval: 100 });
+  }
+  // John is guided to a booth, from his choice to the end of the run BoothGuide-1. Needs a robot, the services and the workflow.
+  async guideJohn(booth: string) {
+    const run = () => this.call<{ state: string; nodes: { name: string; state: string }[] }>("Workflows/Get", { run: "BoothGuide-1" }).catch(() => ({ state: "", nodes: [] }));
+    const waits = (node: string) => this.until(async () => (await run()).nodes.some((n) => n.name === node && n.state === "waiting"));
+    this.processes.tell("--reading", "expo:DoorSensor=tag-17");
+    this.processes.tell("expo:John docent:chose expo:BoothGuideService");
+    await waits("Move2Booth");
+    this.processes.tell(`expo:John docent:selected ${booth}`);
+    await waits("InfoBooth");
+    this.processes.tell(`expo:John docent:isAt ${booth}`);
+    await this.until(async () => (await run()).state === "done");
   }
   // A call of the API, as a script makes it.
   async call<T>(method: string, request: object = {}): Promise<T> {
