@@ -10,6 +10,7 @@ import { createConnectTransport } from "@connectrpc/connect-web";
 import { AssertRequestSchema, Context, type AssertReply } from "./gen/docent/v1/context_pb.js";
 import { Fleet } from "./gen/docent/v1/fleet_pb.js";
 import { Ontologies } from "./gen/docent/v1/ontologies_pb.js";
+import { Replays } from "./gen/docent/v1/replays_pb.js";
 import { RobotServices } from "./gen/docent/v1/robot_services_pb.js";
 import type { Quad } from "./gen/docent/v1/term_pb.js";
 import { Workflows } from "./gen/docent/v1/workflows_pb.js";
@@ -19,6 +20,7 @@ import { type Value, valueOf } from "./terms.js";
 export * from "./gen/docent/v1/context_pb.js";
 export * from "./gen/docent/v1/fleet_pb.js";
 export * from "./gen/docent/v1/ontologies_pb.js";
+export * from "./gen/docent/v1/replays_pb.js";
 export * from "./gen/docent/v1/robot_services_pb.js";
 export * from "./gen/docent/v1/term_pb.js";
 export * from "./gen/docent/v1/workflows_pb.js";
@@ -35,6 +37,7 @@ export interface Docent {
   readonly context: Client<typeof Context>;
   readonly fleet: Client<typeof Fleet>;
   readonly ontologies: Client<typeof Ontologies>;
+  readonly replays: Client<typeof Replays>;
   readonly services: Client<typeof RobotServices>;
   readonly workflows: Client<typeof Workflows>;
   // Tells facts. A call that is repeated with the same id after a lost connection is applied once.
@@ -54,7 +57,7 @@ export function connectDocent(address: string, options: DocentOptions = {}): Doc
   const context = createClient(Context, transport);
   const live = new LiveConnection(() => new WebSocket(`${address.replace(/^http/, "ws").replace(/\/$/, "")}/live`) as Socket);
   const docent: Docent = {
-    context, fleet: createClient(Fleet, transport), ontologies: createClient(Ontologies, transport), services: createClient(RobotServices, transport), workflows: createClient(Workflows, transport),
+    context, fleet: createClient(Fleet, transport), ontologies: createClient(Ontologies, transport), replays: createClient(Replays, transport), services: createClient(RobotServices, transport), workflows: createClient(Workflows, transport),
     tell: (add, { source = "", remove = [], requestId = crypto.randomUUID() } = {}) => context.assert(create(AssertRequestSchema, { requestId, source, add: [...add], remove: [...remove] })),
     select: async (query, signal) => (await read(context, query, signal)).rows,
     ask: async (query, signal) => (await read(context, query, signal)).boolean,

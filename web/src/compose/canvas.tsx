@@ -11,7 +11,9 @@ import { placed, placeSteps, stepHeight, stepWidth } from "../cawl/placing";
 import type { Actions, AddWhere, NewKind } from "./actions";
 import type { Finding } from "./findings";
 import { LinkEdge, type LinkEdgeType } from "./link_edge";
+import { look } from "../operate/states";
 import { StepCard, stepWords, type StepNode } from "./step_card";
+import type { StepTrial } from "./trials";
 import "./canvas.css";
 
 export interface CanvasProps {
@@ -21,6 +23,7 @@ export interface CanvasProps {
   selected: ReadonlySet<string>; // keys of steps
   selectedLinks: ReadonlySet<string>;
   refreshed: number;
+  trial: ReadonlyMap<string, StepTrial> | null; // how a past run would go, by the names of steps
   actions: Actions;
   onSelect: (steps: string[], links: string[]) => void;
   onQuickAdd: (where: AddWhere) => void;
@@ -45,7 +48,7 @@ export function Canvas(props: CanvasProps) {
 }
 
 function useNodes(props: CanvasProps): StepNode[] {
-  const { shown, findings, serviceNames, selected } = props;
+  const { shown, findings, serviceNames, selected, trial } = props;
   const order = useMemo(() => inFlowOrder(shown.steps, shown.links), [shown]);
   const places = useMemo(() => placeSteps(shown.steps, shown.links), [shown]);
   return useMemo(
@@ -58,14 +61,15 @@ function useNodes(props: CanvasProps): StepNode[] {
       }
       return order.map((step): StepNode => {
         const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
-        const data = { step, serviceNames, errors, warnings };
+        const tried = trial?.get(step.name);
+        const data = { step, serviceNames, errors, warnings, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would go otherwise here" }) };
         return {
           id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
           deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),
         };
       });
     },
-    [order, places, findings, serviceNames, selected, shown],
+    [order, places, findings, serviceNames, selected, shown, trial],
   );
 }
 

@@ -58,7 +58,7 @@ export function ConditionEditor(props: ConditionProps) {
 }
 
 // The rows that an ask is made of: one, or all of a situation.
-function rowsOf(id: string, rows: readonly { id: string; constraint: Constraint }[]): Constraint[] {
+export function rowsOf(id: string, rows: readonly { id: string; constraint: Constraint }[]): Constraint[] {
   return rows.filter((row) => row.id === id || row.id.startsWith(`${id}.`)).map((row) => row.constraint);
 }
 

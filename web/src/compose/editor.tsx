@@ -1,6 +1,7 @@
 // The open document: palette, canvas, properties and text, with one selection and one undo stack over all of them.
-import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles } from "lucide-react";
+import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles } from "lucide-react";
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
+import { useNames } from "../api/prefixes";
 import { useCommands, type Command } from "../app/commands";
 import { Link as AppLink } from "../app/link";
 import { navigate, paths } from "../app/router";
@@ -29,6 +30,8 @@ import { KindIcon } from "./step_card";
 import { TextPane } from "./text_pane";
 import { textSetup } from "./text_setup";
 import { usePanels } from "./panels";
+import { stepTrials, useTrials } from "./trials";
+import { TrialsPanel } from "./trials_panel";
 import { useVocabulary } from "./vocabulary";
 import "./editor.css";
 
@@ -88,6 +91,12 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const panels = usePanels();
   const palette = usePalette();
   const findings = useFindings(session);
+  const names = useNames();
+  const trials = useTrials(document.name, session.shown.text, findings);
+  const [trialsOpen, setTrialsOpen] = useState(false);
+  const [tried, setTried] = useState(""); // the run whose trial the canvas shows
+  const reply = trials.list.find((t) => t.run === tried)?.reply ?? null;
+  const trial = useMemo(() => (reply && trialsOpen ? stepTrials(reply) : null), [reply, trialsOpen]);
   const prefixes = useMemo(() => prefixesOf(document), [document]);
   const prefixKey = JSON.stringify([...prefixes]);
   const vocabulary = useVocabulary(useMemo(() => new Map(JSON.parse(prefixKey) as [string, string][]), [prefixKey]));
@@ -161,6 +170,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     { title: "Tidy up", group: "Document", icon: Sparkles, keys: "Shift+T", words: "layout arrange", run: () => actions.tidy() },
     { title: "Deploy", group: "Document", icon: Rocket, keys: "Mod+Enter", words: "publish", run: () => setOpen({ what: "deploy" }) },
     { title: "Start a run", group: "Document", icon: Play, keys: "R", run: () => setOpen({ what: "start" }) },
+    { title: "Try on past runs", group: "Document", icon: History, keys: "Shift+R", words: "replay test simulate", run: () => setTrialsOpen(!trialsOpen) },
     { title: "Import steps", group: "Document", words: "wsdl grpc adapter", run: () => setOpen({ what: "import" }) },
     { title: "Save a copy as a file", group: "Document", icon: Download, keys: "Mod+S", inFields: true, run: () => saveFile(`${document.name || name}.cawl.xml`, session.written) },
     { title: "Show or hide the text", group: "Document", icon: CodeXml, keys: "T", run: () => panels.toggle("text") },
@@ -206,7 +216,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onImport={() => setOpen({ what: "import" })} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
         <div className="stage">
           {shown ? (
-            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={(key) => openStep(shown.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target, document.flows.map((f) => f.key), name, rename)}>
+            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} trial={trial} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={(key) => openStep(shown.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target, document.flows.map((f) => f.key), name, rename)}>
               {shown.steps.filter((s) => s.kind === "node").length === 0 && <FirstSteps onAdd={() => quickAdd(where(shown))} />}
               {document.problems.length > 0 && <div className="broken" role="status">The text has a mistake. You see the last good steps; what is dashed can't be changed until it is mended.</div>}
             </Canvas>
@@ -214,11 +224,12 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
             <div className="nothing grow"><h2>There is no flow to show</h2><p>The text needs a &lt;CAWL&gt; element with a &lt;flow&gt; in it. Undo brings the last text back.</p></div>
           )}
           <FindingsPanel findings={findings} lineOf={(offset) => session.view.state.doc.lineAt(Math.min(offset, session.view.state.doc.length)).number} open={findingsOpen} onToggle={() => setFindingsOpen(!findingsOpen)} onFix={onFix} onJump={onJump} />
+          {document.name && <TrialsPanel trials={trials} text={session.shown.text} names={names} open={trialsOpen} chosen={tried} onToggle={() => setTrialsOpen(!trialsOpen)} onChoose={setTried} onStep={(step) => shown?.steps.some((s) => s.name === step) && onSelect([step], [], true)} />}
         </div>
         <aside className="dock" style={{ width: panels.width }} aria-label="Properties and text">
           <div className="dock-grip" role="separator" aria-orientation="vertical" aria-label="Width of the text" aria-valuenow={panels.width} aria-valuemin={320} aria-valuemax={Math.max(320, window.innerWidth - 420)} tabIndex={0} onPointerDown={panels.grip} onKeyDown={panels.gripKeys} />
           <div className="dock-properties">
-            {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} />}
+            {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} runs={trials.list} />}
           </div>
           <TextPane session={session} findings={findings.list} onFix={onFix} onCaret={(offset) => {
             const part = partAt(session.shown, offset);

@@ -13,6 +13,8 @@ import { FindingRow } from "./findings_panel";
 import type { PaletteEntry } from "./palette_data";
 import type { Session } from "./session";
 import { KindIcon } from "./step_card";
+import type { Trial } from "./trials";
+import { TryStep } from "./try_step";
 import type { Vocabulary } from "./vocabulary";
 import "./properties.css";
 
@@ -30,6 +32,7 @@ export interface PropertiesProps {
   onFix: (finding: Finding) => void;
   onJump: (finding: Finding) => void;
   onCopy: () => void;
+  runs: readonly Trial[]; // that a step can be tried on
 }
 
 export function Properties(props: PropertiesProps) {
@@ -115,6 +118,9 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
               );
             })}
             <Combo label="Add something to do" placeholder="Add an operation, service or workflow" value="" choices={what} onChange={(value) => value && edit((e) => e.addInvoke(step, props.palette.find((p) => p.id === value)?.kind === "workflow" ? "subflow" : "operation", value))} />
+          </Section>
+          <Section title="Try without a robot" folded>
+            <TryStep document={document} flow={flow.name} step={step} place={`flow ${flow.name} / node ${step.name}`} variables={variables} compiled={props.compiled} palette={props.palette} runs={props.runs} text={session.written} />
           </Section>
           <Section title="More" folded={!(step.timeout || step.retry || step.forEach || step.whileHolds || step.documentation)}>
             <Field label="Description" lines={2} value={step.documentation} placeholder="What happens here, for people" onDone={(text) => edit((e) => e.setDocumentation(step, text))} />

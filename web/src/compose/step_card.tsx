@@ -1,6 +1,6 @@
 // A step on the canvas: what it does, what opens it, and what is wrong with it.
 import { Handle, Position, type Node, type NodeProps } from "@xyflow/react";
-import { Bot, CircleAlert, Clock3, Flag, Play, Repeat2, RotateCw, TriangleAlert, Unlink, Workflow, Wrench, Zap } from "lucide-react";
+import { Bot, CircleAlert, Clock3, Flag, GitCompareArrows, Play, Repeat2, RotateCw, TriangleAlert, Unlink, Workflow, Wrench, Zap } from "lucide-react";
 import { memo } from "react";
 import type { Step } from "../cawl/document";
 import { conditionRows } from "../cawl/phrases";
@@ -13,6 +13,7 @@ export interface StepData extends Record<string, unknown> {
   serviceNames: ReadonlySet<string>; // which operations are services
   state?: string; // of a run
   stateLabel?: string;
+  differs?: string; // in words: a past run would go otherwise here
 }
 export type StepNode = Node<StepData, "step">;
 
@@ -42,6 +43,7 @@ export const StepCard = memo(function StepCard({ data, selected, isConnectable }
       <header>
         <span className="cut" title={step.documentation || undefined}>{step.name || "(no name)"}</span>
         {data.stateLabel && <span className={`state-chip ${data.state}`}>{data.stateLabel}</span>}
+        {data.differs && <span className="step-differs" title={data.differs}><GitCompareArrows size={12} aria-hidden />otherwise</span>}
         {step.forEach && <span className="step-mark" title={`Once for each ${step.forEach}`}><Repeat2 size={13} /></span>}
         {step.retry && <span className="step-mark" title={`Tried again ${step.retry} times`}><RotateCw size={12} /></span>}
         {step.timeout && <span className="step-mark" title={`Ends after ${step.timeout}`}><Clock3 size={12} />{step.timeout}</span>}
@@ -86,5 +88,5 @@ export function stepWords(data: StepData): string {
   if (step.kind !== "node") return `${step.kind === "source" ? "Begin" : "End"}: ${step.name}`;
   const does = step.invokes.map((i) => words(i.target)).join(", ");
   const rows = step.condition ? conditionRows(step.condition) : [];
-  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.stateLabel, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
+  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.stateLabel, data.differs, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
 }
