@@ -11,7 +11,7 @@ namespace docent::robot {
 namespace {
 
 constexpr char kStyle[] = R"css(
-  :root { --ink: #1d2733; --soft: #5b6b7c; --paper: #f6f4ef; --accent: #c8552b; --card: #ffffff; --line: #d9d4c8; }
+  :root { --ink: #1d2733; --soft: #5b6b7c; --paper: #f6f4ef; --accent: #ad4620; --card: #ffffff; --line: #d9d4c8; }
   * { box-sizing: border-box; }
   body { margin: 0; min-height: 100vh; background: var(--paper); color: var(--ink);
          font: 20px/1.55 "Source Sans 3", "Noto Sans", "DejaVu Sans", system-ui, sans-serif; }
@@ -29,6 +29,11 @@ constexpr char kStyle[] = R"css(
   figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .8em; padding: 1rem; }
   figcaption { color: var(--soft); font-size: .85rem; margin-top: .6em; }
   svg { display: block; width: 100%; height: auto; }
+  #spoken { position: fixed; inset: auto 0 0 0; margin: 0; padding: 1rem 3vw; background: var(--ink); color: #aab4bf;
+            font-size: 1.35rem; line-height: 1.4; }
+  #spoken .said { color: #fff; }
+  #spoken .now { color: #fff; background: var(--accent); border-radius: .2em; box-shadow: 0 0 0 .15em var(--accent); }
+  body:has(#spoken:not([hidden])) { padding-bottom: 9rem; }
 )css";
 
 std::string PointsOf(const maps::Polygon& polygon, double height_m) {
@@ -74,7 +79,7 @@ std::string PlanOf(const maps::HallLayout& hall, std::string_view booth_iri, con
   if (robot != nullptr) {
     absl::StrAppendFormat(
         &svg,
-        "<g transform=\"translate(%.2f %.2f) rotate(%.1f)\"><circle r=\".55\" fill=\"#c8552b\"/>"
+        "<g transform=\"translate(%.2f %.2f) rotate(%.1f)\"><circle r=\".55\" fill=\"#ad4620\"/>"
         "<path d=\"M.5 0 -.2 .28 -.2 -.28Z\" fill=\"#fff\"/></g>",
         robot->x_m, top - robot->y_m, -robot->heading_rad * 180 / std::numbers::pi);
   }
@@ -87,7 +92,9 @@ std::string Document(const std::string& title, const std::string& hall_name, std
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>", title,
       "</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>", kStyle,
       "</style>\n</head>\n<body>\n<header><span>", EscapeHtml(hall_name), "</span><span>",
-      EscapeHtml(robot_name), "</span></header>\n<main>\n", body, "</main>\n</body>\n</html>\n");
+      EscapeHtml(robot_name), "</span></header>\n<main>\n", body,
+      "</main>\n<p id=\"spoken\" hidden></p>\n<script src=\"/-/screen.js\" "
+      "defer></script>\n</body>\n</html>\n");
 }
 
 }  // namespace

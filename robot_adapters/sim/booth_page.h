@@ -13,7 +13,8 @@ namespace docent::robot {
 // &, <, >, " and ' as character references.
 std::string EscapeHtml(std::string_view text);
 
-// A complete HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside.
+// A complete HTML 5 document: style and a plan of the hall with booth and robot are inside. A script of the screen
+// (ScreenServer) shows below it what the robot says; without it the page is whole.
 // The texts of `booth` are plain text; they are escaped here.
 std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
                       std::string_view robot_name);

@@ -161,6 +161,15 @@ void GuideBody::Fail(std::string message) {
   drive_ = {DriveStatus::State::kFailed, drive_.progress, std::move(message)};
 }
 
+double GuideBody::deviation_m() const {
+  const std::array<double, 9>& covariance = localiser_.estimate().covariance;
+  return std::sqrt(std::max(0.0, covariance[0] + covariance[4]));
+}
+
+std::vector<Point2> GuideBody::path() const {
+  return drive_.state == DriveStatus::State::kDriving ? follower_.path() : std::vector<Point2>();
+}
+
 DriveReport GuideBody::Report() const {
   DriveReport report;
   report.seed = seed_;

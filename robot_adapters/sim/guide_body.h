@@ -61,6 +61,8 @@ class GuideBody {
 
   bool localised() const { return localiser_.estimate().localised; }
   const maps::Pose2& estimate() const { return estimate_; }  // in the hall; odometry carries it between scans
+  double deviation_m() const;                                // standard deviation of the estimated position
+  std::vector<maps::Point2> path() const;  // that it drives along, from its start; empty: it does not drive
   const maps::Pose2& truth() const { return base_.truth(); }
   double time_s() const { return static_cast<double>(ticks_) * settings_.tick_s; }
   DriveReport Report() const;

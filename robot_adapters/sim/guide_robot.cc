@@ -10,7 +10,9 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/synchronization/notification.h"
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "maps/regions.h"
 #include "robot_adapters/sdk/decimal.h"
@@ -35,7 +37,19 @@ constexpr double kRegionMarginM = 0.15;   // margin for leaving a region, see Re
 // A pose is reported again after a move of this length; the filter's noise of a standing robot is smaller.
 constexpr double kToldMoveM = 0.02;
 constexpr double kToldTurnRad = 0.02;
+constexpr double kToldDeviationM = 0.05;                  // the deviation is reported in steps of this length
 constexpr std::chrono::milliseconds kScreenChange{1500};  // simulated time until a page can be read
+
+// "LINESTRING(1.00 2.00, 3.00 4.00)" in the hall frame.
+Term LineOf(const std::vector<Point2>& path) {
+  return Term::Literal(absl::StrCat("LINESTRING(",
+                                    absl::StrJoin(path, ", ",
+                                                  [](std::string* out, const Point2& p) {
+                                                    absl::StrAppendFormat(out, "%.2f %.2f", p.x_m, p.y_m);
+                                                  }),
+                                    ")"),
+                       Concat(kGeoNs, "wktLiteral"));
+}
 
 absl::Status CheckOptions(const GuideRobotOptions& options) {
   if (!(options.speed >= 0.1 && options.speed <= 100)) {
@@ -100,7 +114,7 @@ class GuideRobot::Impl {
 
     AdapterOptions adapter = options_.adapter;
     adapter.journal_path = options_.folder + "/commands.journal";
-    adapter.transient_states = {DocentIri("isAt"), DocentIri("screenPage")};
+    adapter.transient_states = {DocentIri("isAt"), DocentIri("screenPage"), DocentIri("plannedPath")};
     auto started = RobotAdapter::Start(adapter, Operations());
     if (!started.ok()) return started.status();
     {
@@ -324,8 +338,13 @@ class GuideRobot::Impl {
     constexpr int kParts = 20;
     for (int i = 0; i < kParts; ++i) {
       context.ReportProgress(static_cast<double>(i) / kParts, "speaking");
-      if (!context.SleepFor(Scaled(*length) / kParts)) return absl::CancelledError("stopped while speaking");
+      screen_->Say(text, language, static_cast<double>(i) / kParts);
+      if (!context.SleepFor(Scaled(*length) / kParts)) {
+        screen_->Say("", "", 0);
+        return absl::CancelledError("stopped while speaking");
+      }
     }
+    screen_->Say("", "", 0);
     return NamedTerms{{"file", Term::Literal(file)}};
   }
 
@@ -369,6 +388,16 @@ class GuideRobot::Impl {
         facts.emplace_back(DocentIri("y"), Decimal(pose.estimate.y_m, 3));
         facts.emplace_back(DocentIri("heading"), Decimal(pose.estimate.heading_rad, 3));
       }
+      const int steps = static_cast<int>(std::ceil(pose.deviation_m / kToldDeviationM));
+      if (steps != told_deviation_) {
+        told_deviation_ = steps;
+        facts.emplace_back(DocentIri("positionDeviation"), Decimal(steps * kToldDeviationM, 2));
+      }
+    }
+    if (told_path_ != pose.path) {
+      told_path_ = pose.path;
+      facts.emplace_back(DocentIri("plannedPath"),
+                         pose.path.size() > 1 ? std::optional(LineOf(pose.path)) : std::nullopt);
     }
     adapter_->facts().SetAll(options_.adapter.robot, std::move(facts));
   }
@@ -383,6 +412,8 @@ class GuideRobot::Impl {
   std::atomic<int> texts_said_ = 0;
   const maps::Region* region_ ABSL_GUARDED_BY(mutex_) = nullptr;  // last reported as docent:isAt
   std::optional<Pose2> told_ ABSL_GUARDED_BY(mutex_);
+  int told_deviation_ ABSL_GUARDED_BY(mutex_) = -1;  // in steps of kToldDeviationM
+  std::vector<Point2> told_path_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<RobotAdapter> adapter_;
 };
 

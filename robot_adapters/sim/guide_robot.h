@@ -2,7 +2,8 @@
 // operations through the sdk, reports its context as facts, shows pages and speaks.
 //
 // Operations: moveToUser(user), moveToBooth(booth), displayBoothInfo(booth), briefBoothInfo(booth). Facts:
-// docent:x, docent:y, docent:heading, docent:isAt, docent:localised, docent:screenPage, docent:spokenFile;
+// docent:x, docent:y, docent:heading, docent:positionDeviation, docent:plannedPath, docent:isAt,
+// docent:localised, docent:screenPage, docent:spokenFile;
 // docent:status, docent:currentCommand and docent:progress by the sdk. The body's thread ticks it; operations
 // run on the sdk's threads and share it under a lock.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_ROBOT_H_

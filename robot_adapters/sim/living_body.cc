@@ -17,6 +17,10 @@ constexpr std::chrono::milliseconds kLookPeriod{20};
 // A process that was stopped for longer than this does not catch up: its world stopped with it.
 constexpr std::chrono::milliseconds kMostBehind{200};
 
+LivingBody::Pose PoseOf(const GuideBody& body) {
+  return {body.estimate(), body.localised(), body.deviation_m(), body.path()};
+}
+
 }  // namespace
 
 LivingBody::LivingBody(std::unique_ptr<GuideBody> body, double speed, std::string world_path,
@@ -52,7 +56,7 @@ void LivingBody::Live() {
       absl::MutexLock lock(&mutex_);
       if (ending_) break;
       body_->Tick();
-      pose = {body_->estimate(), body_->localised()};
+      pose = PoseOf(*body_);
       truth = body_->truth();
       time_s = body_->time_s();
     }
@@ -123,7 +127,7 @@ absl::Status LivingBody::Drive(const maps::Pose2& goal_in_hall, OperationContext
 
 LivingBody::Pose LivingBody::pose() const {
   absl::MutexLock lock(&mutex_);
-  return {body_->estimate(), body_->localised()};
+  return PoseOf(*body_);
 }
 
 DriveReport LivingBody::Report() const {

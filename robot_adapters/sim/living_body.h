@@ -22,6 +22,8 @@ class LivingBody {
   struct Pose {
     maps::Pose2 estimate;
     bool localised = false;
+    double deviation_m = 0;          // standard deviation of the estimated position
+    std::vector<maps::Point2> path;  // that it drives along; empty: it does not drive
   };
   // The body's thread calls `on_pose` four times a real second. It saves the world to `world_path` once a
   // simulated second.

@@ -12,6 +12,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/synchronization/mutex.h"
 
 namespace docent::robot {
@@ -26,13 +27,81 @@ namespace {
 constexpr std::chrono::seconds kConnectionTimeout{15};
 constexpr size_t kRequestBodyBytes = 1024;
 
-// The shown pages; shared by the server's thread and the callers of Show.
+// Follows the robot from page to page, and marks the words that it speaks.
+constexpr char kScript[] = R"js("use strict";
+const line = document.getElementById("spoken");
+let change = null;
+let text = "";
+function words(now) {
+  if (now.text !== text) {
+    text = now.text;
+    line.hidden = text === "";
+    line.lang = now.language || "en";
+    let end = 0;
+    line.replaceChildren(...(text.match(/\S+\s*/g) || []).map((word) => {
+      const span = document.createElement("span");
+      span.textContent = word;
+      span.dataset.end = end += word.length;
+      return span;
+    }));
+  }
+  const place = now.share * text.length;
+  let spoken = true;
+  for (const span of line.children) {
+    const past = Number(span.dataset.end) <= place;
+    span.className = past ? "said" : spoken ? "now" : "";
+    spoken = past;
+  }
+}
+async function look() {
+  try {
+    const now = await (await fetch("/-/now")).json();
+    if (change !== null && now.change !== change && location.pathname === "/") return location.reload();
+    change = now.change;
+    words(now);
+  } catch {
+    // The robot is away: the page stays.
+  }
+  setTimeout(look, 250);
+}
+look();
+)js";
+
+// A JSON string (RFC 8259, section 7) of UTF-8 text.
+std::string Json(const std::string& text) {
+  std::string out = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      absl::StrAppendFormat(&out, "\\u%04x", static_cast<unsigned>(c));
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+// What is shown and said; shared by the server's thread and the callers of Show and Say.
 class Pages {
  public:
   void Put(const std::string& name, std::string html) {
     absl::MutexLock lock(&mutex_);
     pages_["/"] = html;
     pages_["/" + name] = std::move(html);
+    ++changes_;
+  }
+  void Say(const std::string& text, const std::string& language, double share) {
+    absl::MutexLock lock(&mutex_);
+    text_ = text;
+    language_ = language;
+    share_ = share;
+  }
+  std::string Now() const {
+    absl::MutexLock lock(&mutex_);
+    return absl::StrFormat(R"({"change": %d, "text": %s, "language": %s, "share": %.3f})", changes_,
+                           Json(text_), Json(language_), share_);
   }
   // False: no such page.
   bool Get(const std::string& path, std::string* html) const {
@@ -46,6 +115,9 @@ class Pages {
  private:
   mutable absl::Mutex mutex_;
   std::map<std::string, std::string> pages_ ABSL_GUARDED_BY(mutex_);
+  int changes_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::string text_ ABSL_GUARDED_BY(mutex_), language_ ABSL_GUARDED_BY(mutex_);
+  double share_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 http::response<http::string_body> Answer(const http::request_parser<http::string_body>::value_type& request,
@@ -55,10 +127,17 @@ http::response<http::string_body> Answer(const http::request_parser<http::string
   response.keep_alive(false);
   response.set(http::field::content_type, "text/html; charset=utf-8");
   response.set(http::field::cache_control, "no-store");
-  response.set("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'");
+  response.set("Content-Security-Policy",
+               "default-src 'none'; style-src 'unsafe-inline'; script-src 'self'; connect-src 'self'");
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     response.result(http::status::method_not_allowed);
     response.set(http::field::allow, "GET, HEAD");
+  } else if (request.target() == "/-/now") {
+    response.set(http::field::content_type, "application/json");
+    response.body() = pages.Now();
+  } else if (request.target() == "/-/screen.js") {
+    response.set(http::field::content_type, "text/javascript; charset=utf-8");
+    response.body() = kScript;
   } else if (!pages.Get(std::string(request.target()), &response.body())) {
     response.result(http::status::not_found);
     response.body() = "<!DOCTYPE html><title>Not found</title><p>The screen has no such page.";
@@ -151,6 +230,10 @@ absl::StatusOr<std::unique_ptr<ScreenServer>> ScreenServer::Start(int port) {
 std::string ScreenServer::Show(const std::string& name, std::string html) {
   impl_->pages_.Put(name, std::move(html));
   return address() + name;
+}
+
+void ScreenServer::Say(const std::string& text, const std::string& language, double share) {
+  impl_->pages_.Say(text, language, share);
 }
 
 int ScreenServer::port() const {

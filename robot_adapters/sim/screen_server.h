@@ -1,6 +1,8 @@
-// The robot's screen: a small HTTP server on loopback that shows the robot's pages. GET and HEAD only.
+// The robot's screen: a small HTTP server on loopback that shows the robot's pages, and below them what the robot
+// says, with the word that is spoken marked. GET and HEAD only. A browser at / follows the robot from page to page:
+// a script, /-/screen.js, asks /-/now (JSON) a few times a second.
 //
-// One thread of its own serves all connections asynchronously; each has a time limit. `Show` from any thread.
+// One thread of its own serves all connections asynchronously; each has a time limit. `Show` and `Say` from any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
 
@@ -22,6 +24,10 @@ class ScreenServer {
   // Serves `html` at /NAME and on the screen itself, /. NAME: letters, digits, - and _ (see FileNameOf).
   // Returns the address of /NAME.
   std::string Show(const std::string& name, std::string html);
+
+  // Shows what the robot says. `language`: a language tag, or empty for English; `share`: how much of the text was
+  // spoken, 0..1. An empty text: the robot is silent.
+  void Say(const std::string& text, const std::string& language, double share);
 
   int port() const;
   std::string address() const;  // "http://127.0.0.1:PORT/"

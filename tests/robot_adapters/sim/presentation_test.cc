@@ -77,7 +77,7 @@ TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
   EXPECT_THAT(page, HasSubstr("Booth B03"));
   EXPECT_THAT(page, HasSubstr("&quot;Stairlark&quot; Robotics"));
   EXPECT_THAT(page, HasSubstr("Robots &amp; &lt;script&gt;"));
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, Not(HasSubstr("<script>")));
   EXPECT_THAT(page, HasSubstr("<li>Carrier</li>"));
   EXPECT_THAT(page, HasSubstr("Hall &lt;4&gt;"));
   EXPECT_THAT(page, HasSubstr("translate(5.00 4.00)"));  // the robot on the plan, y downwards
@@ -116,6 +116,20 @@ TEST(ScreenServerTest, ShowsPages) {
   EXPECT_THAT(Http((*screen)->port(), "HEAD / HTTP/1.1\r\nHost: x\r\n\r\n"), Not(HasSubstr("<h1>")));
   EXPECT_EQ(Http((*screen)->port(), "rubbish\r\n\r\n"), "");
   EXPECT_TRUE(absl::IsUnavailable(ScreenServer::Start((*screen)->port()).status()));
+}
+
+TEST(ScreenServerTest, SaysWhatTheRobotSpeaksAndThatThePageHasChanged) {
+  auto screen = ScreenServer::Start(0);
+  ASSERT_TRUE(screen.ok()) << screen.status();
+  auto now = [&screen] { return Http((*screen)->port(), "GET /-/now HTTP/1.1\r\nHost: x\r\n\r\n"); };
+  EXPECT_THAT(now(), HasSubstr(R"({"change": 0, "text": "", "language": "", "share": 0.000})"));
+  (*screen)->Show("B03", "<h1>Stairs</h1>");
+  (*screen)->Say("Say \"hello\"\n\xED\x95\x9C", "ko", 0.25);
+  EXPECT_THAT(now(), HasSubstr("{\"change\": 1, \"text\": \"Say \\\"hello\\\"\\u000a\xED\x95\x9C\", "
+                               "\"language\": \"ko\", \"share\": 0.250}"));
+  EXPECT_THAT(now(), HasSubstr("application/json"));
+  EXPECT_THAT(Http((*screen)->port(), "GET /-/screen.js HTTP/1.1\r\nHost: x\r\n\r\n"),
+              HasSubstr("text/javascript"));
 }
 
 TEST(VoiceTest, SpeaksIntoAFileOfTheRightLength) {

@@ -27,8 +27,11 @@ export class Processes {
     this.grpc = /grpc=(\S+)/.exec(line)?.[1] ?? "";
     this.http = /http=(\S+)/.exec(line)?.[1] ?? "";
   }
+  // `screen` is its address from then on.
+  screen: Promise<string> = Promise.resolve("");
   startRobot(speed: number) {
-    this.robot = spawn(join(binaries, "docent-robot"), ["--server", this.grpc, "--out", join(this.folder, "robot"), "--speed", String(speed)], { stdio: "ignore" });
+    this.robot = spawn(join(binaries, "docent-robot"), ["--server", this.grpc, "--out", join(this.folder, "robot"), "--speed", String(speed)], { stdio: ["ignore", "pipe", "ignore"] });
+    this.screen = firstLine(this.robot).then((line) => /screen=(\S+)/.exec(line)?.[1] ?? "", () => "");
   }
   // Robots whose operations take their time and do nothing; `options` as of docent-scripted-adapter. Resolves when it listens.
   async startAdapter(robot: string, operations: readonly string[], ...options: string[]): Promise<string> {
@@ -38,6 +41,11 @@ export class Processes {
   }
   docent(command: string, ...rest: string[]): string {
     return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  }
+  // The same beside the test; resolves with its exit code.
+  aside(command: string, ...rest: string[]): Promise<number | null> {
+    const process = spawn(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, stdio: "ignore" });
+    return new Promise((done) => process.once("exit", done));
   }
   // A command that needs no server.
   docentAlone(...what: string[]): string {
