@@ -1,5 +1,5 @@
 // The open document: palette, canvas, properties and text, with one selection and one undo stack over all of them.
-import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles } from "lucide-react";
+import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles, Workflow } from "lucide-react";
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { useNames } from "../api/prefixes";
 import { useCommands, type Command } from "../app/commands";
@@ -13,8 +13,10 @@ import { Picker, type PickerItem } from "../ui/picker";
 import { toast } from "../ui/toasts";
 import { Actions, type AddWhere, type NewKind } from "./actions";
 import { Canvas } from "./canvas";
+import { Crumbs } from "./crumbs";
 import { DeployDialog } from "./deploy_dialog";
-import { dropDraft, saveDraft, watchDraft, type Draft } from "./drafts";
+import { DraftSync } from "./draft_sync";
+import { dropDraft } from "./drafts";
 import { saveFile } from "./files";
 import { type Finding, useFindings } from "./findings";
 import { FindingsPanel } from "./findings_panel";
@@ -32,51 +34,37 @@ import { textSetup } from "./text_setup";
 import { usePanels } from "./panels";
 import { stepTrials, useTrials } from "./trials";
 import { TrialsPanel } from "./trials_panel";
+import { readVia, viaText } from "./via";
 import { useVocabulary } from "./vocabulary";
 import "./editor.css";
 
 type Open = { what: "import" } | { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
 let memory = ""; // what was copied last, where the browser's clipboard is closed
 
-export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string }) {
-  const session = useSession(props.name, props.text, props.deployed);
-  return session ? <Open key={props.name} {...props} session={session} /> : null;
+export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string }) {
+  const opened = useSession(props.name, props.text, props.deployed);
+  return opened ? <Open key={props.name} {...props} {...opened} /> : null;
 }
 
-// The session lives as long as the document is open; drafts are saved a moment after each change.
-function useSession(name: string, text: string, deployed: string | null): Session | null {
-  const [session, setSession] = useState<Session | null>(null);
+// The session lives as long as the document is open, and the keeping of its draft with it.
+function useSession(name: string, text: string, deployed: string | null): { session: Session; sync: DraftSync } | null {
+  const [opened, setOpened] = useState<{ session: Session; sync: DraftSync } | null>(null);
   const first = useRef(text);
   useEffect(() => {
-    const made = new Session(first.current, textSetup);
-    setSession(made);
-    let timer = 0;
-    let full = false;
-    const save = () => {
-      window.clearTimeout(timer);
-      const saved = made.written === deployed ? (dropDraft(name), true) : saveDraft(name, made.written, deployed ?? "");
-      if (!saved && !full) toast("bad", "The draft can't be kept", "The browser's storage is full. Save the text as a file (Ctrl-S).");
-      full = !saved;
-    };
-    const stop = made.subscribe(() => {
-      window.clearTimeout(timer);
-      timer = window.setTimeout(save, 300);
-    });
-    const leave = () => made.version > 0 && save();
-    window.addEventListener("pagehide", leave);
+    const session = new Session(first.current, textSetup);
+    const sync = new DraftSync(name, session, deployed);
+    setOpened({ session, sync });
     return () => {
-      leave();
-      stop();
-      window.removeEventListener("pagehide", leave);
-      first.current = made.written;
-      made.destroy();
+      sync.close();
+      first.current = session.written;
+      session.destroy();
     };
   }, [name, deployed]);
-  return session;
+  return opened;
 }
 
-function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; session: Session }) {
-  const { session, name } = props;
+function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; session: Session; sync: DraftSync }) {
+  const { session, sync, name } = props;
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
   const [deployed, setDeployed] = useState(props.deployed);
   const document = session.shown;
@@ -86,7 +74,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const [links, setLinks] = useState<ReadonlySet<string>>(() => new Set());
   const [open, setOpen] = useState<Open>(null);
   const [findingsOpen, setFindingsOpen] = useState(false);
-  const [other, setOther] = useState<Draft | null>(null);
+  const conflict = useSyncExternalStore(sync.subscribe, sync.getConflict);
   const serverDraft = useServerDraft(name, session);
   const panels = usePanels();
   const palette = usePalette();
@@ -107,7 +95,10 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     const step = session.document.flows.flatMap((f) => f.steps).find((s) => s.key === props.step);
     if (step) session.reveal(step.element.from, step.element.openTo);
   }, [session]); // the step of the address, once
-  useEffect(() => watchDraft(name, (draft) => draft && draft.text !== session.written && setOther(draft)), [name, session]);
+  useEffect(() => {
+    setSteps(new Set(props.step ? [props.step] : []));
+    setLinks(new Set());
+  }, [props.flow]); // another flow of the document
   useEffect(() => {
     window.document.title = `${document.name || name} – Docent`;
   }, [document.name, name]);
@@ -116,12 +107,12 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     setSteps(new Set(stepKeys));
     setLinks(new Set(linkKeys));
     const only = stepKeys.length === 1 && linkKeys.length === 0 ? (stepKeys[0] ?? "") : "";
-    navigate(paths.compose(name, props.flow, only), true);
+    navigate(paths.compose(name, props.flow, only, props.via), true);
     const part = shownFlow(session.document, session.good, props.flow);
     const element = only ? part?.steps.find((s) => s.key === only && !s.stale)?.element : linkKeys.length === 1 && stepKeys.length === 0 ? part?.links.find((l) => l.key === linkKeys[0])?.element : undefined;
     if (element && !session.view.hasFocus) session.reveal(element.from, element.openTo);
     if (focus && only) focusStep(only);
-  }, [name, props.flow, session]);
+  }, [name, props.flow, props.via, session]);
   const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key])), [session, flowKey, onSelect]);
 
   const chosenSteps = shown?.steps.filter((s) => steps.has(s.key) && !s.stale) ?? [];
@@ -138,7 +129,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const findingsText = useRef("");
   findingsText.current = findings.of;
   const onJump = (finding: Finding) => {
-    if (finding.flow && finding.flow !== flowKey) navigate(paths.compose(name, finding.flow, finding.step));
+    if (finding.flow && finding.flow !== flowKey) navigate(paths.compose(name, finding.flow, finding.step, props.via));
     onSelect(finding.step ? [finding.step] : [], finding.link ? [finding.link] : []);
     panels.show("text");
     window.setTimeout(() => session.reveal(finding.from, finding.to));
@@ -152,11 +143,19 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   };
   const paste = async () => actions.paste((await navigator.clipboard?.readText().catch(() => memory)) || memory);
   const connect = () => (only && only.kind !== "sink" ? setOpen({ what: "connect", from: only.key }) : toast("bad", "Select one step first", "Then C connects it to another one, by name."));
+  // A step that runs a flow is opened in place: a flow of this document, or another workflow.
+  const openStep = (key: string) => {
+    const target = shown?.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target;
+    if (!target) return rename();
+    const via = viaText([...readVia(props.via), { name, flow: flowKey, step: key }]);
+    navigate(document.flows.some((f) => f.key === target) ? paths.compose(name, target, "", via) : paths.compose(target.split("/")[0] ?? target, target.split("/")[1] ?? "", "", via));
+  };
   const rename = () => window.document.querySelector<HTMLInputElement>('.properties-head input[aria-label="Name"]')?.select();
 
   useCommands([
     { title: "Add a step", group: "Steps", icon: Plus, keys: "/", words: "insert new", run: () => quickAdd(chosenLinks[0] && !only ? { link: chosenLinks[0].key } : only ? { after: only.key } : where(shown)) },
     { title: "Connect to…", group: "Steps", icon: Link2, keys: "C", words: "link", run: connect },
+    ...(only?.invokes.some((i) => i.kind === "subflow") ? [{ title: `Open the flow of ${only.name}`, group: "Steps", icon: Workflow, keys: "O", words: "module in place", run: () => openStep(only.key) } satisfies Command] : []),
     { title: "Rename", group: "Steps", icon: TextCursorInput, keys: "F2", run: rename },
     { title: "Remove", group: "Steps", icon: Trash2, keys: "Delete|Backspace", words: "delete", run: () => actions.remove([...steps], [...links]) },
     { title: "Copy", group: "Steps", icon: Copy, keys: "Mod+C", run: () => copy() },
@@ -185,11 +184,12 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     <main className={`editor tab-${panels.tab}${panels.palette ? " with-palette" : ""}${panels.text ? " with-text" : ""}`}>
       <header className="head">
         <AppLink href={paths.documents()} className="faint crumb">Workflows</AppLink><ChevronRight size={13} className="faint crumb" />
+        <Crumbs via={props.via} />
         <h1 className="cut">{document.name || name}</h1>
         {dirty ? <span className="tag accent" title="Kept in this browser">draft</span> : <span className="tag good">deployed</span>}
         {document.flows.length > 1 && (
           <nav className="segments flows" aria-label="Flows">
-            {document.flows.map((f) => <button key={f.key} aria-pressed={f.key === flowKey} onClick={() => (navigate(paths.compose(name, f.key)), onSelect([], []))}>{f.name}</button>)}
+            {document.flows.map((f) => <button key={f.key} aria-pressed={f.key === flowKey} onClick={() => navigate(paths.compose(name, f.key, "", props.via))}>{f.name}</button>)}
           </nav>
         )}
         <span className="grow" />
@@ -202,11 +202,11 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         <button className="button primary" onClick={() => setOpen({ what: "deploy" })}><Rocket size={14} />Deploy</button>
       </header>
       <ServerDraftBar draft={serverDraft} session={session} />
-      {other && (
+      {conflict !== null && (
         <div className="stale" role="alert">
-          Another tab has changed this draft.
-          <button className="button small" onClick={() => (session.replaceAll(other.text), setOther(null))}>Take its text</button>
-          <button className="button small" onClick={() => (saveDraft(name, session.written, deployed ?? ""), setOther(null))}>Keep mine</button>
+          Another tab has changed the same place of this draft.
+          <button className="button small" onClick={() => sync.take()}>Take its text</button>
+          <button className="button small" onClick={() => sync.keep()}>Keep mine</button>
         </div>
       )}
       <div className="narrow-tabs segments" role="tablist" aria-label="Parts of the view">
@@ -216,7 +216,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onImport={() => setOpen({ what: "import" })} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
         <div className="stage">
           {shown ? (
-            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} trial={trial} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={(key) => openStep(shown.steps.find((s) => s.key === key)?.invokes.find((i) => i.kind === "subflow")?.target, document.flows.map((f) => f.key), name, rename)}>
+            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} trial={trial} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={openStep}>
               {shown.steps.filter((s) => s.kind === "node").length === 0 && <FirstSteps onAdd={() => quickAdd(where(shown))} />}
               {document.problems.length > 0 && <div className="broken" role="status">The text has a mistake. You see the last good steps; what is dashed can't be changed until it is mended.</div>}
             </Canvas>
@@ -261,12 +261,6 @@ function where(shown: ReturnType<typeof shownFlow>): AddWhere {
   const sink = shown?.steps.find((s) => s.kind === "sink");
   const into = shown?.links.filter((l) => l.to === sink?.name && l.kind === "plain" && !l.stale) ?? [];
   return into.length === 1 && into[0] ? { link: into[0].key } : {};
-}
-
-// A step that runs a flow is opened in place: a flow of this document, or another workflow.
-function openStep(target: string | undefined, flows: string[], name: string, rename: () => void) {
-  if (!target) return rename();
-  navigate(flows.includes(target) ? paths.compose(name, target) : paths.compose(target.split("/")[0] ?? target, target.split("/")[1] ?? ""));
 }
 
 function QuickAdd(props: { palette: readonly import("./palette_data").PaletteEntry[]; name: string; where: AddWhere; actions: Actions; onClose: () => void }) {

@@ -25,7 +25,7 @@ export async function loadDocument(name: string): Promise<Loaded> {
     else if (words.kind !== "missing") error = words;
   }
   const kept = draft ? null : await readServerDraft(name).catch(() => null);
-  if (kept) keepSeen(name, kept.saved);
+  if (kept) keepSeen(name, kept.saved, kept.text);
   return { text: draft?.text ?? kept?.text ?? deployed, deployed, hidden, error };
 }
 

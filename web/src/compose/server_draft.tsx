@@ -5,7 +5,8 @@ import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { useCommands } from "../app/commands";
 import { toast } from "../ui/toasts";
-import { keepSeen, readServerDraft, seenState, writeServerDraft } from "./server_drafts";
+import { mergeTexts } from "./merge";
+import { keepSeen, readServerDraft, seenState, seenText, writeServerDraft } from "./server_drafts";
 import type { Session } from "./session";
 
 const lookMs = 5000;
@@ -16,16 +17,17 @@ export function useServerDraft(name: string, session: Session) {
   const [busy, setBusy] = useState(false);
   const there = polled.data ?? null;
   const same = there !== null && there.text === session.written;
-  const see = (saved: string) => (keepSeen(name, saved), setSeen(saved));
+  const see = (saved: string, text: string) => (keepSeen(name, saved, text), setSeen(saved));
   // The same text, whoever has saved it: nothing to choose between.
   useEffect(() => {
-    if (same && there && there.saved !== seen) see(there.saved);
+    if (same && there && there.saved !== seen) see(there.saved, there.text);
   }, [same, there?.saved, seen]);
   const save = async () => {
     setBusy(true);
     try {
-      const saved = await writeServerDraft(name, session.written, seen);
-      if (saved) (see(saved), toast("good", "The draft is saved on the server", "It can be opened in any browser. Nothing is deployed."));
+      const text = session.written;
+      const saved = await writeServerDraft(name, text, seen);
+      if (saved) (see(saved, text), toast("good", "The draft is saved on the server", "It can be opened in any browser. Nothing is deployed."));
       else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
       polled.again();
     } catch (error) {
@@ -34,7 +36,7 @@ export function useServerDraft(name: string, session: Session) {
     setBusy(false);
   };
   useCommands([{ title: "Save the draft on the server", group: "Document", icon: CloudUpload, keys: "Mod+Shift+S", inFields: true, run: () => void save() }]);
-  return { there, same, busy, save, newer: there !== null && !same && there.saved !== seen ? there : null, see };
+  return { name, there, same, busy, save, newer: there !== null && !same && there.saved !== seen ? there : null, see };
 }
 export type ServerDraftState = ReturnType<typeof useServerDraft>;
 
@@ -47,11 +49,14 @@ export function ServerDraftButton({ draft, dirty }: { draft: ServerDraftState; d
 export function ServerDraftBar({ draft, session }: { draft: ServerDraftState; session: Session }) {
   const { newer } = draft;
   if (!newer) return null;
+  const base = seenText(draft.name);
+  const both = base === null ? null : mergeTexts(base, session.written, newer.text);
   return (
     <div className="stale" role="alert">
       Another browser has saved a draft on the server at {new Date(newer.saved).toLocaleTimeString()}.
-      <button className="button small" onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved))}>Take its text</button>
-      <button className="button small" onClick={() => draft.see(newer.saved)}>Keep mine</button>
+      {both !== null && both !== newer.text && <button className="button small" onClick={() => (session.mergeIn(both), draft.see(newer.saved, newer.text))}>Put both together</button>}
+      <button className="button small" onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved, newer.text))}>Take its text</button>
+      <button className="button small" onClick={() => draft.see(newer.saved, newer.text)}>Keep mine</button>
     </div>
   );
 }

@@ -48,15 +48,19 @@ export async function dropServerDraft(name: string): Promise<void> {
   await context.update({ update: `DELETE WHERE { GRAPH <${draftsGraph}> { <${draftIri(name)}> ?p ?o } }` });
 }
 
-// The newest state of the server's draft that this browser has seen.
+// The newest state of the server's draft that this browser has seen, and its text, from which both go on.
 const key = (name: string) => `docent.serverdraft.${name}`;
 export function seenState(name: string): string {
   return localStorage.getItem(key(name)) ?? "";
 }
-export function keepSeen(name: string, saved: string) {
+const textKey = (name: string) => `docent.serverdraft.text.${name}`;
+export const seenText = (name: string) => localStorage.getItem(textKey(name));
+export function keepSeen(name: string, saved: string, text = "") {
   try {
+    localStorage.removeItem(textKey(name));
     if (saved) localStorage.setItem(key(name), saved);
     else localStorage.removeItem(key(name));
+    if (saved) localStorage.setItem(textKey(name), text);
   } catch {
     // The browser keeps nothing: a later save asks first.
   }

@@ -6,6 +6,7 @@ import { EditorView } from "@codemirror/view";
 import { type CawlDocument, flowOf, type Flow, readCawl } from "../cawl/document";
 import { EditRefused, Edits } from "../cawl/edits";
 import { announce, toast } from "../ui/toasts";
+import { hunksOf } from "./text_diff";
 
 const large = 150_000; // characters
 
@@ -107,6 +108,24 @@ export class Session {
   replaceAll(text: string) {
     this.view.dispatch({ changes: { from: 0, to: this.view.state.doc.length, insert: Text.of(text.split(/\r?\n/)) }, annotations: isolateHistory.of("full") });
     this.refreshed++;
+  }
+
+  // Takes in what somebody else has changed: it is no step of undo here, and the selection stays where it was.
+  mergeIn(text: string) {
+    const lines = this.view.state.doc.toString().split("\n");
+    const starts = [0];
+    for (const line of lines) starts.push((starts.at(-1) ?? 0) + line.length + 1);
+    const end = this.view.state.doc.length;
+    const whole = text.split("\n").map((line) => (this.view.state.lineBreak === "\r\n" ? line.replace(/\r$/, "") : line));
+    const changes = hunksOf(lines, whole).map((hunk) => {
+      // Lines at the end have no line end of their own: the one before them goes or comes along.
+      const last = hunk.to === lines.length;
+      const from = last && hunk.from > 0 ? (starts[hunk.from] ?? 0) - 1 : (starts[hunk.from] ?? 0);
+      const to = last ? end : (starts[hunk.to] ?? end);
+      const insert = last ? (hunk.from > 0 ? ["", ...hunk.lines] : hunk.lines) : hunk.lines.length > 0 ? [...hunk.lines, ""] : [];
+      return { from, to, insert: insert.length > 0 ? Text.of(insert) : Text.empty };
+    });
+    this.view.dispatch({ changes, annotations: [Transaction.addToHistory.of(false), Transaction.remote.of(true)] });
   }
 
   get canUndo(): boolean {

@@ -33,6 +33,36 @@ export function diffLines(before: string, after: string, around = 2): DiffLine[]
   return shown;
 }
 
+// A piece of a text that another text has otherwise: lines `from` to `to` (without it) became `lines`.
+export interface Hunk {
+  from: number;
+  to: number;
+  lines: string[];
+}
+// What makes one list of lines the other.
+export function hunksOf(before: string[], after: string[]): Hunk[] {
+  let head = 0;
+  while (head < before.length && head < after.length && before[head] === after[head]) head++;
+  let tail = 0;
+  while (tail < before.length - head && tail < after.length - head && before[before.length - 1 - tail] === after[after.length - 1 - tail]) tail++;
+  const hunks: Hunk[] = [];
+  let at = head;
+  let open = false;
+  for (const line of changes(before.slice(head, before.length - tail), after.slice(head, after.length - tail), head)) {
+    if (line.kind === "same") {
+      at++;
+      open = false;
+      continue;
+    }
+    if (!open) hunks.push({ from: at, to: at, lines: [] });
+    open = true;
+    const hunk = hunks[hunks.length - 1]!;
+    if (line.kind === "new") hunk.lines.push(line.text);
+    else hunk.to = ++at;
+  }
+  return hunks;
+}
+
 function changes(a: string[], b: string[], head: number): DiffLine[] {
   const gone = (i: number): DiffLine => ({ kind: "gone", text: a[i] ?? "", line: head + i + 1 });
   const come = (j: number): DiffLine => ({ kind: "new", text: b[j] ?? "", line: head + j + 1 });

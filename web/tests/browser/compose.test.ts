@@ -148,15 +148,28 @@ describe("what is not usual", () => {
     expect(await page.locator(".canvas img").count()).toBe(0);
     await draft(page, "Greeter").toContain('name="&lt;img src=x onerror=document.title=1>"');
   });
-  it("two tabs on one document: the second says so", async () => {
+  it("two tabs on one document: what each does comes to the other, and undo takes back one's own alone", async () => {
     const page = await newGreeter();
+    await add(page, "Wave");
+    await page.waitForSelector(step("Wave"));
     const other = await page.context().newPage();
     await other.goto(page.url());
-    await other.waitForSelector(".first-steps");
-    await add(page, "Wave");
-    await other.waitForSelector('.stale[role="alert"]');
-    await other.getByText("Take its text").click();
     await other.waitForSelector(step("Wave"));
+    await other.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await other.locator('input[aria-label="Name of a new value"]').fill("guest");
+    await other.keyboard.press("Enter");
+    await draft(page, "Greeter").toContain('name="guest"');
+    await page.locator(".toast", { hasText: "Another tab" }).waitFor();
+    await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await page.locator('input[aria-label="Kind of guest"]').waitFor();
+    await add(page, "Bow");
+    await other.waitForSelector(step("Bow"));
+    await stage.picture(other, "two-tabs");
+    await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await page.keyboard.press("Control+z");
+    await other.locator(step("Bow")).waitFor({ state: "detached" });
+    expect(await page.locator('input[aria-label="Kind of guest"]').count()).toBe(1);
+    expect(await other.locator(".stale").count()).toBe(0);
   });
   it("a text of 2,000 steps is open, and a key is answered at once", async () => {
     const page = await stage.page("/compose");

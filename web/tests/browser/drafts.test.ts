@@ -54,7 +54,21 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     await one.getByRole("button", { name: "Take its text" }).click();
     await one.locator('.react-flow__node[data-id="Bow"]').waitFor();
     await one.locator(".stale").waitFor({ state: "detached" });
-    // Both go on; who saves second is asked, and nothing is lost.
+    // Both go on at different places: what both did is put together.
+    await add(one, "Hum");
+    await two.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await two.locator('input[aria-label="Name of a new value"]').fill("guest");
+    await two.keyboard.press("Enter");
+    await draft(two, name).toContain('name="guest"');
+    await save(two);
+    await one.getByRole("button", { name: "Put both together" }).click();
+    await one.locator(".stale").waitFor({ state: "detached" });
+    await draft(one, name).toContain('name="guest"');
+    expect(await draftNow(one, name)).toContain('name="Hum"');
+    await save(one);
+    await two.getByRole("button", { name: "Take its text" }).click();
+    await two.locator('.react-flow__node[data-id="Hum"]').waitFor();
+    // Both go on at one place; who saves second is asked, and nothing is lost.
     await add(one, "Sing");
     await add(two, "Dance");
     await save(two);
