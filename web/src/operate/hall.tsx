@@ -1,25 +1,22 @@
 // The hall live: booths and regions from the graph, robots with pose, trail and task, people where they are.
-import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, QrCode, Route, Unplug, User, X } from "lucide-react";
+import { Bot, LocateFixed, Map as MapIcon, Minus, Plus, Route, Unplug, User } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
-import { useAsOf, useKept, useShown } from "../api/as_of";
+import { useAsOf, useKept } from "../api/as_of";
 import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
 import { useNames, type Names } from "../api/prefixes";
-import { query } from "../api/sparql";
 import { useCommands } from "../app/commands";
 import { usePast } from "../app/past";
-import { Link } from "../app/link";
 import { navigate, paths } from "../app/router";
-import { words } from "../cawl/names";
 import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
-import { attempt } from "./run_actions";
+import { Details } from "./hall_details";
 import { HallDrawing, type Camera } from "./hall_drawing";
 import { type Layout, useLayout, usePeople } from "./layout";
 import { askRobots } from "./past_hall";
-import { clock } from "./states";
+import { RobotTag, taskWords } from "./robot_words";
 import { TourPanel } from "./tour_panel";
+import { useWays, type Way } from "./ways";
 import type { Stop } from "../cawl/tour";
-import { Fact } from "./why";
 import "./hall.css";
 
 export function useRobots() {
@@ -33,6 +30,7 @@ export default function Hall({ picked }: { picked: string }) {
   const layout = useLayout();
   const robots = useRobots();
   const people = usePeople();
+  const ways = useWays();
   const names = useNames();
   const [camera, setCamera] = useState<Camera | null>(null);
   const pickedIri = picked ? names.long(picked) : "";
@@ -61,7 +59,7 @@ export default function Hall({ picked }: { picked: string }) {
       <div className="hall-stage">
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
-        {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
+        {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} ways={ways.data ?? noWays} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
         {!tour && !past && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
         <div className="hall-zoom">
           <button className="button icon" aria-label="Nearer" onClick={() => setCamera((c) => zoomed(c, layout.data, 0.8))}><Plus size={15} /></button>
@@ -70,7 +68,7 @@ export default function Hall({ picked }: { picked: string }) {
         </div>
       </div>
       <aside className="dock hall-side" aria-label="Robots and people">
-        {tour ? <TourPanel stops={tour} from={list[0]?.hasPose ? { x: list[0].xM, y: list[0].yM } : null} names={names} onStops={setTour} onClose={() => setTour(null)} /> : pickedIri ? <Details key={pickedIri} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
+        {tour ? <TourPanel stops={tour} from={list[0]?.hasPose ? { x: list[0].xM, y: list[0].yM } : null} names={names} onStops={setTour} onClose={() => setTour(null)} /> : pickedIri ? <Details key={pickedIri} way={ways.data?.get(pickedIri)} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
           <>
             <h2 className="hall-title">Robots <span className="faint number">{list.length}</span></h2>
             {list.length === 0 && <p className="faint small hall-hint">{robots.error ? robots.error.title : "None has joined. Start one: docent-robot."}</p>}
@@ -89,6 +87,7 @@ function zoomed(camera: Camera | null, layout: Layout | undefined, by: number): 
   return now && { ...now, scale: Math.max(0.08, Math.min(1.6, now.scale * by)) };
 }
 
+const noWays: ReadonlyMap<string, Way> = new Map();
 const trailPoints = 240;
 const leapM = 4;
 
@@ -110,19 +109,6 @@ function useTrails(robots: readonly RobotStatus[] | undefined, past: boolean): R
   }, [robots, past]);
 }
 
-export function taskWords(robot: RobotStatus): string {
-  if (robot.outOfService) return `out of service${robot.outOfServiceReason ? `: ${robot.outOfServiceReason}` : ""}`;
-  const task = robot.heldFor[0];
-  if (task) return words(task.operation);
-  if (robot.endingCommands.length > 0) return "ends a command";
-  return robot.heldBy ? "waits for its run" : robot.state === "standby" ? "free" : "";
-}
-
-export function RobotTag({ state }: { state: string }) {
-  const tone = { standby: "good", busy: "busy", charging: "wait", offline: "bad" }[state] ?? "";
-  return <span className={`tag ${tone}`}>{state}</span>;
-}
-
 function RobotRow({ robot, names, onPick }: { robot: RobotStatus; names: Names; onPick: (iri: string) => void }) {
   return (
     <li>
@@ -135,46 +121,3 @@ function RobotRow({ robot, names, onPick }: { robot: RobotStatus; names: Names; 
   );
 }
 
-function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: Layout | undefined; names: Names; onClose: () => void; again: () => void }) {
-  const { iri, names } = props;
-  const past = usePast() !== null;
-  const robot = props.robots.find((r) => r.robot === iri);
-  const shape = props.layout?.shapes.find((s) => s.iri === iri);
-  const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
-  const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
-  const here = props.robots.filter((r) => r.regions.includes(iri));
-  return (
-    <>
-      <header className="properties-head">
-        <span className={`hall-icon ${robot ? "robot" : shape ? "booth" : "person"}`}>{robot ? <Bot size={15} /> : shape ? <MapIcon size={15} /> : <User size={15} />}</span>
-        <span className="grow cut" style={{ fontWeight: 600, fontSize: "var(--text-l)" }}>{robot?.label || shape?.name || names.name(iri)}</span>
-        {robot && <RobotTag state={robot.outOfService ? "maintenance" : robot.state} />}
-        <button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button>
-      </header>
-      <div className="hall-details" tabIndex={0} aria-label="Details">
-        {shape?.detail && <p className="quiet">{shape.detail}</p>}
-        {robot && (
-          <>
-            <p className="quiet">{taskWords(robot)}{robot.heldFor[0]?.step ? `, step ${robot.heldFor[0].step}` : ""}{robot.heldBy && <> for <Link href={paths.run(robot.heldBy, robot.heldFor[0]?.node ?? "")}>{robot.heldBy}</Link></>}</p>
-            {robot.hasPose && <p className="faint small number">{robot.xM.toFixed(2)} m, {robot.yM.toFixed(2)} m, {Math.round((robot.headingRad * 180) / Math.PI)}°</p>}
-            {robot.state === "offline" && robot.lastSeenUs > 0n && <p className="faint small">last seen {clock(robot.lastSeenUs)}</p>}
-            {!past && <div className="row">
-              {robot.outOfService
-                ? <button className="button small" onClick={() => attempt("The robot is in service", () => fleet.putInService({ robot: iri }), props.again)}>Put in service</button>
-                : <button className="button small" title="It gets no further command; what it does ends" onClick={() => attempt("The robot is out of service", () => fleet.takeOutOfService({ robot: iri, cancelCommands: false, reason: "" }), props.again)}>Take out of service</button>}
-            </div>}
-            <p className="row" style={{ flexWrap: "wrap", gap: 5 }}>{robot.operations.map((o) => <span key={o} className="tag">{words(o)}</span>)}</p>
-          </>
-        )}
-        {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
-        {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
-        <h3>Facts</h3>
-        {facts.error && !facts.data && <p className="faint small">{facts.error.title}</p>}
-        <ul>{(facts.data?.rows ?? []).map((row) => {
-          const fact = [names.short(iri) || `<${iri}>`, word(row["p"]), word(row["o"])];
-          return <Fact key={fact.join(" ")} words={fact} names={names} short />;
-        })}</ul>
-      </div>
-    </>
-  );
-}

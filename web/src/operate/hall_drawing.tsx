@@ -2,7 +2,10 @@
 import { memo, useCallback, useRef } from "react";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { centre, type Layout, type Person, type Point, type Shape } from "./layout";
-import { taskWords } from "./hall";
+import { taskWords } from "./robot_words";
+import { restOf, type Way } from "./ways";
+
+const shownDeviations = 2; // the robot is within this circle at about 95 %
 
 export interface Camera {
   x: number; // middle, in metres
@@ -11,7 +14,7 @@ export interface Camera {
 }
 
 export function HallDrawing(props: {
-  layout: Layout; robots: readonly RobotStatus[]; people: readonly Person[]; trails: ReadonlyMap<string, Point[]>; picked: string; camera: Camera | null; onCamera: (camera: Camera | null) => void; onPick: (iri: string) => void; tour?: readonly { x: number; y: number }[];
+  layout: Layout; robots: readonly RobotStatus[]; people: readonly Person[]; trails: ReadonlyMap<string, Point[]>; ways: ReadonlyMap<string, Way>; picked: string; camera: Camera | null; onCamera: (camera: Camera | null) => void; onPick: (iri: string) => void; tour?: readonly { x: number; y: number }[];
 }) {
   const { layout, camera } = props;
   const latestPick = useRef(props.onPick);
@@ -59,6 +62,7 @@ export function HallDrawing(props: {
     >
       <Shapes layout={layout} picked={props.picked} onPick={stablePick} />
       {[...props.trails].map(([iri, trail]) => <polyline key={iri} className="hall-trail" points={trail.map((p) => `${p.x},${-p.y}`).join(" ")} />)}
+      {props.robots.filter((r) => r.hasPose).map((r) => <WayMark key={r.robot} way={props.ways.get(r.robot)} at={{ x: r.xM, y: r.yM }} />)}
       {props.tour && <polyline className="hall-tourline" points={props.tour.map((p) => `${p.x},${-p.y + 1.25}`).join(" ")} />}
       {props.tour?.map((p, i) => <g key={i} className="hall-tourstop" transform={`translate(${p.x} ${-p.y + 1.25})`}><circle r={0.52} /><text y={0.2} fontSize={0.56}>{i + 1}</text></g>)}
       {placePeople(props.people, layout).map(({ person, at }) => (
@@ -70,6 +74,7 @@ export function HallDrawing(props: {
       {props.robots.filter((r) => r.hasPose).map((r) => (
         <g key={r.robot} className={`hall-robot ${r.outOfService ? "maintenance" : r.state}${props.picked === r.robot ? " picked" : ""}`} data-iri={r.robot} tabIndex={0} role="button" aria-label={`Robot ${r.label}: ${r.state}, ${taskWords(r)}`} style={{ transform: `translate(${r.xM}px, ${-r.yM}px)` }} onKeyDown={(e) => (e.key === "Enter" || e.key === " ") && (e.preventDefault(), props.onPick(r.robot))}>
           <circle className="hall-halo" r={size * 1.55} />
+          <circle className="hall-deviation" r={(props.ways.get(r.robot)?.deviationM ?? 0) * shownDeviations} />
           <g transform={`rotate(${(-r.headingRad * 180) / Math.PI})`}>
             <circle className="hall-body" r={size} />
             <path className="hall-nose" d={`M${size * 0.15},${-size * 0.5} L${size * 0.72},0 L${size * 0.15},${size * 0.5}`} />
@@ -78,6 +83,19 @@ export function HallDrawing(props: {
         </g>
       ))}
     </svg>
+  );
+}
+
+// The rest of a robot's way, to where it goes.
+function WayMark({ way, at }: { way: Way | undefined; at: Point }) {
+  const rest = way ? restOf(way.path, at) : [];
+  const goal = rest.at(-1);
+  if (!goal) return null;
+  return (
+    <g className="hall-way" aria-hidden>
+      <polyline points={rest.map((p) => `${p.x},${-p.y}`).join(" ")} />
+      <circle cx={goal.x} cy={-goal.y} r={0.22} />
+    </g>
   );
 }
 

@@ -29,10 +29,10 @@ export const shapesQuery = `${prologue}SELECT ?s ?type ?wkt (SAMPLE(?n) AS ?name
   OPTIONAL { ?s schema:name|rdfs:label ?n } OPTIONAL { ?s docent:radius ?r } OPTIONAL { ?s docent:exhibitor ?x . ?x schema:name ?e }
 } GROUP BY ?s ?type ?wkt LIMIT 5000`;
 
-// Rings of a POLYGON or MULTIPOLYGON, the point of a POINT; an empty list for what can't be read.
+// Rings of a POLYGON or MULTIPOLYGON, the points of a LINESTRING, the point of a POINT; an empty list for what can't be read.
 export function readWkt(wkt: string): Point[][] {
   const body = wkt.replace(/^<[^>]*>\s*/, "");
-  if (!/^(MULTI)?(POLYGON|POINT)/i.test(body)) return [];
+  if (!/^(MULTI)?(POLYGON|LINESTRING|POINT)/i.test(body)) return [];
   return (body.match(/\([^()]+\)/g) ?? []).map((ring) =>
     ring.slice(1, -1).split(",").flatMap((pair) => {
       const [x, y] = pair.trim().split(/\s+/).map(Number);

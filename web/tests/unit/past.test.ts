@@ -5,6 +5,7 @@ import type { Row, Value } from "../../src/api/sparql";
 import { nextMark, readMarks, usualSpan } from "../../src/operate/marks";
 import { readRobots } from "../../src/operate/past_hall";
 import { readRuns, runQuery } from "../../src/operate/past_runs";
+import { readWays, restOf } from "../../src/operate/ways";
 
 const docent = "https://w3id.org/docent#";
 const prov = "http://www.w3.org/ns/prov#";
@@ -63,5 +64,17 @@ describe("the past", () => {
     expect(usualSpan(marks, at + 10_000)).toBe(5 * 60_000);
     expect(usualSpan(marks, at + 3600_000 * 30)).toBe(7 * 24 * 3600_000);
     expect(usualSpan([], at)).toBe(5 * 60_000);
+  });
+});
+
+describe("ways of robots", () => {
+  it("are read as points, and shorten as the robot drives", () => {
+    const ways = readWays([{ r: iri("urn:R01"), path: word("LINESTRING(0 0, 4 0, 4 3)"), deviation: word("0.10") }, { r: iri("urn:R02"), deviation: word("x") }, { r: iri("urn:R03"), path: word("nonsense") }]);
+    const way = ways.get("urn:R01");
+    expect(way?.deviationM).toBe(0.1);
+    expect(restOf(way?.path ?? [], { x: 2, y: 0.1 })).toEqual([{ x: 2, y: 0.1 }, { x: 4, y: 0 }, { x: 4, y: 3 }]);
+    expect(restOf(way?.path ?? [], { x: 4, y: 1 })).toEqual([{ x: 4, y: 1 }, { x: 4, y: 3 }]);
+    expect(ways.get("urn:R02")).toEqual({ path: [], deviationM: null });
+    expect(restOf(ways.get("urn:R03")?.path ?? [], { x: 0, y: 0 })).toEqual([]);
   });
 });

@@ -1,0 +1,44 @@
+// What is known of a robot, person, booth or region of the hall: what it does and has, and its facts with their reasons.
+import { Bot, Map as MapIcon, MonitorSmartphone, QrCode, User, X } from "lucide-react";
+import { useShown } from "../api/as_of";
+import type { Names } from "../api/prefixes";
+import { query } from "../api/sparql";
+import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import type { Layout } from "./layout";
+import { RobotPanel } from "./robot_panel";
+import { RobotTag } from "./robot_words";
+import type { Way } from "./ways";
+import { Fact } from "./why";
+
+export function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: Layout | undefined; way: Way | undefined; names: Names; onClose: () => void; again: () => void }) {
+  const { iri, names } = props;
+  const robot = props.robots.find((r) => r.robot === iri);
+  const shape = props.layout?.shapes.find((s) => s.iri === iri);
+  const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
+  const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
+  const screen = facts.data?.rows.find((row) => row["p"]?.text === "https://w3id.org/docent#screenPage" && /^https?:\/\//.test(row["o"]?.text ?? ""))?.["o"]?.text;
+  const here = props.robots.filter((r) => r.regions.includes(iri));
+  return (
+    <>
+      <header className="properties-head">
+        <span className={`hall-icon ${robot ? "robot" : shape ? "booth" : "person"}`}>{robot ? <Bot size={15} /> : shape ? <MapIcon size={15} /> : <User size={15} />}</span>
+        <span className="grow cut" style={{ fontWeight: 600, fontSize: "var(--text-l)" }}>{robot?.label || shape?.name || names.name(iri)}</span>
+        {robot && <RobotTag state={robot.outOfService ? "maintenance" : robot.state} />}
+        <button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button>
+      </header>
+      <div className="hall-details" tabIndex={0} aria-label="Details">
+        {shape?.detail && <p className="quiet">{shape.detail}</p>}
+        {robot && <RobotPanel robot={robot} way={props.way} names={names} again={props.again} />}
+        {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
+        {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
+        {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
+        <h3>Facts</h3>
+        {facts.error && !facts.data && <p className="faint small">{facts.error.title}</p>}
+        <ul>{(facts.data?.rows ?? []).map((row) => {
+          const fact = [names.short(iri) || `<${iri}>`, word(row["p"]), word(row["o"])];
+          return <Fact key={fact.join(" ")} words={fact} names={names} short />;
+        })}</ul>
+      </div>
+    </>
+  );
+}

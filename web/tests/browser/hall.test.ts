@@ -1,0 +1,64 @@
+// The hall with a real robot: what it can do, for whom it is kept, its way.
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { seriousFindings } from "./pages";
+import { lacking } from "./processes";
+import { RealStage } from "./real_stage";
+
+const why = lacking();
+if (why) console.log(`skipped: ${why}`);
+
+describe.skipIf(why !== "")("the hall", () => {
+  let stage: RealStage;
+  let page: Page;
+  beforeAll(async () => {
+    stage = await RealStage.open({ speed: 4 }, "booth_guide.rsel.xml", "booth_guide.cawl.xml");
+  });
+  afterAll(() => stage?.close());
+
+  it("says what a robot can do; it is reserved and released", async () => {
+    page = await stage.page("/hall");
+    await page.locator(".hall-row", { hasText: "R01" }).click();
+    await page.locator(".hall-details .tag", { hasText: "Navigation" }).waitFor();
+    await page.locator(".hall-details .tag", { hasText: "Speech synthesis" }).waitFor();
+    await page.getByRole("button", { name: "Reserve" }).click();
+    await page.getByRole("combobox", { name: "For which workflow or run" }).fill("BoothGuide");
+    await page.getByRole("textbox", { name: "Why" }).fill("the guided tour at noon");
+    await stage.picture(page, "reserve");
+    expect(await seriousFindings(page)).toEqual([]);
+    await page.locator("dialog").getByRole("button", { name: "Reserve" }).click();
+    await page.locator(".reservation", { hasText: "for workflow BoothGuide" }).waitFor();
+    await page.locator(".reservation", { hasText: "the guided tour at noon" }).waitFor();
+    await stage.picture(page, "reserved");
+    await page.getByRole("button", { name: "Release the reservation for workflow BoothGuide" }).click();
+    await page.locator(".reservation").waitFor({ state: "detached" });
+  });
+  it("a reservation that can't be made says why", async () => {
+    await page.getByRole("button", { name: "Reserve" }).click();
+    await page.getByRole("combobox", { name: "For which workflow or run" }).fill("Nonsense");
+    await page.locator("dialog").getByRole("button", { name: "Reserve" }).click();
+    await page.locator("dialog [role=alert]", { hasText: "Nonsense" }).waitFor();
+    await page.keyboard.press("Escape");
+    await page.locator("dialog").waitFor({ state: "detached" });
+  });
+  it("shows the way of a robot that drives, and how sure it is of its place", async () => {
+    page = await stage.page("/hall?at=expo:R01");
+    await page.locator(".hall-robot").waitFor();
+    await stage.call("Workflows/Start", { workflow: "BoothGuide", variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }] });
+    stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
+    await page.locator(".hall-way polyline").waitFor();
+    expect(Number(await page.locator(".hall-deviation").getAttribute("r"))).toBeGreaterThan(0);
+    expect(await page.locator(".hall-details").innerText()).toMatch(/± 0\.\d\d m/);
+    await stage.picture(page, "way");
+    await page.locator(".hall-way").waitFor({ state: "detached" }); // it has arrived
+  });
+  for (const dark of [false, true])
+    it(`no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
+      await stage.call("Fleet/Reserve", { robots: ["https://w3id.org/docent/expo#R01"], keptFor: "BoothGuide", lastingMs: "60000" });
+      page = await stage.page("/hall?at=expo:R01", { dark });
+      await page.locator(".reservation").first().waitFor();
+      await stage.picture(page, `robot-${dark ? "dark" : "light"}`);
+      expect(await seriousFindings(page)).toEqual([]);
+    });
+  it("no page has thrown", () => stage.noFaults());
+});
