@@ -7,6 +7,8 @@ export interface Stop {
   name: string;
   x: number;
   y: number;
+  present?: readonly string[]; // operations here, in place of those of the whole tour
+  say?: string; // spoken here, before the rest
 }
 export interface TourPlan {
   name: string;
@@ -14,21 +16,27 @@ export interface TourPlan {
   travel: string; // operation that drives to $booth
   present: readonly string[]; // operations at each stop
   waitForVisitor: boolean; // present only when the visitor is there, too
+  stayNear?: boolean; // drive only while the visitor is near: the robot waits for who falls behind
+  speak?: string; // operation that speaks $text
 }
 
 const driveMS = 0.6; // metres a second of a guide robot that is followed by people
 const detour = 1.3; // of a way around booths against a straight line
 const presentS = 40;
+const spokenPerS = 14; // characters
 
-// Estimated seconds: straight ways, lengthened, at a walking robot's speed, and a while at each stop.
-export function tourSeconds(stops: readonly Pick<Stop, "x" | "y">[], from: { x: number; y: number } | null): number {
-  let metres = 0;
+// Estimated seconds: the ways at a walking robot's speed, and a while at each stop. `metres`: of each way, where the hall's routes
+// tell; else straight ways, lengthened.
+export function tourSeconds(stops: readonly Pick<Stop, "x" | "y" | "say">[], from: { x: number; y: number } | null, metres: readonly (number | undefined)[] = []): number {
+  let way = 0;
+  let spoken = 0;
   let at = from;
-  for (const stop of stops) {
-    if (at) metres += Math.hypot(stop.x - at.x, stop.y - at.y) * detour;
+  stops.forEach((stop, i) => {
+    if (at) way += metres[i] ?? Math.hypot(stop.x - at.x, stop.y - at.y) * detour;
+    spoken += (stop.say?.length ?? 0) / spokenPerS;
     at = stop;
-  }
-  return metres / driveMS + stops.length * presentS;
+  });
+  return way / driveMS + spoken + stops.length * presentS;
 }
 
 function condition(rows: readonly [subject: string, verb: string, object: string, subjectType?: string][], name: string): string {
@@ -46,20 +54,27 @@ ${constraints}
       </condition>`;
 }
 
+// SPARQL 1.1, section 19.7: a string in quotes, on one line.
+const sparqlText = (text: string) => `'${text.replace(/\s+/g, " ").replace(/[\\']/g, "\\$&")}'`;
+
 export function tourText(plan: TourPlan, prefixes: ReadonlyMap<string, string>): string {
   const q = (text: string) => encodeAttribute(text);
   const used = new Set(plan.stops.map((s) => s.term.split(":")[0] ?? ""));
   const declared = [...used].filter((p) => p !== "docent").map((p) => `\n      xmlns:${p}="${q(prefixes.get(p) ?? "")}"`).join("");
   const steps = plan.stops.map((stop, i) => ({ ...stop, go: `To ${stop.name}`, at: `At ${stop.name}`, repeated: plan.stops.findIndex((s) => s.name === stop.name) !== i ? ` (${i + 1})` : "" }));
+  const said = plan.speak && plan.stops.some((s) => s.say?.trim());
   const nodes = steps.map((s, i) => {
     const robot: [string, string, string, string?][] = i === 0 ? [["?robot", "docent:status", "docent:Standby", "docent:Robot"], ["?robot", "docent:localised", "true"]] : [];
     const arrive = plan.waitForVisitor ? `\n${condition([["$user", "docent:isAt", "$booth"]], "VisitorIsThere")}` : "";
-    return `    <node name="${q(s.go + s.repeated)}">
+    const speaks = plan.speak && s.say?.trim();
+    const text = speaks ? `\n      <ext:assign variable="text" expression="${q(sparqlText(speaks))}"/>` : "";
+    const there = [...(speaks ? [plan.speak ?? ""] : []), ...(s.present ?? plan.present)];
+    return `    <node name="${q(s.go + s.repeated)}"${plan.stayNear && i > 0 ? ' ext:while-holds="$user docent:isNear $robot"' : ""}>
 ${condition([...robot, ["?booth", "schema:name", JSON.stringify(s.name), "docent:Booth"]], "Next")}
-      <invoke operation="${q(plan.travel)}"/>
+      <invoke operation="${q(plan.travel)}"/>${text}
     </node>
     <node name="${q(s.at + s.repeated)}">${arrive}
-${plan.present.map((operation) => `      <invoke operation="${q(operation)}"/>`).join("\n")}
+${there.map((operation) => `      <invoke operation="${q(operation)}"/>`).join("\n")}
     </node>`;
   }).join("\n\n");
   const names = ["Begin", ...steps.flatMap((s) => [s.go + s.repeated, s.at + s.repeated]), "End"];
@@ -67,13 +82,15 @@ ${plan.present.map((operation) => `      <invoke operation="${q(operation)}"/>`)
   return `<?xml version="1.0" encoding="UTF-8"?>
 <CAWL name="${q(plan.name)}" version="1.0"
       xmlns:docent="https://w3id.org/docent#"
-      xmlns:schema="https://schema.org/"${declared}>
+      xmlns:ext="https://w3id.org/docent/cawl-ext#"
+      xmlns:schema="https://schema.org/"
+      xmlns:xsd="http://www.w3.org/2001/XMLSchema#"${declared}>
 
   <flow name="${q(plan.name)}">
     <documentation>A tour of ${plan.stops.length} stops: ${encodeText(plan.stops.map((s) => s.name).join(", "))}.</documentation>
     <variable name="user" type="docent:Visitor"/>
     <variable name="robot" type="docent:Robot"/>
-    <variable name="booth" type="docent:Booth"/>
+    <variable name="booth" type="docent:Booth"/>${said ? '\n    <variable name="text" type="xsd:string"/>' : ""}
 
     <source name="Begin"/>
 
