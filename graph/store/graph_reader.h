@@ -18,6 +18,9 @@ class GraphReader {
   // Both must outlive the reader.
   GraphReader(const Dictionary& dictionary, const GraphVersion& version)
       : dictionary_(dictionary), version_(version) {}
+  // A reader of what one graph says, whatever others tell; of all graphs again.
+  GraphReader In(std::string_view graph) const;
+  GraphReader Everywhere() const { return {dictionary_, version_}; }
 
   // Objects of (subject, predicate, ?), distinct, in term order.
   std::vector<Term> Objects(std::string_view subject, std::string_view predicate) const;
@@ -29,8 +32,14 @@ class GraphReader {
   std::vector<std::string> Subjects(std::string_view predicate, const Term& object) const;
 
  private:
+  // Facts of the pattern in the reader's graphs.
+  template <typename Each>
+  void ForEach(QuadPattern pattern, const Each& each) const;
+
   const Dictionary& dictionary_;
   const GraphVersion& version_;
+  bool in_one_ = false;
+  std::optional<TermId> graph_;  // in_one_: the graph; none: it has no facts
 };
 
 }  // namespace docent

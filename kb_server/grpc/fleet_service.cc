@@ -152,6 +152,9 @@ void FleetService::Accept(grpc::ServerUnaryReactor* reactor, const v1::JoinReque
         absl::StrCat("another adapter, at ", rival, ", wants to speak for this robot and is refused"));
   }
   for (const std::string& warning : warnings) reply->add_warnings(warning);
+  const GraphVersionPtr now = ports_.queries->Newest();
+  if (!HasFacts(FactsOfJoin(join, *ports_.dictionary, *now), *ports_.dictionary, *now))
+    leases_.Untell(join.robot);
   std::string text = absl::StrCat(request.address(), "\n", description.SerializeAsString());
   leases_.Renew(description.robot(), text, [this, reactor, reply, text, join = std::move(join)](bool tell) {
     GraphVersionPtr version = ports_.queries->Newest();

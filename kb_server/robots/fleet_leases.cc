@@ -41,6 +41,12 @@ void FleetLeases::Renew(const std::string& robot, const std::string& description
   decided(tell);
 }
 
+void FleetLeases::Untell(const std::string& robot) {
+  absl::MutexLock lock(&mutex_);
+  const auto lease = leases_.find(robot);
+  if (lease != leases_.end() && !lease->second.under_way) lease->second.told.clear();
+}
+
 void FleetLeases::Told(const std::string& robot, const std::string& description, bool taken) {
   End(robot, [&](Lease* lease) {
     if (!taken) return;

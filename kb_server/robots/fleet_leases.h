@@ -47,6 +47,8 @@ class FleetLeases {
   // that (from the thread that calls Told or ToldLost). The graph has to be told if the robot is new here,
   // was lost, or `description` (not empty) is not the one that the graph was told.
   void Renew(const std::string& robot, const std::string& description, Decided decided);
+  // The graph has not, or not any more, what it was told of the robot: it is told again with the next Renew.
+  void Untell(const std::string& robot);
   // Whether the graph took what Renew asked for.
   void Told(const std::string& robot, const std::string& description, bool taken);
   // A robot that the graph has as online after a restart of the server: it gets one lease to show itself.

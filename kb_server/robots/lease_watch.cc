@@ -14,7 +14,7 @@ void LeaseWatch::Begin() {
   const GraphVersionPtr version = queries_.Newest();
   const GraphReader graph(dictionary_, *version);
   for (const std::string& robot : RobotsOnline(dictionary_, *version))
-    leases_.Expect(robot, graph.Object(robot, DocentIri("adapterAddress")));
+    leases_.Expect(robot, AdapterOf(graph, robot).address);
 }
 
 void LeaseWatch::Look() {

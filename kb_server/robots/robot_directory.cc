@@ -17,8 +17,10 @@ namespace docent::server {
 
 GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
     : dictionary_(*dictionary),
+      address_(dictionary->InternIri(DocentIri("adapterAddress"))),
+      incarnation_(dictionary->InternIri(DocentIri("incarnation"))),
       properties_{dictionary->InternIri(DocentIri("offers")),
-                  dictionary->InternIri(DocentIri("incarnation")),
+                  incarnation_,
                   dictionary->InternIri(DocentIri("status")),
                   dictionary->InternIri(DocentIri("idempotent")),
                   dictionary->InternIri(DocentIri("input")),
@@ -109,13 +111,17 @@ void GraphRobotDirectory::ReadStatus(TermId robot, engine::RobotOffer* offer) co
   }
 }
 
-std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta) {
-  std::vector<AdapterAddress> addresses;
-  if (!address_) address_ = dictionary_.FindIri(DocentIri("adapterAddress"));
+std::vector<AdapterAddress> GraphRobotDirectory::AddressesIn(const Delta& delta,
+                                                             const GraphVersion& version) const {
+  std::set<TermId> robots;
   for (const Quad& quad : delta.added) {
-    if (quad.predicate != address_) continue;
-    addresses.push_back(
-        {RobotId(dictionary_.Decode(quad.subject).lexical), dictionary_.Decode(quad.object).lexical});
+    if (quad.predicate == address_ || quad.predicate == incarnation_) robots.insert(quad.subject);
+  }
+  std::vector<AdapterAddress> addresses;
+  const GraphReader graph(dictionary_, version);
+  for (const TermId robot : robots) {
+    AdapterAddress adapter = AdapterOf(graph, dictionary_.Decode(robot).lexical);
+    if (!adapter.address.empty()) addresses.push_back(std::move(adapter));
   }
   return addresses;
 }
@@ -138,7 +144,7 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::ReadOperation(TermId operat
     last = quad.subject;
     engine::RobotOffer offer;
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
-    offer.incarnation = graph.Object(quad.subject, DocentIri("incarnation"));
+    offer.incarnation = AdapterOf(graph, offer.robot.value()).incarnation;
     offer.idempotent = idempotent;
     ReadStatus(quad.subject, &offer);
     offer.occupies = OccupationOf(operation, quad.subject);

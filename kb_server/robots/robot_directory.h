@@ -31,8 +31,8 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   const std::vector<engine::Reservation>& ReservationsOf(const RobotId& robot) const override;
   bool changed() const override { return changed_; }
 
-  // The addresses that `delta` brought.
-  std::vector<AdapterAddress> AddressesIn(const Delta& delta);
+  // Of the robots whose adapter joined anew by `delta`, which led to `version`.
+  std::vector<AdapterAddress> AddressesIn(const Delta& delta, const GraphVersion& version) const;
 
  private:
   void Forget() {
@@ -47,10 +47,10 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   void ReadStatus(TermId robot, engine::RobotOffer* offer) const;
 
   const Dictionary& dictionary_;
+  const TermId address_, incarnation_;    // the properties
   const std::vector<TermId> properties_;  // what an offer is read from
   const GraphVersion* version_ = nullptr;
   bool changed_ = true;
-  std::optional<TermId> address_;  // of docent:adapterAddress, once it is known
   mutable std::map<std::string, std::vector<engine::RobotOffer>> known_;
   mutable std::optional<std::map<RobotId, std::vector<engine::Reservation>>> reservations_;
 };

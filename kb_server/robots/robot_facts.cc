@@ -243,6 +243,16 @@ WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& di
   return facts.Take();
 }
 
+bool HasFacts(const WriteBatch& told, const Dictionary& dictionary, const GraphVersion& version) {
+  const std::optional<TermId> graph = dictionary.FindIri(told.source);
+  return graph && std::all_of(told.operations.begin(), told.operations.end(), [&](const QuadOperation& o) {
+           if (o.kind != QuadOperation::Kind::kAdd) return true;
+           const auto s = dictionary.Find(o.quad.subject), p = dictionary.Find(o.quad.predicate),
+                      object = dictionary.Find(o.quad.object);
+           return s && p && object && version.ContainsMatch({*s, *p, *object, *graph});
+         });
+}
+
 WriteBatch FactsOfLoss(const std::string& robot, TimeMicros seen_us, const Dictionary& dictionary,
                        const GraphVersion& version) {
   RobotFacts facts(robot, dictionary, version);

@@ -45,6 +45,9 @@ RobotDescription AcceptedDescription(RobotDescription description, std::vector<s
 WriteBatch FactsOfJoin(const RobotDescription& description, const Dictionary& dictionary,
                        const GraphVersion& version);
 
+// Whether the graph still has what FactsOfJoin told: somebody may have cleared it.
+bool HasFacts(const WriteBatch& told, const Dictionary& dictionary, const GraphVersion& version);
+
 // The robot is docent:Offline; `seen_us` is when it last showed itself (docent:lastSeenAt; 0: not known here). The states
 // that it told go, since nobody knows whether they still hold; docent:x, y and heading stay, as of then.
 WriteBatch FactsOfLoss(const std::string& robot, TimeMicros seen_us, const Dictionary& dictionary,

@@ -13,13 +13,22 @@
 #include "kb_server/robots/service_state.h"
 
 namespace docent::server {
+
+AdapterAddress AdapterOf(const GraphReader& graph, const std::string& robot) {
+  const GraphReader own = graph.In(robot);
+  const GraphReader& told = own.Object(robot, DocentIri("adapterAddress")).empty() ? graph : own;
+  return {RobotId(robot), told.Object(robot, DocentIri("adapterAddress")),
+          told.Object(robot, DocentIri("incarnation"))};
+}
+
 namespace {
 
 std::vector<std::string> RobotIris(const GraphReader& graph) {
   return graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")));
 }
 
-void ReadHold(const GraphReader& graph, const std::string& robot, RobotRecord* out) {
+void ReadHold(const GraphReader& all, const std::string& robot, RobotRecord* out) {
+  const GraphReader graph = all.In(kRunsGraph);
   if (auto run = RunOfIri(graph.Object(robot, DocentIri("heldBy")))) out->held_by = *std::move(run);
   for (const Term& invocation : graph.Objects(robot, DocentIri("heldFor"))) {
     const std::string& iri = invocation.lexical;
@@ -108,8 +117,8 @@ RobotRecord ReadRobot(const GraphReader& graph, const std::string& robot) {
   RobotRecord out;
   out.robot = robot;
   out.label = graph.Object(robot, Concat(kRdfsNs, "label"));
-  out.address = graph.Object(robot, DocentIri("adapterAddress"));
-  out.incarnation = graph.Object(robot, DocentIri("incarnation"));
+  out.address = AdapterOf(graph, robot).address;
+  out.incarnation = AdapterOf(graph, robot).incarnation;
   out.state = RobotStateOf(graph, robot);
   out.out_of_service = OutOfServiceReason(graph, robot);
   ReadHold(graph, robot, &out);
@@ -176,7 +185,7 @@ std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphV
   const GraphReader graph(dictionary, version);
   std::vector<std::string> robots = RobotIris(graph);
   std::erase_if(robots, [&graph](const std::string& robot) {
-    return graph.Object(robot, DocentIri("adapterAddress")).empty() ||
+    return AdapterOf(graph, robot).address.empty() ||
            graph.Object(robot, DocentIri("status")) == DocentIri("Offline");
   });
   return robots;
@@ -199,9 +208,9 @@ std::vector<AdapterAddress> AdapterAddresses(const Dictionary& dictionary, const
   std::vector<AdapterAddress> addresses;
   const std::optional<TermId> address = dictionary.FindIri(DocentIri("adapterAddress"));
   if (!address) return addresses;
+  const GraphReader graph(dictionary, version);
   version.ForEach({{}, *address, {}, {}}, [&](const Quad& quad) {
-    addresses.push_back(
-        {RobotId(dictionary.Decode(quad.subject).lexical), dictionary.Decode(quad.object).lexical});
+    addresses.push_back(AdapterOf(graph, dictionary.Decode(quad.subject).lexical));
     return true;
   });
   return addresses;

@@ -58,11 +58,15 @@ std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphV
 std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
                                                       const GraphVersion& version);
 
-// Where a robot's adapter serves.
+// Where a robot's adapter serves, and which incarnation of it.
 struct AdapterAddress {
   RobotId robot;
   std::string address;  // HOST:PORT
+  std::string incarnation;
 };
+// As the robot's own graph has it: others cannot lead the commands of a robot that has joined elsewhere. Empty address: nobody
+// says where it is.
+AdapterAddress AdapterOf(const GraphReader& graph, const std::string& robot);
 std::vector<AdapterAddress> AdapterAddresses(const Dictionary& dictionary, const GraphVersion& version);
 
 }  // namespace docent::server

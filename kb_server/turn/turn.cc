@@ -152,7 +152,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
       std::count_if(withdrawn->removed.begin(), withdrawn->removed.end(), [&after](const Quad& quad) {
         return after.ContainsMatch({quad.subject, quad.predicate, quad.object, quad.graph});
       }));
-  result->addresses = stages->robots.AddressesIn(result->delta);
+  result->addresses = stages->robots.AddressesIn(result->delta, after);
   return absl::OkStatus();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "graph/store/delta_sum.h"
@@ -188,8 +189,11 @@ void Committer::Send(const TurnResult& result) {
   }
   if (ports_.proxies == nullptr) return;
   TellAddresses(result.addresses);
-  for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
-  for (const RobotCommand& command : result.record.commands) ports_.proxies->Send(command);
+  const std::set<CommandId> cancelled(result.cancels.begin(), result.cancels.end());
+  for (const RobotCommand& command : result.record.commands) {
+    cancelled.contains(command.id) ? ports_.proxies->NeverSend(command) : ports_.proxies->Send(command);
+  }
+  for (const CommandId& id : cancelled) ports_.proxies->Cancel(id);
 }
 
 void Committer::Tell(DecidedTurn* turn) {
@@ -204,7 +208,9 @@ void Committer::Tell(DecidedTurn* turn) {
 
 void Committer::TellAddresses(const std::vector<AdapterAddress>& addresses) {
   if (ports_.proxies == nullptr) return;
-  for (const AdapterAddress& adapter : addresses) ports_.proxies->SetAddress(adapter.robot, adapter.address);
+  for (const AdapterAddress& adapter : addresses) {
+    ports_.proxies->SetAdapter(adapter.robot, adapter.address, adapter.incarnation);
+  }
 }
 
 }  // namespace docent::server

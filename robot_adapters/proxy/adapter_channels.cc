@@ -2,6 +2,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include "graph/base/limits.h"
+
 namespace docent::proxy {
 
 std::shared_ptr<v1::RobotAdapter::Stub> AdapterChannels::StubFor(const std::string& address) {
@@ -24,6 +26,7 @@ AdapterChannels::Adapter& AdapterChannels::AdapterAt(const std::string& address)
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
     arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+    arguments.SetMaxReceiveMessageSize(static_cast<int>(Limits().grpc_message_bytes));
     adapter.channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
     adapter.stub = v1::RobotAdapter::NewStub(adapter.channel);
   }

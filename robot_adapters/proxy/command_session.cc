@@ -40,19 +40,25 @@ CommandSession::CommandSession(SessionHost* host, const ProxySettings& settings,
       begun_(may_have_been_sent),
       pause_(absl::FromChrono(settings.first_retry)) {}
 
-void CommandSession::UseAddress(const std::string& address) {
+void CommandSession::UseAdapter(const std::string& address, const std::string& incarnation) {
   const bool moved = address != address_;
   address_ = address;
+  incarnation_ = incarnation;
   if (!started_) {
     started_ = true;
     AwaitDeadline();
     Try();
   } else if (call_ == nullptr) {
     Try();
-  } else if (moved) {
+  } else if (moved || IsReplaced()) {
     retry_at_once_ = true;
     call_->Cancel();
   }
+}
+
+bool CommandSession::IsReplaced() const {
+  const std::string& has_it = answers_as_.empty() ? expected_incarnation_ : answers_as_;
+  return !incarnation_.empty() && !has_it.empty() && incarnation_ != has_it;
 }
 
 void CommandSession::Try() {
@@ -62,7 +68,7 @@ void CommandSession::Try() {
     Lost(absl::StrCat("robot ", command_.robot.value(), " has no adapter now"));
     return;
   }
-  running_ = false;
+  running_ = taken_ = false;
   answers_as_.clear();
   if (attach_next_) {
     v1::AttachRequest attach;
@@ -93,6 +99,7 @@ void CommandSession::Invoke() {
 void CommandSession::Call(FeedbackCall::Request request) {
   call_ = host_->Call(command_.id, address_, std::move(request),
                       std::max(TimeLeft(), absl::ZeroDuration()) + kCallBeyondDeadline);
+  if (cancel_requested_) AskToEnd();
 }
 
 absl::Duration CommandSession::TimeLeft() const {
@@ -148,13 +155,17 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     unknown_because_ = absl::StrCat("the command was meant for incarnation ", expected_incarnation_,
                                     " of the adapter, and ", feedback.incarnation(), " answers");
     host_->Refused(command_, unknown_because_);
-    if (!IsFinal(feedback.state())) AskToEnd();
+    if (!IsFinal(feedback.state()) && !cancel_requested_) AskToEnd();
   }
   answers_as_ = feedback.incarnation();
   running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
-  seen_ = true;
+  seen_ = taken_ = true;
   unreachable_ = false;
-  pause_ = absl::FromChrono(settings_.first_retry);
+  if (feedback.state() != last_state_ || feedback.progress() != last_told_) {
+    pause_ = absl::FromChrono(settings_.first_retry);
+  }
+  last_state_ = feedback.state();
+  last_told_ = feedback.progress();
   if (!feedback.incarnation().empty()) expected_incarnation_ = feedback.incarnation();
   std::string left_out;
   CommandReport report = ReportOf(command_.id, feedback, &left_out);
@@ -165,7 +176,6 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     host_->Report(std::move(report));
     return;
   }
-  if (cancel_requested_) host_->SendCancel(command_.id, address_);
   if (!accepted_) {
     accepted_ = true;
     CommandReport accepted = NewReport(CommandReport::Outcome::kAccepted, "");
@@ -182,19 +192,24 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
 void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
   if (!IsPresentCall(call)) return;
   const bool was_attach = call_->is_attach();
+  const grpc::StatusCode code = status.error_code();
   call_.reset();
-  if (status.ok()) {  // a stream without a final state: the adapter let go of it
+  if (retry_at_once_) {
+    Retry();
+  } else if (status.ok()) {  // a stream without a final state: the adapter let go of it
     Lost(absl::StrCat("adapter at ", address_, " ended the feedback of a command that has not ended"));
-  } else if (status.error_code() == grpc::StatusCode::NOT_FOUND && was_attach) {
+  } else if (taken_) {  // whatever ends the stream of a command that the adapter has: it may be under way
+    Lost(absl::StrCat("adapter at ", address_,
+                      " broke off the feedback of a command that has not ended: ", status.error_message()));
+  } else if (code == grpc::StatusCode::NOT_FOUND && was_attach) {
     NeverBegun();
-  } else if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION) {
+  } else if (code == grpc::StatusCode::FAILED_PRECONDITION) {
     Finish(CommandReport::Outcome::kUnknown, status.error_message());
-  } else if (IsConnectionLoss(status.error_code())) {
-    if (retry_at_once_) {
-      Retry();
-    } else {
-      Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
-    }
+  } else if (code == grpc::StatusCode::UNIMPLEMENTED && was_attach) {
+    Finish(CommandReport::Outcome::kUnknown,
+           absl::StrCat("adapter at ", address_, " cannot tell what became of it: it has no Attach"));
+  } else if (was_attach || IsConnectionLoss(code)) {
+    Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
   } else {
     Finish(CommandReport::Outcome::kFailed, absl::StrCat("adapter at ", address_, " refused ",
                                                          command_.operation, ": ", status.error_message()));
@@ -212,6 +227,10 @@ void CommandSession::NeverBegun() {
   } else if (begun_ && expected_incarnation_.empty() && !command_.idempotent) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
+  } else if (begun_ && IsReplaced()) {
+    Finish(CommandReport::Outcome::kUnknown,
+           absl::StrCat("the command was begun by incarnation ", expected_incarnation_,
+                        " of the adapter, and incarnation ", incarnation_, " does not know it"));
   } else {
     attach_next_ = false;
     Try();
@@ -223,14 +242,27 @@ void CommandSession::Cancel() {
   cancel_requested_ = true;
   if (!attach_next_) {
     Finish(CommandReport::Outcome::kCancelled, "cancelled before it was sent");
-  } else if (call_ != nullptr && seen_) {
-    host_->SendCancel(command_.id, address_);
+  } else if (call_ != nullptr) {
+    AskToEnd();
   }
 }
 
 void CommandSession::AskToEnd() {
   cancel_requested_ = true;
-  host_->SendCancel(command_.id, address_);
+  cancel_pause_ = absl::FromChrono(settings_.first_retry);
+  SendCancel();
+}
+
+void CommandSession::SendCancel() {
+  if (!done_ && !address_.empty()) host_->SendCancel(command_.id, address_, ++cancel_attempt_);
+}
+
+void CommandSession::OnCancelAnswered(uint64_t attempt, bool known) {
+  if (done_ || known || attempt != cancel_attempt_) return;
+  host_->After(cancel_pause_, command_.id, [this, attempt] {
+    if (attempt == cancel_attempt_) SendCancel();
+  });
+  cancel_pause_ = std::min(2 * cancel_pause_, absl::FromChrono(settings_.last_retry));
 }
 
 // Its clock may stand still, where a simulator tells the time.
@@ -250,8 +282,7 @@ void CommandSession::OnDeadline() {
   std::string why = unreachable_ && !address_.empty() ? absl::StrCat("; last: ", last_error_) : "";
   const std::string message = absl::StrCat(where, what, " before its deadline", why);
   if (!attach_next_) return Finish(CommandReport::Outcome::kFailed, message);
-  cancel_requested_ = true;
-  if (!address_.empty()) host_->SendCancel(command_.id, address_);
+  AskToEnd();
   host_->Overdue(command_, message);
 }
 

@@ -30,8 +30,8 @@ class SessionHost {
   // Begins a call to the robot's adapter; its feedback and end come back through OnFeedback and OnCallEnded.
   virtual std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
                                              FeedbackCall::Request request, absl::Duration timeout) = 0;
-  // Tells the adapter to end the command; nobody waits for the answer.
-  virtual void SendCancel(const CommandId& command, const std::string& address) = 0;
+  // Tells the adapter to end the command; its answer comes back through OnCancelAnswered with `attempt`.
+  virtual void SendCancel(const CommandId& command, const std::string& address, uint64_t attempt) = 0;
   virtual void After(absl::Duration delay, const CommandId& command, std::function<void()> task) = 0;
   virtual absl::Time SteadyNow() const = 0;
 };
@@ -42,9 +42,12 @@ class CommandSession {
   CommandSession(SessionHost* host, const ProxySettings& settings, RobotCommand command,
                  absl::Duration time_left, bool may_have_been_sent);
 
-  // The robot's address as of now; the first call starts the session.
-  void UseAddress(const std::string& address);
+  // Where the robot's adapter is as of now, and which incarnation serves there; empty: not known. The first call starts the
+  // session.
+  void UseAdapter(const std::string& address, const std::string& incarnation);
   void Cancel();
+  // `known`: the adapter has the command. It may not have it yet, where the Cancel came before the Invoke.
+  void OnCancelAnswered(uint64_t attempt, bool known);
   // `call` is the call's serial.
   void OnFeedback(uint64_t call, const v1::Feedback& feedback);
   void OnCallEnded(uint64_t call, const grpc::Status& status);
@@ -64,8 +67,11 @@ class CommandSession {
   void AwaitDeadline();
   void OnDeadline();
   absl::Duration TimeLeft() const;
-  // Asks the adapter to end the command.
+  // Asks the adapter to end the command, and asks again until it says that it has the command.
   void AskToEnd();
+  void SendCancel();
+  // Whether another incarnation is there than the one that has the command.
+  bool IsReplaced() const;
   void Lost(const std::string& why);
   // Why this feedback cannot be about the command; empty: it can.
   std::string Fault(const v1::Feedback& feedback) const;
@@ -80,6 +86,7 @@ class CommandSession {
   const RobotCommand command_;
   const absl::Time deadline_;
   std::string address_;
+  std::string incarnation_;  // that has joined at the address
   std::string expected_incarnation_;
   std::shared_ptr<FeedbackCall> call_;  // nullptr: waiting for the next attempt
   bool started_ = false;
@@ -90,13 +97,18 @@ class CommandSession {
   bool accepted_ = false;     // reported
   bool unreachable_ = false;  // reported, and not seen since
   bool refused_ = false;      // reported that feedback was refused
-  bool running_ = false;      // the present call has said so
+  bool taken_ = false;        // the present call has told its state
+  bool running_ = false;      // the present call has said that it runs
   std::string answers_as_;    // the incarnation that the present call names; empty: none yet
   bool cancel_requested_ = false;
+  uint64_t cancel_attempt_ = 0;
+  absl::Duration cancel_pause_;
   bool retry_at_once_ = false;  // when the present call has ended
   uint64_t attempt_ = 0;
   absl::Duration pause_;
   absl::Time last_progress_ = absl::InfinitePast();
+  v1::Feedback::State last_state_ = v1::Feedback::STATE_UNSPECIFIED;
+  double last_told_ = 0;  // progress
   std::string last_error_;
   // Another incarnation than the one that it was meant for has begun it: why its outcome is unknown, whatever it says.
   std::string unknown_because_;

@@ -41,13 +41,24 @@ class RobotProxies::Impl final : public SessionHost {
     calls_mutex_.Await(absl::Condition(&closed));
   }
 
-  void SetAddress(const RobotId& robot, const std::string& address) {
-    loop_.Post([this, robot, address] {
-      addresses_[robot.value()] = address;
+  void SetAdapter(const RobotId& robot, const std::string& address, const std::string& incarnation) {
+    loop_.Post([this, robot, address, incarnation] {
+      adapters_[robot.value()] = {address, incarnation};
       for (auto& [id, entry] : sessions_) {
-        if (entry.session->robot() == robot) entry.session->UseAddress(address);
+        if (entry.session->robot() == robot) entry.session->UseAdapter(address, incarnation);
       }
       for (auto next = sessions_.begin(); next != sessions_.end();) ForgetIfDone(next++);
+    });
+  }
+
+  void NeverSend(const RobotCommand& command) {
+    loop_.Post([this, command] {
+      if (sessions_.contains(command.id)) return;
+      CommandReport report;
+      report.command = command.id;
+      report.outcome = CommandReport::Outcome::kCancelled;
+      report.message = "cancelled before it was sent";
+      Report(std::move(report));
     });
   }
 
@@ -134,7 +145,7 @@ class RobotProxies::Impl final : public SessionHost {
         });
   }
 
-  void SendCancel(const CommandId& command, const std::string& address) override {
+  void SendCancel(const CommandId& command, const std::string& address, uint64_t attempt) override {
     struct CancelCall {
       std::shared_ptr<v1::RobotAdapter::Stub> stub;
       grpc::ClientContext context;
@@ -147,8 +158,13 @@ class RobotProxies::Impl final : public SessionHost {
     call->request.set_command_id(command.value());
     AddCalls(1);
     call->stub->async()->Cancel(
-        &call->context, &call->request, &call->reply, [this, call](const grpc::Status&) {
-          loop_.Post([this, ended = std::shared_ptr<CancelCall>(call)] { AddCalls(-1); });
+        &call->context, &call->request, &call->reply,
+        [this, call, command, attempt](const grpc::Status& status) {
+          loop_.Post([this, ended = std::shared_ptr<CancelCall>(call), command, attempt,
+                      known = status.ok() && call->reply.known()] {
+            With(command, [&](CommandSession& session) { session.OnCancelAnswered(attempt, known); });
+            AddCalls(-1);
+          });
         });
   }
 
@@ -165,7 +181,9 @@ class RobotProxies::Impl final : public SessionHost {
     sessions_[command.id].session =
         std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
     open_ = sessions_.size();
-    With(command.id, [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
+    const Adapter& adapter = adapters_[command.robot.value()];
+    With(command.id,
+         [&](CommandSession& session) { session.UseAdapter(adapter.address, adapter.incarnation); });
   }
 
   struct Entry {
@@ -205,7 +223,10 @@ class RobotProxies::Impl final : public SessionHost {
 
   // of the loop's thread
   AdapterChannels channels_;
-  std::map<std::string, std::string> addresses_;  // robot → HOST:PORT
+  struct Adapter {
+    std::string address, incarnation;
+  };
+  std::map<std::string, Adapter> adapters_;  // by robot
   Sessions sessions_;
   uint64_t serials_ = 0;  // of calls
   bool closing_ = false;
@@ -221,8 +242,12 @@ RobotProxies::RobotProxies(std::function<void(WriteBatch)> report, const ProxySe
     : impl_(std::make_unique<Impl>(std::move(report), settings, clock)) {}
 RobotProxies::~RobotProxies() = default;
 
-void RobotProxies::SetAddress(const RobotId& robot, const std::string& address) {
-  impl_->SetAddress(robot, address);
+void RobotProxies::SetAdapter(const RobotId& robot, const std::string& address,
+                              const std::string& incarnation) {
+  impl_->SetAdapter(robot, address, incarnation);
+}
+void RobotProxies::NeverSend(const RobotCommand& command) {
+  impl_->NeverSend(command);
 }
 void RobotProxies::Send(const RobotCommand& command) {
   impl_->Begin(command, false);

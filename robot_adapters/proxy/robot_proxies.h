@@ -13,7 +13,9 @@
 //             │ FAILED_PRECONDITION (another incarnation, or it died with the adapter) ─► unknown
 //             └ still away: wait longer, Attach again …; at the deadline: Cancel, and Attach on
 //
-// Thread-safe. `Send`, `Resume`, `Cancel` and `SetAddress` only queue the request for the proxies' own thread
+// A Cancel may overtake the Invoke, or be lost: it is sent again until the adapter says that it has the command, or its end.
+//
+// Thread-safe. `Send`, `Resume`, `Cancel` and `SetAdapter` only queue the request for the proxies' own thread
 // and never block. Feedback goes out through `report`, called on that thread, one at a time; it should not
 // block for long.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
@@ -57,12 +59,15 @@ class RobotProxies {
   RobotProxies(const RobotProxies&) = delete;
   RobotProxies& operator=(const RobotProxies&) = delete;
 
-  // Where the robot's adapter serves, HOST:PORT, or "" for nowhere. Commands under way move to the new
-  // address; the same address again says that the adapter is back, so that those that wait try at once.
-  void SetAddress(const RobotId& robot, const std::string& address);
+  // Where the robot's adapter serves, HOST:PORT, or "" for nowhere, and which incarnation of it has joined there; "": not known.
+  // Commands under way move to the new address, and what another incarnation began is asked of the one that is there; the
+  // same address again says that the adapter is back, so that those that wait try at once.
+  void SetAdapter(const RobotId& robot, const std::string& address, const std::string& incarnation);
 
   // A command that was never sent before. Nothing happens if this id is under way.
   void Send(const RobotCommand& command);
+  // A command whose run ended in the turn that decided it: it is reported as cancelled.
+  void NeverSend(const RobotCommand& command);
   // A command that may have been sent before this process began: asks for its state first.
   void Resume(const RobotCommand& command);
   // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the

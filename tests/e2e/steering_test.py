@@ -71,6 +71,27 @@ class Steering(StageTest):
         self.wait_for_node(server, "Fetch", "done")
         self.assert_refused(server.run("runs", "retry", run, "Fetch"), 2, "no incident")
 
+    def test_a_command_whose_run_has_failed_is_not_sent(self):
+        """The first of two commands for one robot fails, so the run ends in the turn in which the second one would go out."""
+        server = self.stage.server()
+        stage.load_ontology(server)
+        server.load(self.file("two.cawl.xml", WORKFLOW.replace('<invoke operation="fetch"/>', '<invoke operation="fetch"/><invoke operation="show"/>')
+                              .replace('ext:onFailure="incident" ', "")))
+        self.adapter(server, "R07", "--fail")
+        self.begin(server)
+        self.wait_for_run(server, "failed")
+        stage.wait_until(lambda: not server.ask(f"<{EXPO}R07> docent:heldBy ?run"), PATIENCE_S, "the robot to be free")
+        begun = [line for line in (self.stage.folder / "R07.journal").read_text().splitlines() if "show" in line or "/1." in line]
+        self.assertEqual(begun, [])
+
+    def test_a_robot_whose_facts_are_cleared_is_back_with_its_next_join(self):
+        server = self.night()
+        self.adapter(server, "R07")
+        server.command("update", "CLEAR ALL")
+        server.wait_for(f"<{EXPO}R07> docent:offers ?o ; docent:status docent:Standby", PATIENCE_S)
+        self.begin(server)
+        self.wait_for_run(server)
+
     def test_a_robot_out_of_service_gets_no_command(self):
         server = self.night()
         self.adapter(server, "R07", "--idempotent")

@@ -33,6 +33,17 @@ class FleetLeasesTest : public ::testing::Test {
   TimeMicros seen_us_ = -1;  // of the robot that was lost last
 };
 
+TEST_F(FleetLeasesTest, WhatTheGraphHasNoLongerIsToldAgain) {
+  Renew();
+  leases_.Untell("R");  // while it is under way nothing is known
+  leases_.Told("R", "d", true);
+  Renew();
+  leases_.Untell("R");
+  leases_.Untell("somebody else");
+  Renew();
+  EXPECT_THAT(decided_, ElementsAre(true, false, true));
+}
+
 TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
   Renew();
   leases_.Told("R", "d", true);

@@ -185,14 +185,71 @@ TEST_F(RobotFactsTest, ClassesOfOperationsAreReadBackAndReplaced) {
   EXPECT_THAT(OfferedOperations(dictionary_, writer_.current()).at(0).capabilities, IsEmpty());
 }
 
+TEST_F(RobotFactsTest, WhetherTheGraphStillHasWhatARobotSaidIsKnown) {
+  const auto has = [this] {
+    return HasFacts(FactsOfJoin(Guide(), dictionary_, writer_.current()), dictionary_, writer_.current());
+  };
+  EXPECT_FALSE(has());
+  Join(Guide());
+  EXPECT_TRUE(has());
+  WriteBatch clear;
+  clear.source = "urn:somebody";
+  clear.operations = {{QuadOperation::Kind::kRemove,
+                       {Term::Iri("urn:r1"), Term::Iri(DocentIri("adapterAddress")),
+                        Term::Literal("127.0.0.1:9"), Term::Iri("urn:r1")}}};
+  Apply(clear);
+  EXPECT_FALSE(has());
+  Join(Guide());
+  EXPECT_TRUE(has());
+}
+
+// Commands would go where somebody else says.
+TEST_F(RobotFactsTest, WhereTheAdapterIsTheRobotItselfSays) {
+  GraphRobotDirectory directory(&dictionary_);
+  Join(Guide());
+  WriteBatch lie;
+  lie.source = "urn:liar";
+  for (const auto& [local, value] : {std::pair("adapterAddress", "127.0.0.1:1"),
+                                     std::pair("incarnation", "a"), std::pair("heldBy", "x")}) {
+    const bool held = std::string(local) == "heldBy";
+    lie.operations.push_back({QuadOperation::Kind::kAdd,
+                              {Term::Iri("urn:r1"), Term::Iri(DocentIri(local)),
+                               held ? Term::Iri("urn:docent:run:Fake-1") : Term::Literal(value), Term()}});
+  }
+  const Delta lied = Apply(lie);
+  for (const std::vector<AdapterAddress>& found :
+       {directory.AddressesIn(lied, writer_.current()), AdapterAddresses(dictionary_, writer_.current())}) {
+    ASSERT_THAT(found, testing::Not(IsEmpty()));
+    for (const AdapterAddress& adapter : found) {
+      EXPECT_EQ(adapter.address, "127.0.0.1:9");
+      EXPECT_EQ(adapter.incarnation, "i1");
+    }
+  }
+  const RobotRecord robot = Robots().at(0);
+  EXPECT_EQ(robot.address, "127.0.0.1:9");
+  EXPECT_EQ(robot.incarnation, "i1");
+  EXPECT_EQ(robot.held_by, RunId());
+}
+
 TEST_F(RobotFactsTest, TheDirectorySaysWhichAddressesATurnBrought) {
   GraphRobotDirectory directory(&dictionary_);
-  EXPECT_THAT(directory.AddressesIn(Delta()), IsEmpty());
-  const std::vector<AdapterAddress> first = directory.AddressesIn(Join(Guide()));
+  EXPECT_THAT(directory.AddressesIn(Delta(), writer_.current()), IsEmpty());
+  const Delta joined = Join(Guide());
+  const std::vector<AdapterAddress> first = directory.AddressesIn(joined, writer_.current());
   ASSERT_EQ(first.size(), 1u);
   EXPECT_EQ(first[0].robot, RobotId("urn:r1"));
   EXPECT_EQ(first[0].address, "127.0.0.1:9");
-  EXPECT_THAT(directory.AddressesIn(Lose("urn:r1", 0)), IsEmpty());
+  EXPECT_EQ(first[0].incarnation, "i1");
+  EXPECT_THAT(directory.AddressesIn(Join(Guide()), writer_.current()), IsEmpty()) << "nothing is new";
+  RobotDescription reborn = Guide();
+  reborn.incarnation = "i2";
+  const Delta again = Join(reborn);
+  const std::vector<AdapterAddress> second = directory.AddressesIn(again, writer_.current());
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_EQ(second[0].address, "127.0.0.1:9");
+  EXPECT_EQ(second[0].incarnation, "i2");
+  const Delta lost = Lose("urn:r1", 0);
+  EXPECT_THAT(directory.AddressesIn(lost, writer_.current()), IsEmpty());
   EXPECT_EQ(AdapterAddresses(dictionary_, writer_.current()).size(), 1u);
 }
 

@@ -37,7 +37,7 @@ class CommandSessionTest : public testing::Test {
   CommandSession& Begin(const RobotCommand& command = Drive(), bool may_have_been_sent = false,
                         absl::Duration left = absl::Seconds(60)) {
     session_ = std::make_unique<CommandSession>(&host_, ProxySettings(), command, left, may_have_been_sent);
-    session_->UseAddress("a:1");
+    session_->UseAdapter("a:1", "life1");
     return *session_;
   }
   uint64_t Serial() const { return host_.calls.size(); }  // of the newest call
@@ -50,25 +50,52 @@ class CommandSessionTest : public testing::Test {
   std::unique_ptr<CommandSession> session_;
 };
 
-TEST_F(CommandSessionTest, ACancelThatCameBeforeTheAdapterSaidAnythingIsSentWhenItDoes) {
+TEST_F(CommandSessionTest, ACancelDoesNotWaitForAWordOfTheAdapter) {
   Begin().Cancel();
-  EXPECT_THAT(host_.cancels, IsEmpty()) << "it may not have the command yet";
-  Say(v1::Feedback::ACCEPTED);
   EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
 }
 
-TEST_F(CommandSessionTest, ACancelThatMayBeLostIsSentAgainWithEachSignOfLife) {
+// It may have overtaken the command, or be lost.
+TEST_F(CommandSessionTest, ACancelIsSentAgainUntilTheAdapterHasTheCommand) {
+  Begin().Cancel();
+  for (const int pause_ms : {100, 200, 400, 800, 1600, 2000, 2000}) {
+    const size_t sent = host_.cancels.size();
+    session_->OnCancelAnswered(host_.cancel_attempt, false);
+    host_.Go(absl::Milliseconds(pause_ms - 1));
+    EXPECT_EQ(host_.cancels.size(), sent) << pause_ms;
+    host_.Go(absl::Milliseconds(1));
+    EXPECT_EQ(host_.cancels.size(), sent + 1) << pause_ms;
+  }
+  const size_t sent = host_.cancels.size();
+  session_->OnCancelAnswered(host_.cancel_attempt - 1, false);  // of an earlier one
+  session_->OnCancelAnswered(host_.cancel_attempt, true);
+  Say(v1::Feedback::RUNNING);
+  host_.Go(absl::Seconds(10));
+  EXPECT_EQ(host_.cancels.size(), sent) << "it has it, and may take its time";
+}
+
+TEST_F(CommandSessionTest, ACancelIsNotSentAgainAfterTheEnd) {
+  Begin().Cancel();
+  session_->OnCancelAnswered(host_.cancel_attempt, false);
+  Say(v1::Feedback::SUCCEEDED);
+  session_->OnCancelAnswered(host_.cancel_attempt, false);
+  host_.Go(absl::Seconds(10));
+  EXPECT_EQ(host_.cancels.size(), 1u);
+}
+
+TEST_F(CommandSessionTest, ACancelIsSentAgainWithEachCall) {
   Begin();
   Say(v1::Feedback::ACCEPTED);
   session_->Cancel();
+  session_->OnCancelAnswered(host_.cancel_attempt, true);
   EXPECT_EQ(host_.cancels.size(), 1u);
   session_->Cancel();
   EXPECT_EQ(host_.cancels.size(), 1u) << "a second request asks for nothing new";
   End(grpc::StatusCode::UNAVAILABLE);
   host_.Go(absl::Seconds(1));
   ASSERT_TRUE(host_.calls.back().is_attach());
-  Say(v1::Feedback::RUNNING);
   EXPECT_EQ(host_.cancels.size(), 2u);
+  Say(v1::Feedback::RUNNING);
   Say(v1::Feedback::CANCELLED);
   EXPECT_EQ(host_.cancels.size(), 2u) << "it has ended";
   EXPECT_EQ(host_.reports.back().outcome, Outcome::kCancelled);
@@ -102,6 +129,23 @@ TEST_F(CommandSessionTest, PausesBetweenAttemptsDoubleUpToTheLast) {
   Say(v1::Feedback::RUNNING);
   End(grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(host_.delays.back(), absl::Milliseconds(100)) << "after a sign of life it begins again";
+}
+
+// An adapter that answers each Attach with the same state, and ends the stream.
+TEST_F(CommandSessionTest, PausesDoubleWhileTheAdapterSaysNothingNew) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  host_.delays.clear();
+  for (int i = 0; i < 4; ++i) {
+    End(grpc::StatusCode::OK);
+    host_.Go(host_.delays.back());
+    Say(v1::Feedback::ACCEPTED);
+  }
+  EXPECT_THAT(host_.delays, ElementsAre(absl::Milliseconds(100), absl::Milliseconds(200),
+                                        absl::Milliseconds(400), absl::Milliseconds(800)));
+  Say(v1::Feedback::RUNNING, 0.5);
+  End(grpc::StatusCode::OK);
+  EXPECT_EQ(host_.delays.back(), absl::Milliseconds(100));
 }
 
 TEST_F(CommandSessionTest, ALossIsReportedOnceUntilTheAdapterIsSeenAgain) {
@@ -145,6 +189,36 @@ TEST_F(CommandSessionTest, WhatAnAdapterRefusesFails) {
   Begin();
   End(Code::FAILED_PRECONDITION);
   EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+}
+
+// A message that is too large, a proxy between: the robot may go on all the same.
+TEST(CommandSession, NothingThatEndsTheStreamOfACommandThatTheAdapterHasIsItsEnd) {
+  using Code = grpc::StatusCode;
+  for (int number = 0; number <= 16; ++number) {
+    const auto code = static_cast<Code>(number);
+    FakeHost host;
+    CommandSession session(&host, ProxySettings(), Drive(), absl::Seconds(60), false);
+    session.UseAdapter("a:1", "life1");
+    session.OnFeedback(1, Says(v1::Feedback::ACCEPTED));
+    session.OnCallEnded(1, grpc::Status(code, "why"));
+    EXPECT_THAT(host.Outcomes(), ElementsAre(Outcome::kAccepted, Outcome::kUnreachable)) << number;
+    host.Go(absl::Seconds(1));
+    ASSERT_EQ(host.calls.size(), 2u) << number;
+    EXPECT_TRUE(host.calls.back().is_attach()) << number;
+    if (code == Code::NOT_FOUND || code == Code::FAILED_PRECONDITION || code == Code::UNIMPLEMENTED) continue;
+    session.OnCallEnded(2, grpc::Status(code, "why"));
+    EXPECT_FALSE(session.done()) << number << " answers an Attach";
+  }
+}
+
+TEST_F(CommandSessionTest, WhereThereIsNoAttachTheOutcomeIsUnknown) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  End(grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+  EXPECT_EQ(host_.reports.back().message, "adapter at a:1 cannot tell what became of it: it has no Attach");
 }
 
 TEST_F(CommandSessionTest, ACommandThatTheAdapterDoesNotKnowIsInvokedAgainForTheSameLifeOnly) {
@@ -203,7 +277,7 @@ class StoppedHost final : public FakeHost {
 TEST(CommandSession, NoDeadlineIsReachedWhileTheClockStandsStill) {
   StoppedHost host;
   CommandSession session(&host, ProxySettings(), Drive(), absl::Seconds(10), false);
-  session.UseAddress("a:1");
+  session.UseAdapter("a:1", "life1");
   session.OnFeedback(1, Says(v1::Feedback::RUNNING));
   host.Go(absl::Hours(1));
   EXPECT_THAT(host.cancels, IsEmpty());
@@ -263,7 +337,7 @@ TEST_F(CommandSessionTest, AcceptedIsReportedOnceWithTheLifeThatSaysSo) {
 TEST_F(CommandSessionTest, AnAdapterThatMovedIsAskedAtOnce) {
   Begin();
   Say(v1::Feedback::ACCEPTED);
-  session_->UseAddress("b:2");
+  session_->UseAdapter("b:2", "life1");
   EXPECT_EQ(host_.calls.size(), 1u) << "one call at a time";
   End(grpc::StatusCode::CANCELLED);
   EXPECT_EQ(host_.delays.back(), absl::ZeroDuration());
@@ -278,13 +352,47 @@ TEST_F(CommandSessionTest, AnAdapterThatMovedIsAskedAtOnce) {
 
 TEST_F(CommandSessionTest, TheSameAddressAgainLeavesTheCallAlone) {
   Begin();
-  session_->UseAddress("a:1");
+  session_->UseAdapter("a:1", "life1");
   End(grpc::StatusCode::UNAVAILABLE);
   EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
-  session_->UseAddress("a:1");
+  session_->UseAdapter("a:1", "life1");
   EXPECT_EQ(host_.calls.size(), 2u) << "one that waits tries at once";
   host_.Go(absl::Seconds(1));
   EXPECT_EQ(host_.calls.size(), 2u) << "the pause that it had is over";
+}
+
+// An adapter for several robots begins one of them anew, and goes on serving.
+TEST_F(CommandSessionTest, WhenAnotherLifeHasJoinedItIsAskedAndWhatItDoesNotKnowIsUnknown) {
+  Begin();
+  Say(v1::Feedback::RUNNING);
+  session_->UseAdapter("a:1", "life1");
+  End(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_GT(host_.delays.back(), absl::ZeroDuration()) << "the same life leaves the call alone";
+  host_.Go(absl::Seconds(1));
+  session_->UseAdapter("a:1", "life2");
+  End(grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(host_.delays.back(), absl::ZeroDuration());
+  host_.Go(absl::ZeroDuration());
+  ASSERT_EQ(host_.calls.size(), 3u);
+  ASSERT_TRUE(host_.calls.back().is_attach());
+  EXPECT_FALSE(session_->done());
+  End(grpc::StatusCode::NOT_FOUND);
+  ASSERT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+  EXPECT_EQ(
+      host_.reports.back().message,
+      "the command was begun by incarnation life1 of the adapter, and incarnation life2 does not know it");
+}
+
+TEST_F(CommandSessionTest, AnotherLifeThatRemembersTheCommandTellsItsEnd) {
+  Begin();
+  session_->UseAdapter("a:1", "life2");  // before the first word
+  End(grpc::StatusCode::CANCELLED);
+  host_.Go(absl::ZeroDuration());
+  ASSERT_TRUE(host_.calls.back().is_attach());
+  v1::Feedback remembered = Says(v1::Feedback::SUCCEEDED);
+  remembered.set_incarnation("life2");
+  session_->OnFeedback(Serial(), remembered);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kSucceeded);
 }
 
 TEST_F(CommandSessionTest, WhatAnEarlierCallSaysDoesNotCount) {
@@ -343,7 +451,8 @@ TEST_F(CommandSessionTest, AnotherLifeThatBeganItIsAskedToEndAndTheOutcomeIsUnkn
   v1::Feedback other = Says(v1::Feedback::RUNNING);
   other.set_incarnation("life2");
   session_->OnFeedback(1, other);
-  EXPECT_THAT(host_.cancels, ElementsAre("a:1", "a:1")) << "asked when it is seen, and with the sign of life";
+  session_->OnFeedback(1, other);
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
   other.set_state(v1::Feedback::SUCCEEDED);
   session_->OnFeedback(1, other);
   EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
@@ -352,7 +461,7 @@ TEST_F(CommandSessionTest, AnotherLifeThatBeganItIsAskedToEndAndTheOutcomeIsUnkn
 
 TEST_F(CommandSessionTest, WithoutAnAddressItIsUnreachableAndFailsAtTheDeadline) {
   session_ = std::make_unique<CommandSession>(&host_, ProxySettings(), Drive(), absl::Seconds(1), false);
-  session_->UseAddress("");
+  session_->UseAdapter("", "life1");
   EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
   EXPECT_EQ(host_.reports[0].message, "robot urn:r1 has no adapter now");
   host_.Go(absl::Seconds(2));

@@ -114,7 +114,7 @@ class RobotProxiesTest : public testing::Test {
     ASSERT_TRUE(adapter.ok()) << adapter.status();
     adapter_ = *std::move(adapter);
     address_ = adapter_->address();
-    proxies_.SetAddress(RobotId(kRobot), address_);
+    proxies_.SetAdapter(RobotId(kRobot), address_, "");
   }
 
   std::vector<robot::Operation> Operations() {
@@ -191,7 +191,7 @@ TEST_F(RobotProxiesTest, ProgressIsReportedNowAndThenOnly) {
 
 // Nothing goes out before there is a connection, so it is known that the adapter does not have the command.
 TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddress) {
-  proxies_.SetAddress(RobotId(kRobot), "127.0.0.1:1");
+  proxies_.SetAdapter(RobotId(kRobot), "127.0.0.1:1", "");
   proxies_.Send(Command("c/1", "quick", 300));
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
@@ -204,7 +204,7 @@ TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddres
 }
 
 TEST_F(RobotProxiesTest, ACommandThatNeverWentOutIsSentToAnAdapterThatComesInTime) {
-  proxies_.SetAddress(RobotId(kRobot), "127.0.0.1:1");
+  proxies_.SetAdapter(RobotId(kRobot), "127.0.0.1:1", "");
   proxies_.Send(Command("c/1", "quick"));  // not idempotent
   reports_.Await("c/1", Outcome::kUnreachable);
   StartAdapter();
@@ -284,7 +284,7 @@ TEST_F(RobotProxiesTest, ResumeOfACommandThatRunsAttachesToIt) {
   {
     Reports earlier;
     RobotProxies before([&](WriteBatch batch) { earlier.Take(std::move(batch)); }, FastSettings());
-    before.SetAddress(RobotId(kRobot), address_);
+    before.SetAdapter(RobotId(kRobot), address_, "");
     before.Send(command);
     earlier.Await("c/1", Outcome::kAccepted);
   }
@@ -312,7 +312,7 @@ TEST_F(RobotProxiesTest, ResumeOfAFinishedCommandTellsItsOutcomeEvenAfterItsDead
   StartAdapter();
   Reports after;
   RobotProxies restarted([&](WriteBatch batch) { after.Take(std::move(batch)); }, FastSettings());
-  restarted.SetAddress(RobotId(kRobot), address_);
+  restarted.SetAdapter(RobotId(kRobot), address_, "");
   command.deadline_us = 1;
   restarted.Resume(command);
   CommandReport report = after.AwaitFinal("c/1");
@@ -464,7 +464,7 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
 
 class MisbehavingAdapterTest : public testing::Test {
  protected:
-  MisbehavingAdapterTest() { proxies_.SetAddress(RobotId(kRobot), adapter_.address()); }
+  MisbehavingAdapterTest() { proxies_.SetAdapter(RobotId(kRobot), adapter_.address(), ""); }
 
   ScriptedAdapter adapter_;
   Reports reports_;
@@ -477,7 +477,7 @@ TEST_F(MisbehavingAdapterTest, ACommandThatOvertakesItsDeadlineIsCancelledAndIts
     const std::string id = behaviour == ScriptedAdapter::Behaviour::kHang ? "c/1" : "c/2";
     adapter_.on_invoke = behaviour;
     adapter_.cancels = 0;
-    proxies_.SetAddress(RobotId(kRobot), adapter_.address());
+    proxies_.SetAdapter(RobotId(kRobot), adapter_.address(), "");
     proxies_.Send(Command(id, "drive", 200));
     while (adapter_.cancels == 0) absl::SleepFor(absl::Milliseconds(1));
     absl::SleepFor(absl::Milliseconds(100));
@@ -485,7 +485,7 @@ TEST_F(MisbehavingAdapterTest, ACommandThatOvertakesItsDeadlineIsCancelledAndIts
       EXPECT_EQ(outcome, Outcome::kAccepted) << "not the end";
     ScriptedAdapter moved;
     moved.on_attach = ScriptedAdapter::Behaviour::kSucceed;
-    proxies_.SetAddress(RobotId(kRobot), moved.address());
+    proxies_.SetAdapter(RobotId(kRobot), moved.address(), "");
     EXPECT_EQ(reports_.AwaitFinal(id).outcome, Outcome::kSucceeded) << "the truth, however late";
   }
 }
@@ -637,7 +637,7 @@ TEST_F(MisbehavingAdapterTest, RobotThatMovedToAnotherAddressIsFollowed) {
   proxies_.Send(Command("c/1", "drive"));
   reports_.Await("c/1", Outcome::kAccepted);
   ScriptedAdapter other;
-  proxies_.SetAddress(RobotId(kRobot), other.address());
+  proxies_.SetAdapter(RobotId(kRobot), other.address(), "");
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
   EXPECT_EQ(other.attaches, 1);
   EXPECT_EQ(other.invokes, 0);
@@ -647,7 +647,7 @@ TEST_F(MisbehavingAdapterTest, DestructionWithCommandsUnderWayEndsAtOnce) {
   adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndHang;
   Reports reports;
   auto proxies = std::make_unique<RobotProxies>([&](WriteBatch batch) { reports.Take(std::move(batch)); });
-  proxies->SetAddress(RobotId(kRobot), adapter_.address());
+  proxies->SetAdapter(RobotId(kRobot), adapter_.address(), "");
   proxies->Send(Command("c/1", "drive"));
   reports.Await("c/1", Outcome::kAccepted);
   proxies.reset();

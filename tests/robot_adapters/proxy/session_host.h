@@ -59,7 +59,10 @@ class FakeHost : public SessionHost {
         }));
     return started_.back();
   }
-  void SendCancel(const CommandId&, const std::string& address) override { cancels.push_back(address); }
+  void SendCancel(const CommandId&, const std::string& address, uint64_t attempt) override {
+    cancels.push_back(address);
+    cancel_attempt = attempt;
+  }
   void After(absl::Duration delay, const CommandId&, std::function<void()> task) override {
     delays.push_back(delay);
     timers_.push_back({now + delay, std::move(task)});
@@ -90,6 +93,7 @@ class FakeHost : public SessionHost {
   bool connected = true;
   std::vector<CommandReport> reports;
   std::vector<std::string> refused, overdue, cancels;
+  uint64_t cancel_attempt = 0;  // of the newest cancel
   std::vector<std::pair<std::string, uint64_t>> probes;
   std::vector<MadeCall> calls;  // the serial of the first is 1
   std::vector<absl::Duration> delays;
