@@ -51,6 +51,9 @@ inline constexpr std::string_view kDefaultGraph =
 inline constexpr std::string_view kInferredGraph = "https://w3id.org/docent#inferred";  // what rules derived
 inline constexpr std::string_view kRunsGraph =
     "https://w3id.org/docent#runs";  // run state, written by the engine
+inline constexpr std::string_view kDocumentsGraph = "https://w3id.org/docent#documents";  // what is deployed
+inline constexpr std::string_view kClockGraph =
+    "https://w3id.org/docent#clock";  // what the clock tells of times
 
 // "docent:" + local, e.g. DocentIri("isAt")
 inline std::string DocentIri(std::string_view local) {

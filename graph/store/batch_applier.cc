@@ -72,13 +72,14 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   if (!batch.source.empty()) {
     const Term source = Term::Iri(batch.source);
     if (absl::Status s = CheckTerm(source, limits_.term_bytes); !s.ok()) return At("source", s);
-    if (IsServerGraph(source.lexical)) return At("source", Reserved(source.lexical));
+    if (IsDerivedGraph(source.lexical)) return At("source", Reserved(source.lexical));
   }
   for (size_t i = 0; i < batch.operations.size(); ++i) {
     const TermQuad& quad = batch.operations[i].quad;
     absl::Status status = CheckQuad(quad, limits_.term_bytes);
-    if (std::string why = status.ok() ? RefuseGraph(quad.graph) : ""; !why.empty())
-      status = absl::InvalidArgumentError("graph: " + why);
+    if (status.ok() && !quad.graph.IsIri())
+      status = absl::InvalidArgumentError("graph: " + RefuseGraph(quad.graph));
+    if (status.ok() && IsDerivedGraph(quad.graph.lexical)) status = Reserved(quad.graph.lexical);
     if (!status.ok()) return At(PlaceOf(batch, i), status);
   }
   for (size_t i = 0; i < batch.readings.size(); ++i) {

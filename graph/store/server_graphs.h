@@ -13,9 +13,13 @@ namespace docent {
 // Why clients cannot write to a graph of this name; empty: they can. For ParseRdfOptions::refuse_graph.
 std::string RefuseGraph(const Term& graph);
 
-// Only the server writes it.
-inline bool IsServerGraph(std::string_view graph) {
+// What turns derive from the others: no batch writes it.
+inline bool IsDerivedGraph(std::string_view graph) {
   return graph == kInferredGraph || graph == kRunsGraph;
+}
+// Only the server writes it, if by batches of its own.
+inline bool IsServerGraph(std::string_view graph) {
+  return IsDerivedGraph(graph) || graph == kDocumentsGraph || graph == kClockGraph;
 }
 
 // A module of ontology has a graph of its own: this and its name. What is not about one graph by name leaves it alone.

@@ -19,8 +19,6 @@
 
 namespace docent::server {
 
-inline constexpr std::string_view kClockGraph = "https://w3id.org/docent#clock";
-
 // Told later than this, an occurrence is late: a server that was down, or a clock that was set ahead.
 inline constexpr TimeMicros kLateUs = 60'000'000;
 // A clock that is set back by up to this repeats nothing; by more, its new time counts.

@@ -101,6 +101,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     return absl::InvalidArgumentError(
         absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
   }
+  if (const std::string why = RefuseGraph(Term::Iri(request.source())); !why.empty())
+    return absl::InvalidArgumentError(absl::StrCat("source: ", why));
   if (!v1::AssertRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError(
         absl::StrCat("mode ", static_cast<int>(request.mode()), " is not known; give ASSERT or LOAD"));
@@ -122,6 +124,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
     absl::StatusOr<TermQuad> out = FromProto(quad, what);
     if (!out.ok()) return out.status();
+    if (const std::string why = RefuseGraph(out->graph); !why.empty())
+      return absl::InvalidArgumentError(absl::StrCat(what, ".graph: ", why));
     for (const Term* term : {&out->subject, &out->predicate, &out->object}) {
       if (absl::Status size = CheckSize(term->lexical.size(), limits, what); !size.ok()) return size;
     }

@@ -22,8 +22,9 @@ namespace {
 
 // The robots that could do what a pending invocation waits for. `wanted`: IRI of the only one, or empty. `capability`: the class
 // of which it asks for an operation, or empty.
-void ReadAwaited(const GraphReader& graph, const std::string& wanted, const std::string& capability,
+void ReadAwaited(const GraphReader& runs, const std::string& wanted, const std::string& capability,
                  v1::Invocation* out) {
+  const GraphReader graph = runs.Everywhere();
   std::vector<std::string> robots;
   if (capability.empty()) {
     robots = graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(out->operation())));
@@ -36,7 +37,7 @@ void ReadAwaited(const GraphReader& graph, const std::string& wanted, const std:
     v1::AwaitedRobot* awaited = out->add_awaits();
     awaited->set_robot(robot);
     awaited->set_state(std::string(ToString(RobotStateOf(graph, robot))));
-    if (const auto run = RunOfIri(graph.Object(robot, DocentIri("heldBy"))))
+    if (const auto run = RunOfIri(runs.Object(robot, DocentIri("heldBy"))))
       awaited->set_held_by(run->value());
   }
 }
@@ -155,7 +156,8 @@ bool IsAskedFor(const GraphReader& graph, const std::string& run, const v1::List
 
 }  // namespace
 
-bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
+bool ReadRun(const GraphReader& all, const std::string& id, v1::Run* run) {
+  const GraphReader graph = all.In(kRunsGraph);
   std::string iri = RunIri(RunId(id));
   std::string state = graph.Object(iri, DocentIri("runState"));
   if (state.empty()) return false;
@@ -181,8 +183,8 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   return true;
 }
 
-absl::Status ReadRuns(const GraphReader& graph, const v1::ListRunsRequest& request,
-                      v1::ListRunsReply* reply) {
+absl::Status ReadRuns(const GraphReader& all, const v1::ListRunsRequest& request, v1::ListRunsReply* reply) {
+  const GraphReader graph = all.In(kRunsGraph);
   static const std::vector<std::string> kStates = {"running", "paused", "incident",
                                                    "done",    "failed", "cancelled"};
   if (!request.state().empty() &&
@@ -212,7 +214,8 @@ absl::Status ReadRuns(const GraphReader& graph, const v1::ListRunsRequest& reque
   return absl::OkStatus();
 }
 
-uint32_t LiveRunsOf(const GraphReader& graph, const std::string& workflow) {
+uint32_t LiveRunsOf(const GraphReader& all, const std::string& workflow) {
+  const GraphReader graph = all.In(kRunsGraph);
   uint32_t live = 0;
   for (const std::string& iri : graph.Subjects(DocentIri("runState"), Term::Literal("running")))
     live += graph.Object(iri, DocentIri("workflow")) == workflow ? 1 : 0;

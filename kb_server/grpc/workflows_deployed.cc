@@ -40,7 +40,7 @@ void ToProto(const RunPorts& ports, const Catalog& catalog, const cawl::Document
   out->set_revision(revision.value());
   out->set_disabled(catalog.disabled_workflows.contains(name));
   const GraphReader reader(*ports.dictionary, graph);
-  out->set_paused(!reader.Object(WorkflowIri(name), DocentIri("pausedAt")).empty());
+  out->set_paused(!reader.In(kRunsGraph).Object(WorkflowIri(name), DocentIri("pausedAt")).empty());
   out->set_live_runs(LiveRunsOf(reader, name));
   if (const DocumentVersionsPtr versions = catalog.versions.Find({Document::Kind::kCawl, name}))
     out->set_deployed_version(versions->newest().number);

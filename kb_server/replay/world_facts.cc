@@ -15,7 +15,7 @@ WorldFacts::WorldFacts(const Stages* stages, const RunTree* own, const ReplayLim
 
 bool WorldFacts::IsOfWorld(TermId graph) {
   const std::string iri = stages_.dictionary.Decode(graph).lexical;
-  if (IsServerGraph(iri) || iri == DocentIri("documents")) return false;
+  if (IsDerivedGraph(iri) || iri == kDocumentsGraph) return false;
   return own_ == nullptr || !own_->IsOwnGraph(iri);
 }
 

@@ -19,11 +19,6 @@
 namespace docent::server {
 namespace {
 
-const std::string& DocumentsGraph() {
-  static const std::string* graph = new std::string(DocentIri("documents"));
-  return *graph;
-}
-
 using Fact = std::tuple<std::string, std::string, Term>;
 
 // What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not
@@ -77,7 +72,7 @@ void Describe(const std::set<Fact>& before, const std::set<Fact>& after,
   auto change = [&](const Fact& fact, QuadOperation::Kind kind) {
     const auto& [subject, predicate, object] = fact;
     operations->push_back(
-        {kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
+        {kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(std::string(kDocumentsGraph))}});
   };
   for (const Fact& fact : before) {
     if (after.count(fact) == 0) change(fact, QuadOperation::Kind::kRemove);

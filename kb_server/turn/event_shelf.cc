@@ -78,7 +78,7 @@ std::optional<WriteBatch> EventShelf::WithOwnNames(const WriteBatch& batch, cons
 bool EventShelf::IsKept(const Quad& quad) const {
   const std::string_view graph = dictionary_.Lexical(quad.graph);
   static const std::string* ontologies = new std::string(OntologyGraph(""));
-  return !IsServerGraph(graph) && !graph.starts_with(*ontologies);
+  return !IsDerivedGraph(graph) && !graph.starts_with(*ontologies);
 }
 
 EventShelf::Events& EventShelf::Mutable() {
