@@ -336,6 +336,8 @@ void TakeEdges(Engine::Core* core) {
 
 // Tells the graph what changed in runs, keeps the timers, and lets go of runs that ended.
 void TellChanges(Engine::Core* core) {
+  // Those that are nested in others are the first to leave the graph again.
+  std::map<std::pair<bool, uint64_t>, KeptRun> ended;  // by whether a run is nested in none, and its number
   for (const RunId& id : core->changed) {
     auto it = core->runs.find(id);
     if (it == core->runs.end()) continue;
@@ -355,7 +357,7 @@ void TellChanges(Engine::Core* core) {
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
     if (core->advanced.contains(id)) ++core->rounds[id];
     if (run.state == WorkState::kRunning) continue;
-    core->Keep({id, run.facts});
+    ended[{run.parent.empty(), run.number}] = {id, run.facts};
     const auto tree = core->trees.find(run.root);
     tree->second.erase(id);
     if (tree->second.empty()) core->trees.erase(tree);
@@ -366,6 +368,7 @@ void TellChanges(Engine::Core* core) {
     core->nodes_live -= run.counted;
     core->runs.erase(it);
   }
+  for (auto& [order, run] : ended) core->Keep(std::move(run));
   TellRobots(core);
 }
 

@@ -222,6 +222,8 @@ struct Engine::Core {
 
   // How many runs a run is nested in as a subflow.
   int DepthOf(const Run& run) const;
+  // Whether the run, or one that it is nested in, is of the flow, in whatever version of its document.
+  bool IsInside(const Run& run, const cawl::Document& document, size_t flow) const;
   // The outermost run that a run belongs to.
   RunId RootOf(const Run& run) const;
   // The invocation, then those that its run is nested in.

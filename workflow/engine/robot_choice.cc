@@ -18,6 +18,17 @@ int Engine::Core::DepthOf(const Run& run) const {
   return depth;
 }
 
+bool Engine::Core::IsInside(const Run& run, const cawl::Document& document, size_t flow) const {
+  const Run* at = &run;
+  while (at->document->name.value != document.name.value ||
+         at->Flow().name.value != document.flows[flow].name.value) {
+    const auto parent = runs.find(at->parent);
+    if (at->parent.empty() || parent == runs.end()) return false;
+    at = &parent->second;
+  }
+  return true;
+}
+
 RunId Engine::Core::RootOf(const Run& run) const {
   if (!run.root.empty()) return run.root;
   const Run* root = &run;

@@ -235,6 +235,8 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   if (core_.DepthOf(run_) >= core_.limits.subflow_nesting) {
     why_not =
         absl::StrCat("it is nested too deep; the limit subflow_nesting is ", core_.limits.subflow_nesting);
+  } else if (core_.IsInside(run_, *flow->first, flow->second)) {
+    why_not = "it would run inside itself; a flow repeats itself by a link that leads back";
   }
   if (!why_not.empty()) {
     InvocationFailed(node, index, absl::StrCat("subflow ", name, " does not start: ", why_not));
@@ -420,6 +422,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     std::string reason = !report.message.empty()                 ? report.message
                          : report.outcome == Outcome::kCancelled ? "cancelled at the robot"
                                                                  : "the robot gave no reason";
+    if (report.outcome == Outcome::kUnknown)
+      reason = absl::StrCat("how it ended is unknown", unknown ? ", so it is not done again: " : ": ", reason);
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
               "running", "failed", reason);
     invocation.handler->Failed(done.step, done.attempt, reason, may_retry);

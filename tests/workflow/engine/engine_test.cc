@@ -322,6 +322,35 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   EXPECT_TRUE(has(twice, "F-4"));
 }
 
+// Whoever started a run of many sub-flows was told that there is no such run.
+TEST_F(EngineTest, WhatEndsInOneTurnLeavesTheGraphBeforeTheRunThatItIsNestedIn) {
+  Limits limits;
+  limits.runs_kept = 2;
+  Engine small(&dictionary_, limits);
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/><invoke subflow=\"G\"/><invoke subflow=\"G\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "") + "<sink name=\"t\"/>" + Link("s", "B") +
+         Link("B", "t") + "</flow>");
+  ASSERT_TRUE(small.Deploy(engine_.FindWorkflow("W")).ok());
+  std::vector<CommandReport> reports;
+  std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
+  EngineInput input{now_us_, Revision(++revision_), false,   &reports, &requests,
+                    nullptr, &conditions_,          &robots_};
+  const EngineOutput output = small.Step(input);
+  small.Commit();
+  const auto stays = [&](const std::string& run) {
+    const auto is_of_run = [&](const Quad& quad) {
+      return quad.subject == dictionary_.FindIri("urn:docent:run:" + run);
+    };
+    return std::any_of(output.add.begin(), output.add.end(), is_of_run) &&
+           std::none_of(output.remove.begin(), output.remove.end(), is_of_run);
+  };
+  EXPECT_TRUE(stays("F-1"));
+  EXPECT_FALSE(stays("G-2"));
+  EXPECT_FALSE(stays("G-3"));
+  EXPECT_TRUE(stays("G-4"));
+}
+
 TEST_F(EngineTest, ALoopGoesOnWhileItsConditionHolds) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
               Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")));
@@ -543,7 +572,26 @@ TEST_F(EngineTest, ANodeWhoseConditionBecomesTooLongWithItsValuesFailsAlone) {
   EXPECT_EQ(conditions_.armed(), 0u);
 }
 
-TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
+TEST_F(EngineTest, RunsInsideEachOtherHaveALimit) {
+  const auto nested = [this](int i) {
+    const std::string text = absl::StrCat(
+        "<CAWL name=\"D", i, "\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>",
+        Node("B", "", absl::StrCat("<invoke subflow=\"D", i + 1, "\"/>")), "<sink name=\"t\"/>",
+        Link("s", "B"), Link("B", "t"), "</flow></CAWL>");
+    const cawl::ParsedCawl parsed = cawl::ParseCawl(text, "x.xml");
+    ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+    ASSERT_TRUE(engine_.Deploy(parsed.document).ok());
+  };
+  const int deep = Limits().subflow_nesting;
+  for (int i = 1; i <= deep + 1; ++i) nested(i);
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"D1\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("subflow_nesting"));
+}
+
+TEST_F(EngineTest, ASubflowThatContainsItselfFails) {
   Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
               Link("A", "t")));
   std::string other =
@@ -556,7 +604,7 @@ TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
   Start();
   EXPECT_EQ(engine_.live_runs(), 0u);
   EXPECT_TRUE(Says("F-1 running>failed"));
-  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("subflow_nesting"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("it would run inside itself"));
 }
 
 TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
