@@ -1,5 +1,6 @@
 // docent map import FILES: maps of other systems as a hall. No server is needed.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -8,6 +9,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/rdf/iri.h"
@@ -90,6 +92,10 @@ void AddMapCommand(CLI::App* app, int* exit_code) {
       ->type_name("NAME");
   command->add_option("--height", arguments->options.height_m, "Height of the walls, in metres")
       ->check(CLI::Range(0.1, 100.0))
+      ->check([](const std::string& text) {  // a range lets NaN through
+        double height = 0;
+        return absl::SimpleAtod(text, &height) && std::isfinite(height) ? "" : "a number is expected";
+      })
       ->type_name("M")
       ->capture_default_str();
   command->footer(

@@ -28,6 +28,8 @@ constexpr uint64_t kHeaderBytes = 1 << 16;
 
 absl::StatusOr<std::string> ReadWhole(const std::string& path, uint64_t most) {
   std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    return absl::InvalidArgumentError(absl::StrCat(path, " is not a file"));
   const uint64_t size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
   if (error || !file) return absl::NotFoundError(absl::StrCat("cannot read ", path));

@@ -92,6 +92,10 @@ class TimeReader {
   void ReadOpen() {
     const Text& text = *Find("open");
     if (!Alone("open", "the opening hours say all; write a second <ext:time>")) return;
+    if (text.empty()) {
+      reader_.Error(text.span, "open names no place", "write a place or a variable: open=\"museum:Hall\"");
+      return;
+    }
     std::optional<Constraint> constraint = ReadConstraintText(
         element_, {Concat(text.value, " <", kDocentNs, "openNow> true"), text.span}, &reader_);
     if (!constraint) return;

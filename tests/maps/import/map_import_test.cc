@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -152,6 +153,8 @@ TEST_F(MapImportTest, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(FaultOf("image: room.pgm\n", ""), HasSubstr("the key image is missing"));
   EXPECT_THAT(FaultOf("negate: 0", "negate: 1\nnegate: 0"), HasSubstr("the key negate stands twice"));
   EXPECT_THAT(FaultOf("negate: 0", "\tnegate: 0"), HasSubstr("bad.yaml:4"));
+  ASSERT_EQ(mkfifo((folder_ + "/pipe.pgm").c_str(), 0600), 0);  // reading it would wait for a writer
+  EXPECT_THAT(FaultOf("room.pgm", "pipe.pgm"), HasSubstr("pipe.pgm is not a file"));
   File("bomb.pgm", "P5 1000000000 1000000000 255\n");
   EXPECT_THAT(FaultOf("room.pgm", "bomb.pgm"), HasSubstr("the limit map_image_pixels"));
   File("black.pgm", std::string("P5 2 2 255\n") + std::string(4, '\0'));
