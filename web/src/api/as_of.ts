@@ -1,7 +1,7 @@
 // What was so at a time of the past. While the time is dragged, one question is on its way at a time and what was answered last
 // stays shown; the newest time wins.
 import { useEffect, useRef, useState } from "react";
-import { timeText, usePast } from "../app/past";
+import { timeText, usePast } from "./past";
 import { plain } from "./errors";
 import { type Polled, usePoll } from "./poll";
 

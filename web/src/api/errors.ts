@@ -9,7 +9,7 @@ export interface PlainError {
 
 export function plain(error: unknown): PlainError {
   const e = ConnectError.from(error);
-  const words = e.rawMessage;
+  const words = e.rawMessage.replace(/[^\n]{400,}/g, (line) => `${line.slice(0, 400)}…`); // a line of somebody's file may be in it
   switch (e.code) {
     case Code.Canceled:
       return { kind: "cancelled", title: "Cancelled", detail: "" };

@@ -1,7 +1,7 @@
 // What the tab follows, for views: over one WebSocket (live_connection.ts). A server that has no /live is asked by polling
 // instead.
 import { fromJson, type DescMessage, type JsonValue, type MessageShape } from "@bufbuild/protobuf";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import { serverAnswered } from "./connection";
 import { plain, type PlainError } from "./errors";
 import { LiveConnection, type Failure, type LiveState, type Socket } from "../../client/src/live_connection";
@@ -20,21 +20,31 @@ function useLiveState(): LiveState {
   return state;
 }
 
+const unseenMs = 2000; // a tab that nobody sees is told less often
+
+function useSeen(): boolean {
+  return useSyncExternalStore((changed) => {
+    document.addEventListener("visibilitychange", changed);
+    return () => document.removeEventListener("visibilitychange", changed);
+  }, () => document.visibilityState !== "hidden");
+}
+
 // A read that is followed: by /live where the server has it, else by polling. An empty key follows nothing.
 export function useFollow<D extends DescMessage>(key: string, what: { call: string; request: JsonValue; reply: D; poll: (signal: AbortSignal) => Promise<MessageShape<D>>; everyMs: number }): Polled<MessageShape<D>> {
   const state = useLiveState();
   const latest = useRef(what);
   latest.current = what;
+  const seen = useSeen();
   const [followed, setFollowed] = useState<{ key: string; data?: MessageShape<D>; error?: PlainError }>({ key });
   useEffect(() => {
     if (key === "" || state === "none") return;
     const { call, request, reply, everyMs } = latest.current;
     return live.follow({
-      call, request, everyMs,
+      call, request, everyMs: seen ? everyMs : Math.max(everyMs, unseenMs),
       onMessage: (message) => setFollowed({ key, data: fromJson(reply, message, { ignoreUnknownFields: true }) }),
       onEnd: (error) => error && setFollowed((before) => ({ ...(before.key === key ? before : { key }), error: plainOf(error) })),
     });
-  }, [key, state === "none"]);
+  }, [key, state === "none", seen]);
   const mine = followed.key === key ? followed : undefined;
   const polled = usePoll(state === "none" || mine?.error ? key : "", what.poll, Math.max(500, what.everyMs));
   const data = state === "none" ? (polled.data ?? mine?.data) : (mine?.data ?? polled.data);

@@ -9,7 +9,7 @@ import { useCommands } from "./commands";
 import { CommandPalette } from "./command_palette";
 import { KeysDialog } from "./keys_dialog";
 import { Link } from "./link";
-import { usePast } from "./past";
+import { usePast } from "../api/past";
 import { navigate, paths, useRoute, type Route } from "./router";
 import { themeShown, toggleTheme, useTheme } from "./theme";
 import "./shell.css";

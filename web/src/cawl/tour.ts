@@ -22,7 +22,7 @@ export interface TourPlan {
 
 const driveMS = 0.6; // metres a second of a guide robot that is followed by people
 const detour = 1.3; // of a way around booths against a straight line
-const presentS = 40;
+export const presentS = 25;
 const spokenPerS = 14; // characters
 
 // Estimated seconds: the ways at a walking robot's speed, and a while at each stop. `metres`: of each way, where the hall's routes

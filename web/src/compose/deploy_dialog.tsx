@@ -4,9 +4,10 @@ import { useMemo, useState } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { navigate, paths } from "../app/router";
-import { type CawlDocument, readCawl, type Flow } from "../cawl/document";
+import { type CawlDocument, readCawl, type Flow, type Step } from "../cawl/document";
 import { Edits } from "../cawl/edits";
 import { Dialog } from "../ui/dialog";
+import { DeployFlow } from "./deploy_flow";
 import { toast } from "../ui/toasts";
 import type { Findings } from "./findings";
 import { Field } from "./properties";
@@ -21,7 +22,10 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
   const errors = findings.list.filter((f) => f.error);
   const warnings = findings.list.filter((f) => !f.error);
   const diff = useMemo(() => (deployed === null ? [] : diffLines(deployed, document.text)), [deployed, document.text]);
-  const steps = useMemo(() => (deployed === null ? null : stepDiff(readCawl(deployed), document)), [deployed, document]);
+  const old = useMemo(() => (deployed === null ? null : readCawl(deployed)), [deployed]);
+  const drawn = old ? document.flows.filter((flow) => flowText(document, flow) !== flowText(old, old.flows.find((f) => f.name === flow.name))).slice(0, 3) : [];
+  const textOf = (side: "before" | "after", step: Step) => stepText(side === "before" && old ? old : document, step);
+  const steps = useMemo(() => (old === null ? null : stepDiff(old, document)), [old, document]);
   const deploy = async () => {
     setBusy(true);
     setError(null);
@@ -59,6 +63,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
             {steps.gone.map((name) => <li key={`-${name}`} className="gone">− {name}</li>)}
           </ul>
         )}
+        {old && drawn.map((flow) => <DeployFlow key={flow.key} before={old.flows.find((f) => f.name === flow.name)} after={flow} textOf={textOf} />)}
         {diff.length > 0 && (
           <pre className="deploy-diff" tabIndex={0} aria-label="Differences of the text">
             {diff.map((line, i) => <div key={i} className={line.kind}><span className="number">{line.kind === "gap" ? "⋯" : line.line}</span>{line.kind === "new" ? "+" : line.kind === "gone" ? "−" : " "} {line.text}</div>)}
@@ -73,8 +78,13 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
   );
 }
 
+// Without the places of steps, which say nothing of what it does.
+const placeless = (text: string) => text.replace(/ \w+:[xy]="[^"]*"/g, "");
+const stepText = (document: CawlDocument, step: Step) => placeless(document.text.slice(step.element.from, step.element.to));
+const flowText = (document: CawlDocument, flow: Flow | undefined) => (flow ? placeless(document.text.slice(flow.element.from, flow.element.to)) : "");
+
 function stepDiff(before: CawlDocument, after: CawlDocument): { come: string[]; gone: string[]; changed: string[] } {
-  const steps = (document: CawlDocument) => new Map(document.flows.flatMap((flow: Flow) => flow.steps.map((s) => [`${flow.name} / ${s.name}`, document.text.slice(s.element.from, s.element.to).replace(/ \w+:[xy]="[^"]*"/g, "")] as const)));
+  const steps = (document: CawlDocument) => new Map(document.flows.flatMap((flow: Flow) => flow.steps.map((s) => [`${flow.name} / ${s.name}`, stepText(document, s)] as const)));
   const [a, b] = [steps(before), steps(after)];
   return {
     come: [...b.keys()].filter((name) => !a.has(name)),

@@ -8,7 +8,7 @@ import { words } from "../cawl/names";
 import { Dialog } from "../ui/dialog";
 import type { PaletteEntry } from "./palette_data";
 
-const largest = 16 * 1024 * 1024; // characters of a WSDL that are sent
+const largest = 10_000_000; // characters, as much as the server reads
 const sources = [["wsdl", "WSDL"], ["grpcTarget", "gRPC server"], ["adapter", "Robot's adapter"]] as const;
 
 export function ImportDialog(props: { onImported: (entries: PaletteEntry[]) => void; onClose: () => void }) {
@@ -20,7 +20,7 @@ export function ImportDialog(props: { onImported: (entries: PaletteEntry[]) => v
   const [templates, setTemplates] = useState<readonly NodeTemplate[] | null>(null);
   const ask = async () => {
     const value = (kind === "wsdl" ? (file?.text ?? text) : text).trim();
-    if (value.length > largest) return setError({ kind: "refused", title: "The file is too large", detail: "A WSDL may have 16 MB." });
+    if (value.length > largest) return setError({ kind: "refused", title: "The file is too large", detail: "A WSDL may have 10 MB. Leave parts out that no step needs, such as documentation." });
     setBusy(true);
     setError(null);
     try {

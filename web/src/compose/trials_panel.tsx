@@ -7,7 +7,7 @@ import { localName } from "../api/sparql";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import type { ReplayDifference, ReplayReply } from "../gen/docent/v1/replays_pb";
-import { clock } from "../operate/states";
+import { clock, runWords } from "../operate/states";
 import { factsOf } from "../operate/waits";
 import { toast } from "../ui/toasts";
 import { saveFile } from "./files";
@@ -52,7 +52,7 @@ function TrialRow(props: { trials: Trials; trial: Trial; old: boolean; open: boo
     <li className={props.open ? "open" : ""}>
       <div className="trial">
         <button className="button plain icon small" aria-pressed={trial.kept} aria-label={trial.kept ? `Drop the test ${trial.run}` : `Keep ${trial.run} as a test`} title={trial.kept ? "A test: it is tried after each edit" : "Keep it as a test, which is tried after each edit"} onClick={() => trials.keep(trial.run, !trial.kept)}><Star size={14} fill={trial.kept ? "currentColor" : "none"} /></button>
-        <Link href={paths.run(trial.run)} className="run-id">{trial.run}</Link>
+        <Link href={paths.run(trial.run)} className="run-id cut">{runWords(trial.run)}</Link>
         <span className="faint small cut grow">{trial.of ? [clock(trial.of.startedUs), user?.case === "iri" && `for ${localName(user.value)}`, trial.of.state].filter(Boolean).join(" · ") : "no longer in the list of runs"}</span>
         <Verdict trial={trial} old={props.old} />
         <button className="button small" disabled={trial.busy} onClick={attempt}>{trial.busy ? <LoaderCircle size={12} className="turn" /> : <History size={12} />}Try</button>

@@ -14,7 +14,7 @@ import type { Run, Wait } from "../gen/docent/v1/workflows_pb";
 import { toast } from "../ui/toasts";
 import { RunActions, SettleButtons } from "./run_actions";
 import { useRuns, useTicks } from "./runs";
-import { clock, duration, isLive, nowUs } from "./states";
+import { clock, duration, isLive, nowUs, runWords } from "./states";
 import { TellDialog } from "./tell";
 import { type Group, groupWaits, type WaitKind } from "./waits";
 import "./board.css";
@@ -96,8 +96,8 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
       <ul>
         {shown.map(({ run, node, root, sinceUs }) => (
           <li key={`${run.id} ${node?.name ?? ""}`}>
-            <Link href={paths.run(run.id, node?.name ?? "")} className="run-id">{run.id}</Link>
-            <span className="faint cut grow">{node && `at ${node.name}`}{run !== root && ` in ${root.id}`}{runFor(root)}</span>
+            <Link href={paths.run(run.id, node?.name ?? "")} className="run-id">{runWords(run.id)}</Link>
+            <span className="faint cut grow">{node && `at ${node.name}`}{run !== root && ` in ${runWords(root.id)}`}{runFor(root)}</span>
             {node && <SettleButtons run={run.id} node={node} again={again} />}
             <span className="board-actions"><RunActions run={root} again={again} /></span>
             <span className="faint small number board-time">{duration(sinceUs, nowUs())}</span>

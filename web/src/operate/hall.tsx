@@ -6,7 +6,7 @@ import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
 import { useNames, type Names } from "../api/prefixes";
 import { useCommands } from "../app/commands";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { navigate, paths } from "../app/router";
 import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Details } from "./hall_details";
@@ -21,7 +21,7 @@ import "./hall.css";
 
 export function useRobots() {
   const at = usePast();
-  const now = useFollow(at === null ? "robots" : "", { call: "docent.v1.Fleet/List", request: {}, reply: ListRobotsReplySchema, poll: (signal) => fleet.list({}, { signal }), everyMs: 150 });
+  const now = useFollow(at === null ? "robots" : "", { call: "docent.v1.Fleet/List", request: {}, reply: ListRobotsReplySchema, poll: (signal) => fleet.list({}, { signal }), everyMs: 50 });
   const then = useAsOf("robots", at, askRobots);
   return useKept("robots", at === null ? now : then);
 }
@@ -44,13 +44,14 @@ export default function Hall({ picked }: { picked: string }) {
   const trails = useTrails(robots.data?.robots, past);
   useEffect(() => void (document.title = "Hall – Docent"), []);
   const list = robots.data?.robots ?? [];
+  const drawn = useMemo(() => list.slice(0, drawnRobots), [list]);
   useCommands([
     { title: "Show the whole hall", group: "Hall", icon: LocateFixed, keys: "F", run: () => setCamera(null) },
     { title: "Nearer", group: "Hall", icon: Plus, keys: "+|=", run: () => setCamera((c) => zoomed(c, layout.data, 0.8)) },
     { title: "Farther", group: "Hall", icon: Minus, keys: "-", run: () => setCamera((c) => zoomed(c, layout.data, 1.25)) },
     { title: "Select nothing", group: "Hall", keys: "Escape", hidden: true, run: () => pick("") },
     { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => setTour([]) },
-    ...list.map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
+    ...list.slice(0, drawnRobots).map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
     ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => pick(s.iri) })),
   ]);
   const empty = layout.data?.shapes.length === 0 && list.length === 0;
@@ -59,7 +60,7 @@ export default function Hall({ picked }: { picked: string }) {
       <div className="hall-stage">
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
-        {layout.data && !empty && <HallDrawing layout={layout.data} robots={list} people={people.data ?? []} trails={trails} ways={ways.data ?? noWays} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
+        {layout.data && !empty && <HallDrawing layout={layout.data} robots={drawn} people={people.data ?? []} trails={trails} ways={ways.data ?? noWays} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
         {!tour && !past && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
         <div className="hall-zoom">
           <button className="button icon" aria-label="Nearer" onClick={() => setCamera((c) => zoomed(c, layout.data, 0.8))}><Plus size={15} /></button>
@@ -72,7 +73,8 @@ export default function Hall({ picked }: { picked: string }) {
           <>
             <h2 className="hall-title">Robots <span className="faint number">{list.length}</span></h2>
             {list.length === 0 && <p className="faint small hall-hint">{robots.error ? robots.error.title : "None has joined. Start one: docent-robot."}</p>}
-            <ul>{list.map((r) => <RobotRow key={r.robot} robot={r} names={names} onPick={pick} />)}</ul>
+            <ul>{list.slice(0, listedRobots).map((r) => <RobotRow key={r.robot} robot={r} names={names} onPick={pick} />)}</ul>
+            {list.length > listedRobots && <p className="faint small hall-hint">and {list.length - listedRobots} more: Ctrl-K finds a robot by its name{list.length > drawnRobots ? `; the map draws the first ${drawnRobots}` : ""}.</p>}
             <h2 className="hall-title">People <span className="faint number">{people.data?.length ?? 0}</span></h2>
             <ul>{(people.data ?? []).slice(0, 100).map((p) => <li key={p.iri}><button className="hall-row" onClick={() => pick(p.iri)}><span className="hall-icon person"><User size={14} /></span><span className="grow cut"><b>{p.name || names.name(p.iri)}</b><span className="faint small">{p.at ? `at ${names.name(p.at)}` : "somewhere"}</span></span></button></li>)}</ul>
           </>
@@ -87,6 +89,8 @@ function zoomed(camera: Camera | null, layout: Layout | undefined, by: number): 
   return now && { ...now, scale: Math.max(0.08, Math.min(1.6, now.scale * by)) };
 }
 
+const listedRobots = 100;
+const drawnRobots = 1000;
 const noWays: ReadonlyMap<string, Way> = new Map();
 const trailPoints = 240;
 const leapM = 4;

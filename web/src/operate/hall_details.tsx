@@ -4,6 +4,7 @@ import { useShown } from "../api/as_of";
 import type { Names } from "../api/prefixes";
 import { query } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { Lately } from "./lately";
 import type { Layout } from "./layout";
 import { RobotPanel } from "./robot_panel";
 import { RobotTag } from "./robot_words";
@@ -32,6 +33,7 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
         {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
         {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
+        <Lately key={iri} iri={iri} />
         <h3>Facts</h3>
         {facts.error && !facts.data && <p className="faint small">{facts.error.title}</p>}
         <ul>{(facts.data?.rows ?? []).map((row) => {

@@ -2,6 +2,7 @@
 import { usePoll } from "../api/poll";
 import { query, type Row } from "../api/sparql";
 import { runOf } from "./past_runs";
+import { runWords } from "./states";
 
 export interface Mark {
   ms: number; // just after it: the graph of this time has it
@@ -23,7 +24,7 @@ export function readMarks(rows: readonly Row[]): Mark[] {
     const node = row["node"]?.text;
     const what = row["what"]?.text ?? "";
     // Times in the graph are cut to milliseconds: the turn itself came within the next one.
-    return Number.isFinite(ms) && run ? [{ ms: ms + 1, run, words: node ? `${node} of ${run}${what === "opens" ? " opens" : ` is ${what}`}` : `${run} ${what === "begins" ? "begins" : `is ${what}`}`, ends: !node && what !== "begins" }] : [];
+    return Number.isFinite(ms) && run ? [{ ms: ms + 1, run, words: node ? `${node} of ${runWords(run)}${what === "opens" ? " opens" : ` is ${what}`}` : `${runWords(run)} ${what === "begins" ? "begins" : `is ${what}`}`, ends: !node && what !== "begins" }] : [];
   }).sort((a, b) => a.ms - b.ms);
 }
 

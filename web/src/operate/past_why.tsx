@@ -4,7 +4,7 @@ import { useAsOf } from "../api/as_of";
 import { replays } from "../api/client";
 import type { Names } from "../api/prefixes";
 import { query } from "../api/sparql";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { factsOf } from "./waits";
 
 export function PastWhyNot({ run, node, names }: { run: string; node: string; names: Names }) {

@@ -5,7 +5,7 @@ import { fleet } from "../api/client";
 import type { Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
 import { Link } from "../app/link";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { paths } from "../app/router";
 import { words } from "../cawl/names";
 import type { RobotReservation, RobotStatus } from "../gen/docent/v1/fleet_pb";

@@ -4,7 +4,7 @@ import { useState } from "react";
 import { workflows } from "../api/client";
 import { sentence } from "../api/errors";
 import { useCommands } from "../app/commands";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";

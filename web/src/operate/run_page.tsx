@@ -8,7 +8,7 @@ import { readTriples, useNames, type Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
 import { termText } from "../api/terms";
 import { Link } from "../app/link";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { navigate, paths } from "../app/router";
 import { type Flow, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
@@ -18,8 +18,8 @@ import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
 import { FlowView } from "./flow_view";
 import { askRun } from "./past_runs";
 import { RunActions, SettleButtons } from "./run_actions";
-import { stateOf, useTicks } from "./runs";
-import { clock, duration, isLive, nowUs, StateTag } from "./states";
+import { stateOf, useRuns, useTicks, whereWords } from "./runs";
+import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
 import { Fact, WhyNot } from "./why";
@@ -32,7 +32,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   const polled = useKept<Run | null>(`run ${id}`, at === null ? now : then);
   const run = polled.data;
   useTicks(1000);
-  useEffect(() => void (document.title = `${id} – Docent`), [id]);
+  useEffect(() => void (document.title = `${runWords(id)} – Docent`), [id]);
   const flow = useFlow(run ?? undefined);
   const names = useNames();
   const palette = usePalette();
@@ -44,18 +44,18 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   if (!run)
     return (
       <main className="view nothing">
-        {run === null && at !== null ? <><History size={28} /><h1>{id} had not begun yet</h1><p>At {clock(BigInt(at) * 1000n)} there was no such run.</p></> : polled.error ? <><CircleAlert size={28} /><h1>{polled.error.kind === "missing" ? `There is no run ${id}` : polled.error.title}</h1><p>{polled.error.kind === "missing" ? "It may have ended long ago: only the newest ended runs are kept." : polled.error.detail}</p><p><Link href={paths.runs()}>Show all runs</Link></p></> : <p aria-busy="true">Loading…</p>}
+        {run === null && at !== null ? <><History size={28} /><h1>{runWords(id)} had not begun yet</h1><p>At {clock(BigInt(at) * 1000n)} there was no such run.</p></> : polled.error ? <><CircleAlert size={28} /><h1>{polled.error.kind === "missing" ? `There is no run ${runWords(id)}` : polled.error.title}</h1><p>{polled.error.kind === "missing" ? "It may have ended long ago: only the newest ended runs are kept." : polled.error.detail}</p><p><Link href={paths.runs()}>Show all runs</Link></p></> : <p aria-busy="true">Loading…</p>}
       </main>
     );
   return (
     <main className="editor">
       <header className="head">
         <Link href={paths.runs()} className="faint crumb">Runs</Link><ChevronRight size={13} className="faint crumb" />
-        <h1 className="cut">{run.id}</h1>
+        <h1 className="cut">{runWords(run.id)}</h1>
         <StateTag state={stateOf(run)} />
         <span className="faint small cut number">{clock(run.startedUs)} · {duration(run.startedUs, run.endedUs || nowUs())}</span>
         <span className="grow" />
-        {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {run.parent}</Link>}
+        {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
         <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
         <RunActions run={run} again={polled.again} keys />
       </header>
@@ -114,8 +114,15 @@ function useFlow(run: Run | undefined): Flow | null {
 
 function Now({ run, names, again }: { run: Run; names: Names; again: () => void }) {
   const active = run.nodes.filter((n) => ["waiting", "running", "incident", ...(run.state === "failed" ? ["failed"] : [])].includes(n.state));
-  if (active.length === 0) return <p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p>;
-  return <>{active.map((n) => <NodeDetails key={n.name} run={run} node={n} names={names} again={again} titled />)}</>;
+  const within = (useRuns().data?.runs ?? []).filter((r) => r.parent === run.id);
+  const parts = within.length > 0 && (
+    <section className="run-section">
+      <h3>Runs within</h3>
+      <ul className="runs-within">{within.map((r) => <li key={r.id}><Link href={paths.run(r.id)} className="run-id cut grow">{runWords(r.id)}</Link><span className="faint small cut">{whereWords(r)}</span><StateTag state={stateOf(r)} /></li>)}</ul>
+    </section>
+  );
+  if (active.length === 0) return <>{parts}<p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p></>;
+  return <>{parts}{active.map((n) => <NodeDetails key={n.name} run={run} node={n} names={names} again={again} titled />)}</>;
 }
 
 function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node; names: Names; again: () => void; titled?: boolean }) {

@@ -7,12 +7,12 @@ import { useFollow } from "../api/live";
 import { localName } from "../api/sparql";
 import { useCommands } from "../app/commands";
 import { Link } from "../app/link";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { navigate, paths } from "../app/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
 import { words } from "../cawl/names";
 import { askRuns } from "./past_runs";
-import { clock, duration, isLive, nowUs, StateTag } from "./states";
+import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import "./runs.css";
 
 const filters = [["", "All"], ["live", "Live"], ["incident", "Needs you"], ["done", "Done"], ["failed", "Failed"], ["cancelled", "Cancelled"]] as const;
@@ -73,7 +73,7 @@ export default function Runs(props: { state: string; workflow: string }) {
             <tbody>
               {runs.slice(0, count).map((run) => (
                 <tr key={run.id} onClick={() => navigate(paths.run(run.id))}>
-                  <td><Link href={paths.run(run.id)} className="run-id">{run.id}</Link>{run.parent && <span className="faint small"> in {run.parent}</span>}</td>
+                  <td><Link href={paths.run(run.id)} className="run-id">{runWords(run.id)}</Link>{run.parent && <span className="faint small"> in {runWords(run.parent)}</span>}</td>
                   <td><StateTag state={stateOf(run)} /></td>
                   <td className="run-where">{whereWords(run)}</td>
                   <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(localName).join(", ")}</td>

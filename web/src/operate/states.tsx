@@ -1,6 +1,6 @@
 // States of runs and nodes as icon and words, never by colour alone; times for people.
 import { Ban, CircleAlert, CircleCheck, CircleDashed, CirclePause, Hourglass, LoaderCircle, Send, SkipForward, Undo2, type LucideIcon } from "lucide-react";
-import { shownNow } from "../app/past";
+import { shownNow } from "../api/past";
 
 interface Look {
   words: string;
@@ -33,6 +33,15 @@ export function StateTag({ state }: { state: string }) {
 }
 
 export const isLive = (state: string) => !["done", "failed", "cancelled"].includes(state);
+
+// The id of a run, as people read it: "John's Service-2".
+export function runWords(id: string): string {
+  try {
+    return decodeURIComponent(id);
+  } catch {
+    return id;
+  }
+}
 
 export function seconds(us: bigint | number): number {
   return Number(us) / 1e6;

@@ -4,7 +4,7 @@ import { useEffect, useState } from "react";
 import { useAsOf } from "../api/as_of";
 import { query } from "../api/sparql";
 import { useCommands } from "../app/commands";
-import { showTime, usePast } from "../app/past";
+import { showTime, usePast } from "../api/past";
 import { announce } from "../ui/toasts";
 import { nextMark, spans, useMarks, usualSpan } from "./marks";
 import { useTicks } from "./runs";

@@ -6,7 +6,7 @@ import { type RunEvent, RunEventSchema } from "../gen/docent/v1/workflows_pb";
 import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
-import { showTime, usePast } from "../app/past";
+import { showTime, usePast } from "../api/past";
 import { clock, look } from "./states";
 
 const kept = 2000;

@@ -5,7 +5,7 @@ import type { Names } from "../api/prefixes";
 import { navigate, paths } from "../app/router";
 import { uniqueName } from "../cawl/names";
 import { useLegs } from "./legs";
-import { type Stop, tourSeconds, tourText } from "../cawl/tour";
+import { presentS, type Stop, tourSeconds, tourText } from "../cawl/tour";
 import { listDrafts, saveDraft } from "../compose/drafts";
 import { usePalette } from "../compose/palette_data";
 
@@ -71,7 +71,7 @@ export function TourPanel(props: { stops: readonly Stop[]; from: { x: number; y:
             ))}
           </ol>
         )}
-        {stops.length > 0 && <p className="quiet">About <b className="number">{Math.max(1, Math.round(minutes))} min</b>, by {routed ? "the routes of the hall" : "straight ways"} and 40 s at each stop.</p>}
+        {stops.length > 0 && <p className="quiet">About <b className="number">{Math.max(1, Math.round(minutes))} min</b>, by {routed ? "the routes of the hall" : "straight ways"} and {presentS} s at each stop.</p>}
         <label className="property"><span>Name</span><input className="field" value={name} onChange={(e) => setName(e.target.value)} /></label>
         <label className="property"><span>The robot drives by</span>
           <select className="field" value={travelling} onChange={(e) => setTravel(e.target.value)}>{[...new Set([travelling, ...offers.map((e) => e.id)])].filter(Boolean).map((id) => <option key={id}>{id}</option>)}</select>

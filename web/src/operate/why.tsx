@@ -5,7 +5,7 @@ import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
-import { usePast } from "../app/past";
+import { usePast } from "../api/past";
 import { quadOf, quadText, termOf } from "../api/terms";
 import type { MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";

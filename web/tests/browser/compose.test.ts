@@ -1,7 +1,7 @@
 // Composing in a real browser: by keys alone, by dragging, in the text; and what must not go wrong with it.
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, describe, expect, it } from "vitest";
-import { draft, draftNow, fitsTheWindow, seriousFindings } from "./pages";
+import { draft, draftNow, dragOnto, fitsTheWindow, seriousFindings } from "./pages";
 import { guide, Stage, usualAnswers } from "./stage";
 
 let stage: Stage;
@@ -74,7 +74,7 @@ describe("without a mouse", () => {
 describe("canvas and text", () => {
   it("a step is dragged onto a link", async () => {
     const page = await newGreeter();
-    await page.locator(".palette-item", { hasText: "Move to booth" }).dragTo(page.locator('[data-link="Begin → End"]'), { force: true });
+    await dragOnto(page, page.locator(".palette-item", { hasText: "Move to booth" }), "Begin → End");
     await page.waitForSelector(step("Move to booth"));
     await draft(page, "Greeter").toContain('<link from="Begin" to="Move to booth"/>\n    <link from="Move to booth" to="End"/>');
   });

@@ -51,6 +51,7 @@ describe.skipIf(why !== "")("the hall", () => {
     expect(await page.locator(".hall-details").innerText()).toMatch(/± 0\.\d\d m/);
     await stage.picture(page, "way");
     await page.locator(".hall-way").waitFor({ state: "detached" }); // it has arrived
+    await page.locator(".lately li", { hasText: "BoothGuide-1" }).waitFor();
   });
   for (const dark of [false, true])
     it(`no serious finding of axe (${dark ? "dark" : "light"})`, async () => {

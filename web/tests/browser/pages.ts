@@ -2,7 +2,7 @@
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import { type Browser, chromium, type Page } from "playwright-core";
+import { type Browser, chromium, type Locator, type Page } from "playwright-core";
 import { expect, inject, onTestFailed } from "vitest";
 
 const web = join(import.meta.dirname, "../..");
@@ -60,6 +60,27 @@ export async function settled(page: Page) {
     while (moves().length > 0) await Promise.allSettled(moves().map((a) => a.finished));
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
   });
+}
+
+// Until a thing stands still: the canvas moves by itself after each step that comes.
+export async function still(thing: Locator) {
+  await thing.waitFor();
+  await thing.evaluate(async (element) => {
+    let last = "";
+    for (let frames = 0; frames < 20; ) {
+      await new Promise((done) => requestAnimationFrame(done));
+      const { x, y } = element.getBoundingClientRect();
+      frames = `${x} ${y}` === last ? frames + 1 : 0;
+      last = `${x} ${y}`;
+    }
+  });
+}
+
+// Drags something of the palette onto a link ("Begin → End").
+export async function dragOnto(page: Page, item: Locator, link: string) {
+  const target = page.locator(`[data-link="${link}"]`);
+  await still(target);
+  await item.dragTo(target, { force: true });
 }
 
 // Serious and critical findings of axe, in words.

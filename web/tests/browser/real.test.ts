@@ -2,6 +2,7 @@
 // another workflow; a server that is killed and comes back.
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { dragOnto } from "./pages";
 import { lacking } from "./processes";
 import { RealStage } from "./real_stage";
 
@@ -26,7 +27,7 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
   }
   const drag = async (page: Page, item: string, link: string) => {
     const steps = await page.locator(".react-flow__node").count();
-    await page.locator(".palette-item", { hasText: item }).first().dragTo(page.locator(`[data-link="${link}"]`), { force: true });
+    await dragOnto(page, page.locator(".palette-item", { hasText: item }).first(), link);
     await page.locator(".react-flow__node").nth(steps).waitFor();
   };
   async function deploy(page: Page) {
@@ -68,7 +69,7 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     const page = await open("/compose");
     await begin(page, "John's Service");
     await page.locator(".palette-item", { hasText: "version 1.0" }).first().waitFor();
-    await page.locator(".palette-item", { hasText: "version 1.0" }).first().dragTo(page.locator('[data-link="Begin → End"]'), { force: true });
+    await dragOnto(page, page.locator(".palette-item", { hasText: "version 1.0" }).first(), "Begin → End");
     await page.waitForSelector('.react-flow__node[data-id="Booth guide"]');
     await page.locator(".react-flow__pane").click({ position: { x: 30, y: 30 } });
     for (const name of ["user", "booth"]) await page.locator(`input[aria-label="Kind of ${name}"]`).waitFor(); // the values that the guide begins with come along
@@ -79,6 +80,8 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     await deploy(page);
     await start(page, { user: "expo:John", booth: "expo:B09" });
     await page.locator(".head .tag", { hasText: "done" }).waitFor();
+    await page.locator(".runs-within li", { hasText: "BoothGuide-" }).waitFor();
+    await picture(page, "johns-run");
     await page.getByRole("link", { name: "Runs" }).first().click();
     await page.locator("tbody tr", { hasText: "in John" }).waitFor();
     await picture(page, "runs");

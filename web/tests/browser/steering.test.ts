@@ -4,7 +4,7 @@ import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { draft } from "./pages";
+import { draft, dragOnto } from "./pages";
 import { lacking } from "./processes";
 import { expo, RealStage } from "./real_stage";
 
@@ -108,6 +108,9 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     const dialog = page.locator("dialog");
     await dialog.locator(".deploy-steps .new", { hasText: "Errand / Deliver" }).waitFor();
     await dialog.locator(".deploy-steps .gone", { hasText: "Errand / Bring" }).waitFor();
+    await dialog.locator('.deploy-flow .react-flow__node', { hasText: "Deliver" }).locator(".state-chip.diff-new").waitFor();
+    await dialog.locator('.deploy-flow .react-flow__node', { hasText: "Bring" }).locator(".state-chip.diff-gone").waitFor();
+    expect(await dialog.locator(".deploy-flow .state-chip").count()).toBe(2);
     expect(await dialog.locator(".deploy-diff .new").allInnerTexts()).toEqual([expect.stringContaining('<node name="Deliver">'), expect.stringContaining('<link from="Fetch" to="Deliver"/>'), expect.stringContaining('<link from="Deliver" to="End"/>')]);
     await dialog.locator('input[aria-label="Version"]').fill("2.0");
     await page.keyboard.press("Tab");
@@ -160,7 +163,7 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
       await page.keyboard.press("Enter");
       await dialog.getByRole("button", { name: finds }).click();
     }
-    await page.locator(".palette-item", { hasText: "Ask price" }).dragTo(page.locator('[data-link="Begin → Fetch"]'), { force: true });
+    await dragOnto(page, page.locator(".palette-item", { hasText: "Ask price" }), "Begin → Fetch");
     await page.locator('.react-flow__node[data-id="Ask price"]').waitFor();
     await draft(page, "Errand").toContain('<invoke operation="askPrice"/>');
     await draft(page, "Errand").toContain("<!-- fetches something that can't be fetched, and brings it -->");

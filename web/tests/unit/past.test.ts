@@ -1,6 +1,6 @@
 // The past: times in addresses, runs and robots read from facts, marks of the time bar.
 import { describe, expect, it } from "vitest";
-import { readTime, timeText } from "../../src/app/past";
+import { readTime, timeText } from "../../src/api/past";
 import type { Row, Value } from "../../src/api/sparql";
 import { nextMark, readMarks, usualSpan } from "../../src/operate/marks";
 import { readRobots } from "../../src/operate/past_hall";

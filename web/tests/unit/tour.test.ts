@@ -29,8 +29,8 @@ describe("a tour", () => {
   it("takes longer by what is said, and by the ways that routes tell", () => {
     const stops = [stop("B1", 6), stop("B2", 12)];
     const straight = tourSeconds(stops, { x: 0, y: 0 });
-    expect(straight).toBeCloseTo((12 * 1.3) / 0.6 + 80);
-    expect(tourSeconds(stops, { x: 0, y: 0 }, [undefined, 30])).toBeCloseTo((6 * 1.3 + 30) / 0.6 + 80);
+    expect(straight).toBeCloseTo((12 * 1.3) / 0.6 + 50);
+    expect(tourSeconds(stops, { x: 0, y: 0 }, [undefined, 30])).toBeCloseTo((6 * 1.3 + 30) / 0.6 + 50);
     expect(tourSeconds([stops[0]!, { ...stops[1]!, say: "x".repeat(140) }], { x: 0, y: 0 })).toBeCloseTo(straight + 10);
   });
   it("reads the roadmap of the hall", () => {
