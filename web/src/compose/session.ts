@@ -14,6 +14,7 @@ export class Session {
   readonly view: EditorView;
   private model: CawlDocument;
   private pending = 0; // timer of a text that is not read yet
+  private revealing = 0; // timer of a place that is shown
   good: CawlDocument | null; // the newest without mistakes of the text
   version = 0; // changes with each text
   refreshed = 0; // changes when the whole text was replaced, and the canvas should show all of it
@@ -43,6 +44,7 @@ export class Session {
         ],
       }),
     });
+    for (const what of ["wheel", "pointerdown", "keydown"]) this.view.scrollDOM.addEventListener(what, this.leaveThere, { passive: true });
     this.model = readCawl(this.view.state.doc.toString());
     this.good = this.model.problems.length === 0 ? this.model : null;
   }
@@ -143,14 +145,29 @@ export class Session {
 
   // Shows a range in the text, without taking the focus.
   reveal(from: number, to: number) {
-    const length = this.view.state.doc.length;
-    this.view.dispatch({
-      selection: { anchor: Math.min(from, length), head: Math.min(to, length) },
-      effects: EditorView.scrollIntoView(Math.min(from, length), { y: "start", yMargin: 60 }),
-    });
+    const place = () => Math.min(from, this.view.state.doc.length);
+    const scroll = () => EditorView.scrollIntoView(place(), { y: "start", yMargin: 60 });
+    this.view.dispatch({ selection: { anchor: place(), head: Math.min(to, this.view.state.doc.length) }, effects: scroll() });
+    // Lines that were not drawn yet have heights that the editor guesses: once they are drawn, the place is another one.
+    this.leaveThere();
+    let times = 25;
+    let seen = 0; // how often it has been in view, one after the other
+    const again = () => {
+      const at = this.view.coordsAtPos(place());
+      const box = this.view.scrollDOM.getBoundingClientRect();
+      const there = at !== null && at.top >= box.top && at.bottom <= box.bottom;
+      seen = there ? seen + 1 : 0;
+      if (!there) this.view.dispatch({ effects: scroll() });
+      if (--times > 0 && (seen < 4 || document.fonts.status !== "loaded")) this.revealing = window.setTimeout(again, 120);
+    };
+    this.revealing = window.setTimeout(again, 60);
   }
 
+  // Somebody scrolls or types: the text stays where they have it.
+  private readonly leaveThere = () => window.clearTimeout(this.revealing);
+
   destroy() {
+    this.leaveThere();
     this.view.destroy();
   }
 }

@@ -1,4 +1,5 @@
 // What happened and when, for the time bar: beginnings and ends of runs and steps. Reading and choosing are pure functions.
+import { useState } from "react";
 import { usePoll } from "../api/poll";
 import { query, type Row } from "../api/sparql";
 import { runOf } from "./past_runs";
@@ -11,6 +12,7 @@ export interface Mark {
   ends: boolean; // of a run
 }
 const most = 1000;
+const slowMs = 500;
 export const marksQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX prov: <http://www.w3.org/ns/prov#>
 SELECT ?t ?r ?node ?what { GRAPH docent:runs {
   { ?r prov:startedAtTime ?t ; docent:runState ?state BIND("begins" AS ?what) } UNION { ?r prov:endedAtTime ?t ; docent:runState ?what } UNION
@@ -35,11 +37,14 @@ export function nextMark(marks: readonly Mark[], ms: number, direction: 1 | -1):
 
 // The time by the server's clock, which may be a simulated one, against this browser's.
 export function useMarks() {
+  const [slow, setSlow] = useState(false); // very many runs: the question takes a while, and is asked less often
   return usePoll("marks", async (signal) => {
+    const begin = performance.now();
     const [{ rows }, clock] = await Promise.all([query(marksQuery, signal), query("SELECT (NOW() AS ?now) {}", signal)]);
+    if (performance.now() - begin > slowMs) setSlow(true);
     const now = Date.parse(clock.rows[0]?.["now"]?.text ?? "");
     return { marks: readMarks(rows), aheadMs: Number.isFinite(now) ? now - Date.now() : 0 };
-  }, 3000);
+  }, slow ? 30_000 : 3000);
 }
 
 const minute = 60_000;

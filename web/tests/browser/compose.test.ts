@@ -115,13 +115,21 @@ describe("canvas and text", () => {
     await page.waitForSelector(".step-badge", { state: "detached" });
     await draft(page, "BoothGuide").not.toContain("isAtt");
   });
-  it("the address restores what was selected", async () => {
-    const page = await stage.page("/compose/BoothGuide?step=InfoBooth");
-    await page.waitForSelector(`${step("InfoBooth")} .step.selected`);
+  it("the address restores what was selected, and the text shows it", async () => {
+    const page = await stage.page("/compose/BoothGuide?step=Move2Booth");
+    const seen = (name: string) => page.waitForFunction((text) => {
+      const box = document.querySelector(".cm-scroller")?.getBoundingClientRect();
+      const line = [...document.querySelectorAll(".cm-line")].find((l) => l.textContent?.includes(text))?.getBoundingClientRect();
+      return box && line && line.top >= box.top && line.bottom <= box.bottom;
+    }, `<node name="${name}"`);
+    await page.waitForSelector(`${step("Move2Booth")} .step.selected`);
+    await seen("Move2Booth");
     await page.click(step("Move2User"));
     await page.waitForFunction(() => location.search === "?step=Move2User");
+    await seen("Move2User");
     await page.reload();
     await page.waitForSelector(`${step("Move2User")} .step.selected`);
+    await seen("Move2User");
   });
 });
 
