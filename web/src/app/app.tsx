@@ -84,7 +84,7 @@ function View({ route }: { route: Route }) {
     case "documents":
       return <Documents />;
     case "compose":
-      return <Compose name={route.name} flow={route.flow} step={route.step} via={route.via} />;
+      return <Compose name={route.name} flow={route.flow} step={route.step} via={route.via} trial={route.trial} />;
     case "runs":
       return <Runs state={route.state} workflow={route.workflow} />;
     case "run":

@@ -5,7 +5,7 @@ import { followAddress, timeInAddress } from "../api/past";
 
 export type Route =
   | { view: "documents" }
-  | { view: "compose"; name: string; flow: string; step: string; via: string }
+  | { view: "compose"; name: string; flow: string; step: string; via: string; trial: string }
   | { view: "runs"; state: string; workflow: string }
   | { view: "run"; run: string; node: string }
   | { view: "hall"; picked: string }
@@ -17,7 +17,7 @@ export function parseRoute(url: URL): Route {
   const [first = "", second = ""] = url.pathname.split("/").filter(Boolean).map(decode);
   const get = (name: string) => url.searchParams.get(name) ?? "";
   if (first === "" || (first === "compose" && second === "")) return { view: "documents" };
-  if (first === "compose") return { view: "compose", name: second, flow: get("flow"), step: get("step"), via: get("via") };
+  if (first === "compose") return { view: "compose", name: second, flow: get("flow"), step: get("step"), via: get("via"), trial: get("trial") };
   if (first === "runs") return second ? { view: "run", run: second, node: get("node") } : { view: "runs", state: get("state"), workflow: get("workflow") };
   if (first === "hall") return { view: "hall", picked: get("at") };
   if (first === "board") return { view: "board" };
@@ -36,6 +36,7 @@ function decode(part: string): string {
 export const paths = {
   documents: () => "/compose",
   compose: (name: string, flow = "", step = "", via = "") => `/compose/${encodeURIComponent(name)}${query({ flow, step, via })}`,
+  trial: (name: string, flow: string, trial: string) => `/compose/${encodeURIComponent(name)}${query({ flow, trial })}`, // tries a past run
   runs: (state = "", workflow = "") => `/runs${query({ state, workflow, t: timeInAddress() })}`,
   run: (id: string, node = "") => `/runs/${encodeURIComponent(id)}${query({ node, t: timeInAddress() })}`,
   hall: (at = "") => `/hall${query({ at, t: timeInAddress() })}`,

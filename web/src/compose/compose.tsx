@@ -10,7 +10,7 @@ import { loadDocument, type Loaded } from "./load_document";
 import { openFile } from "./files";
 import { TemplateCards } from "./template_cards";
 
-export default function Compose(props: { name: string; flow: string; step: string; via: string }) {
+export default function Compose(props: { name: string; flow: string; step: string; via: string; trial: string }) {
   const [loaded, setLoaded] = useState<Loaded | null>(null);
   useEffect(() => {
     let there = true;
@@ -18,7 +18,7 @@ export default function Compose(props: { name: string; flow: string; step: strin
     return () => void (there = false);
   }, [props.name]);
   if (!loaded) return <main className="view" aria-busy="true" />;
-  if (loaded.text !== null) return <Editor name={props.name} text={loaded.text} deployed={loaded.deployed} flow={props.flow} step={props.step} via={props.via} />;
+  if (loaded.text !== null) return <Editor name={props.name} text={loaded.text} deployed={loaded.deployed} flow={props.flow} step={props.step} via={props.via} trial={props.trial} />;
   const begin = (text: string) => {
     saveDraft(props.name, text, "");
     setLoaded({ ...loaded, text });

@@ -41,7 +41,7 @@ import "./editor.css";
 type Open = { what: "import" } | { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
 let memory = ""; // what was copied last, where the browser's clipboard is closed
 
-export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string }) {
+export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; trial: string }) {
   const opened = useSession(props.name, props.text, props.deployed);
   return opened ? <Open key={props.name} {...props} {...opened} /> : null;
 }
@@ -63,7 +63,7 @@ function useSession(name: string, text: string, deployed: string | null): { sess
   return opened;
 }
 
-function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; session: Session; sync: DraftSync }) {
+function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; trial: string; session: Session; sync: DraftSync }) {
   const { session, sync, name } = props;
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
   const [deployed, setDeployed] = useState(props.deployed);
@@ -81,8 +81,15 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const findings = useFindings(session);
   const names = useNames();
   const trials = useTrials(document.name, session.shown.text, findings);
-  const [trialsOpen, setTrialsOpen] = useState(false);
-  const [tried, setTried] = useState(""); // the run whose trial the canvas shows
+  const [trialsOpen, setTrialsOpen] = useState(props.trial !== "");
+  const [tried, setTried] = useState(props.trial); // the run whose trial the canvas shows
+  const wanted = useRef(props.trial); // of the address: tried once, when it is in the list
+  const ready = wanted.current !== "" && trials.list.some((t) => t.run === wanted.current);
+  useEffect(() => {
+    if (!ready) return;
+    void trials.attempt(wanted.current);
+    wanted.current = "";
+  }, [ready]);
   const reply = trials.list.find((t) => t.run === tried)?.reply ?? null;
   const trial = useMemo(() => (reply && trialsOpen ? stepTrials(reply) : null), [reply, trialsOpen]);
   const prefixes = useMemo(() => prefixesOf(document), [document]);

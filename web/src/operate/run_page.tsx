@@ -22,6 +22,7 @@ import { stateOf, useRuns, useTicks, whereWords } from "./runs";
 import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
+import { RunTest } from "./run_test";
 import { Fact, WhyNot } from "./why";
 import "./run_page.css";
 
@@ -57,6 +58,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
         <span className="grow" />
         {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
         <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
+        {!run.parent && at === null && <RunTest run={run} />}
         <RunActions run={run} again={polled.again} keys />
       </header>
       {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} />{run.reason}</div>}

@@ -55,6 +55,16 @@ describe.skipIf(why !== "")("trials", () => {
     await page.getByRole("button", { name: "Save BoothGuide-1 as a file" }).click();
     expect((await download).suggestedFilename()).toBe("BoothGuide-1.run.json");
   });
+  it("from the run's page it is kept and tried again by a touch each", async () => {
+    const run = await stage.page("/runs/BoothGuide-1");
+    await run.getByRole("button", { name: "Drop the test" }).click();
+    await run.getByRole("button", { name: "Keep as a test" }).click();
+    await run.getByRole("button", { name: "Drop the test" }).waitFor();
+    await stage.picture(run, "trial-run");
+    await run.getByRole("link", { name: "Try again" }).click();
+    await run.locator(".trials li", { hasText: "goes the same" }).waitFor();
+    await run.locator('.react-flow__node[data-id="InfoBooth"] .state-chip.done').waitFor();
+  });
   it("one step is tried on the facts of then and of now, and no robot gets anything", async () => {
     const before = await stage.call<{ runs: unknown[] }>("Workflows/ListRuns");
     await page.locator('.react-flow__node[data-id="Move2Booth"]').click();
