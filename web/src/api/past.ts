@@ -43,8 +43,14 @@ export function showTime(ms: number | null) {
 // For addresses of views that show the past, too: "" now.
 export const timeInAddress = () => (shownMs === null ? "" : timeText(shownMs));
 
-// The time that is shown, in ms since 1970.
-export const shownNow = () => shownMs ?? Date.now();
+let aheadMs = 0; // of the server's clock
+const leastMs = 1500; // a smaller difference is the way of the answer
+export function serverIsAhead(ms: number) {
+  aheadMs = Math.abs(ms) < leastMs ? 0 : ms;
+}
+export const serverNow = () => Date.now() + aheadMs;
+// The time that is shown, in ms since 1970, by the server's clock.
+export const shownNow = () => shownMs ?? serverNow();
 
 export function usePast(): number | null {
   return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => shownMs);

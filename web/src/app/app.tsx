@@ -1,6 +1,7 @@
 // The frame around all views: where to go, what can be done (Ctrl-K), the keys (?), and whether the server is there.
 import { Command as CommandIcon, ConciergeBell, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
 import { Component, lazy, Suspense, useState, type ReactNode } from "react";
+import { useServerClock } from "../api/clock";
 import { useConnection } from "../api/connection";
 import { usePoll } from "../api/poll";
 import { fleet } from "../api/client";
@@ -36,6 +37,7 @@ export function App() {
   const route = useRoute();
   const theme = useTheme();
   usePast(); // links take the time along
+  useServerClock();
   const [open, setOpen] = useState<"commands" | "keys" | null>(null);
   useCommands([
     ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path()) })),

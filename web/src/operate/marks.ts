@@ -35,15 +35,13 @@ export function nextMark(marks: readonly Mark[], ms: number, direction: 1 | -1):
   return direction > 0 ? marks.find((m) => m.ms > ms) : marks.findLast((m) => m.ms < ms);
 }
 
-// The time by the server's clock, which may be a simulated one, against this browser's.
 export function useMarks() {
   const [slow, setSlow] = useState(false); // very many runs: the question takes a while, and is asked less often
   return usePoll("marks", async (signal) => {
     const begin = performance.now();
-    const [{ rows }, clock] = await Promise.all([query(marksQuery, signal), query("SELECT (NOW() AS ?now) {}", signal)]);
+    const { rows } = await query(marksQuery, signal);
     if (performance.now() - begin > slowMs) setSlow(true);
-    const now = Date.parse(clock.rows[0]?.["now"]?.text ?? "");
-    return { marks: readMarks(rows), aheadMs: Number.isFinite(now) ? now - Date.now() : 0 };
+    return readMarks(rows);
   }, slow ? 30_000 : 3000);
 }
 

@@ -58,7 +58,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
         <span className="grow" />
         {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
         <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
-        {!run.parent && at === null && <RunTest run={run} />}
+        {!run.parent && at === null && <span className="wide-only row" style={{ gap: 2 }}><RunTest run={run} /></span>}
         <RunActions run={run} again={polled.again} keys />
       </header>
       {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} />{run.reason}</div>}

@@ -1,6 +1,6 @@
 // The past: times in addresses, runs and robots read from facts, marks of the time bar.
 import { describe, expect, it } from "vitest";
-import { readTime, timeText } from "../../src/api/past";
+import { readTime, serverIsAhead, shownNow, timeText } from "../../src/api/past";
 import type { Row, Value } from "../../src/api/sparql";
 import { nextMark, readMarks, usualSpan } from "../../src/operate/marks";
 import { readRobots } from "../../src/operate/past_hall";
@@ -28,6 +28,13 @@ describe("the past", () => {
     expect(readTime(`?at=R01&t=${encodeURIComponent(timeText(1795689616830))}`)).toBe(1795689616830);
     expect(readTime("?t=yesterday")).toBe(null);
     expect(readTime("")).toBe(null);
+  });
+  it("times of now go by the server's clock, where it is another one", () => {
+    serverIsAhead(400); // the way of an answer
+    expect(Math.abs(shownNow() - Date.now())).toBeLessThan(200);
+    serverIsAhead(-86_400_000);
+    expect(Math.abs(shownNow() - Date.now() + 86_400_000)).toBeLessThan(200);
+    serverIsAhead(0);
   });
   it("a run is read from its facts, steps and what they do in order", () => {
     const [read, ...more] = readRuns(facts);
