@@ -12,7 +12,7 @@ describe.skipIf(why !== "")("the hall", () => {
   let stage: RealStage;
   let page: Page;
   beforeAll(async () => {
-    stage = await RealStage.open({ speed: 4 }, "booth_guide.rsel.xml", "booth_guide.cawl.xml");
+    stage = await RealStage.open({ speed: 1 }, "booth_guide.rsel.xml", "booth_guide.cawl.xml"); // so that its way is seen
   });
   afterAll(() => stage?.close());
 
