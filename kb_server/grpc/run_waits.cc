@@ -16,6 +16,7 @@
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/robots/robot_records.h"
 #include "kb_server/robots/service_state.h"
+#include "workflow/xml/xml_document.h"
 
 namespace docent::server {
 namespace {
@@ -98,9 +99,7 @@ class WaitCollector {
       } else if (answer.holds && absl::StrContains(ask, DocentIri("Event"))) {
         New(place, node, "fact")->set_detail("an event that is told from now on");
       } else if (answer.holds) {
-        New(place, node, "time")
-            ->set_detail(run.paused() ? "its condition holds, and opens it when its run is resumed"
-                                      : "its condition holds, but not yet for as long as it has to");
+        AddTime(run, node, ask, place);
       } else {
         v1::Wait* wait = New(place, node, "fact");
         wait->set_missing(answer.missing);
@@ -108,6 +107,39 @@ class WaitCollector {
                                                 : Concat("a fact: ", answer.missing));
       }
     }
+  }
+
+  // Its condition holds, and a time of it is not over: that of <ext:time after="20s"/>, or of an ext:for. The notes of the
+  // condition have them (ask_compiler.cc).
+  void AddTime(const v1::Run& run, const v1::Node& node, const std::string& ask, const std::string& place) {
+    v1::Wait* wait = New(place, node, "time");
+    if (run.paused()) return wait->set_detail("its condition holds, and opens it when its run is resumed");
+    int64_t after_ms = 0;
+    std::string after;
+    std::vector<std::string> lasting;
+    for (absl::string_view line : absl::StrSplit(ask, '\n')) {
+      int64_t ms = 0;
+      absl::string_view note = line;
+      if (absl::ConsumePrefix(&note, "# after ") && absl::ConsumeSuffix(&note, " in the node")) {
+        if (!xml::ParseDurationMs(FromAbsl(note), &ms) || ms <= after_ms) continue;
+        after_ms = ms;
+        after = std::string(note);
+      } else if (absl::ConsumePrefix(&note, "# rule ")) {
+        const size_t time = note.rfind(": for at least ");
+        if (time != absl::string_view::npos) lasting.emplace_back(note.substr(time + 15));
+      }
+    }
+    const TimeMicros until_us = node.since_us() + after_ms * 1000;
+    if (after_ms > 0 && until_us > sources_.now_us) {
+      wait->set_until_us(until_us);
+      return wait->set_detail(absl::StrCat("its condition holds, and may open it from ",
+                                           DateTimeTerm(until_us).lexical, " on, ", after,
+                                           " after it was entered"));
+    }
+    wait->set_detail(lasting.empty()
+                         ? std::string("its condition holds, but not yet for as long as it has to")
+                         : absl::StrCat("its condition holds, but not yet for the ",
+                                        absl::StrJoin(lasting, " and the "), " that it has to hold"));
   }
 
   // Without the prologue.
@@ -144,7 +176,8 @@ class WaitCollector {
       const auto workflow = WorkflowOfIri(kept_for);
       absl::StrAppend(&text, ", reserved", run ? absl::StrCat(" for run ", run->value()) : "",
                       workflow ? absl::StrCat(" for workflow ", *workflow) : "",
-                      until.empty() ? "" : absl::StrCat(" until ", until));
+                      until.empty() ? "" : absl::StrCat(" until ", until), ", with priority ",
+                      graph_.Object(reservation.lexical, DocentIri("reservationPriority")));
     }
     return text;
   }
@@ -228,8 +261,18 @@ class WaitCollector {
               "a robot that offers ", invocation.operation().starts_with("<") ? "an operation of class " : "",
               invocation.operation(), reason.empty() ? "" : absl::StrCat(": ", reason)));
     } else {
-      for (const v1::AwaitedRobot& robot : invocation.awaits()) AddRobot(place, node, robot.robot(), reason);
+      for (const v1::AwaitedRobot& robot : invocation.awaits()) {
+        AddRobot(place, node, robot.robot(), IsOfOne(invocation) ? "" : reason);
+      }
     }
+  }
+
+  // Whether the reason is that of one of several robots: what keeps each is told with it.
+  static bool IsOfOne(const v1::Invocation& invocation) {
+    return invocation.awaits_size() > 1 &&
+           std::any_of(invocation.awaits().begin(), invocation.awaits().end(), [&](const auto& robot) {
+             return absl::StrContains(invocation.reason(), Angled(robot.robot()));
+           });
   }
 
   void AddJoin(const v1::Run& run, const v1::Node& node, const std::string& place) {

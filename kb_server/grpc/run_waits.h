@@ -23,7 +23,8 @@ using AskCondition = std::function<ConditionAnswer(const std::string& ask)>;
 struct WaitSources {
   const GraphReader* graph = nullptr;
   const Catalog* catalog = nullptr;  // null: joins are told without names
-  AskCondition ask;                  // null: conditions are told without what is missing
+  TimeMicros now_us = 0;
+  AskCondition ask;  // null: conditions are told without what is missing
 };
 
 // Adds to `reply` what the run waits for, or only what its node does (`node` not empty). `run`: a live one.

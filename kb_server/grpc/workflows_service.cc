@@ -16,6 +16,7 @@
 #include "kb_server/work/condition_cost.h"
 #include "kb_server/work/graph_environment.h"
 #include "workflow/cawl/check/check.h"
+#include "workflow/cawl/symbol_table.h"
 
 namespace docent::server {
 namespace {
@@ -29,20 +30,24 @@ cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, cons
   return report;
 }
 
-// Whether the flow that `start` asks for declares each of the variables. What names none is left to the engine to say.
+// Whether the flow that `start` asks for declares each of the variables, or parts of them. What names none is
+// left to the engine to say, and so is the type of a value.
 absl::Status CheckVariables(const Catalog& catalog, const RunRequest& start) {
   for (const auto& [workflow, flow_name] : cawl::StartTargets(start.target)) {
     const cawl::DocumentPtr document = catalog.FindWorkflow(workflow);
     const cawl::Flow* flow = document != nullptr ? document->FlowToStart(flow_name) : nullptr;
     if (flow == nullptr) continue;
+    const cawl::Scope cawl(*document), of_flow(cawl, *flow);
     std::vector<std::string> names;
-    const auto add = [&names](const std::vector<cawl::Variable>& variables) {
-      for (const cawl::Variable& variable : variables) names.push_back(variable.name.value);
+    const auto add = [&names](const cawl::Scope& scope) {
+      for (const cawl::Variable& variable : scope.variables()) {
+        for (std::string& key : scope.Keys(variable)) names.push_back(std::move(key));
+      }
     };
-    add(flow->variables);
-    add(document->variables);
+    add(of_flow);
+    add(cawl);
     const auto& activator = document->activator;
-    if (activator && activator->flow.value == flow->name.value) add(activator->variables);
+    if (activator && activator->flow.value == flow->name.value) add(cawl::Scope(cawl, *activator));
     for (const auto& [name, value] : start.arguments) {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       const std::string near = Nearest(name, names);

@@ -143,7 +143,7 @@ absl::Status ReleaseReservation(const std::string& reservation, const Dictionary
   const bool known = iri && property && graph.ContainsMatch({{}, *property, *iri, {}});
   if (!known) {
     return absl::NotFoundError(
-        absl::StrCat("there is no reservation <", reservation, ">; docent robots reservations lists them"));
+        absl::StrCat("there is no reservation <", reservation, ">; docent robots shows which robots are reserved, and by what"));
   }
   for (const QuadPattern& pattern : {QuadPattern{*iri, {}, {}, {}}, QuadPattern{{}, *property, *iri, {}}}) {
     graph.ForEach(pattern, [&](const Quad& quad) {

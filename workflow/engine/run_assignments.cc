@@ -10,9 +10,8 @@
 #include "absl/strings/str_join.h"
 #include "graph/base/overload.h"
 #include "workflow/cawl/structure_checks.h"
-#include "workflow/cawl/symbol_table.h"
-#include "workflow/cawl/value_type.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/run_values.h"
 
 namespace docent::engine {
 
@@ -64,14 +63,8 @@ absl::Status RunStepper::Assign(size_t index, const cawl::Action& action) {
 
 // Of the types that the variables declare.
 absl::Status RunStepper::CheckAssigned(size_t index, const TermBinding& values) const {
-  const cawl::Scope cawl(*run_.document), of_flow(cawl, flow_), scope(of_flow, flow_.nodes[index]);
-  for (const auto& [name, value] : values) {
-    const cawl::Variable* variable = scope.FindVariable(name);
-    const std::string fault = variable == nullptr ? "" : cawl::TypeFault(value, variable->type_term);
-    if (!fault.empty())
-      return absl::InvalidArgumentError(absl::StrCat("the value for variable ", name, " ", fault));
-  }
-  return absl::OkStatus();
+  const std::string fault = TypeFault({*run_.document, flow_, &flow_.nodes[index]}, values);
+  return fault.empty() ? absl::OkStatus() : absl::InvalidArgumentError(fault);
 }
 
 // Where a node has forEach of a variable that its condition does not bind, all solutions are kept.

@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "workflow/cawl/symbol_table.h"
-#include "workflow/cawl/value_type.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/run_values.h"
 
 namespace docent::engine {
 
@@ -39,13 +38,12 @@ TermBinding RunStepper::ResultsOf(size_t node, size_t index, const TermBinding& 
       core_.Say(Subject(node, index), "running", "running",
                 absl::StrCat("there is no result ", output.part.value));
   }
-  const cawl::Scope cawl(*run_.document), of_flow(cawl, flow_), scope(of_flow, flow_.nodes[node]);
+  const VariablePlace place{*run_.document, flow_, &flow_.nodes[node]};
   std::erase_if(results, [&](const auto& result) {
-    const cawl::Variable* variable = scope.FindVariable(result.first);
-    const std::string fault = variable == nullptr ? "" : cawl::TypeFault(result.second, variable->type_term);
+    const std::string fault = TypeFault(place, result.first, result.second);
     if (!fault.empty())
       core_.Say(Subject(node, index), "running", "running",
-                absl::StrCat("the result for variable ", result.first, " is refused: it ", fault));
+                absl::StrCat("the result for variable ", result.first, " is refused: ", fault));
     return !fault.empty();
   });
   return results;

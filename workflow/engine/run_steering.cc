@@ -245,6 +245,11 @@ absl::Status Engine::CheckRequest(const RunRequest& request) const {
             absl::StrCat("workflow ", flow->first->name.value,
                          " is disabled; `docent workflows enable` lets it start runs"));
       }
+      if (const std::string fault =
+              TypeFault({*flow->first, flow->first->flows[flow->second]},
+                        TermBinding(request.arguments.begin(), request.arguments.end()));
+          !fault.empty())
+        return absl::InvalidArgumentError(fault);
       if (!core_->IsPaused(*flow->first)) return absl::OkStatus();
       return absl::FailedPreconditionError(absl::StrCat("workflow ", flow->first->name.value,
                                                         " is paused; it starts no run until it is resumed"));

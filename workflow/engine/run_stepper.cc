@@ -9,6 +9,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/time_reader.h"
+#include "workflow/engine/run_values.h"
 #include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
@@ -81,6 +82,8 @@ void RunStepper::RearmWaiting(const std::set<std::string>& changed) {
 
 void RunStepper::Begin(const std::string& cause) {
   core_.Say(run_.id.value(), "", ToString(WorkState::kRunning), cause);
+  if (const std::string fault = TypeFault({*run_.document, flow_}, run_.variables); !fault.empty())
+    return End(WorkState::kFailed, fault);
   Advance();
 }
 
@@ -291,6 +294,10 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   node.invocations.clear();
   node.actions = {};
   if (!guarded.ok()) return NodeImpossible(index, guarded);
+  for (const TermBinding& binding : bindings) {
+    if (const std::string fault = TypeFault({*run_.document, flow_, &syntax}, binding); !fault.empty())
+      return NodeImpossible(index, absl::InvalidArgumentError(fault));
+  }
   if (!bindings.empty()) {
     for (const auto& [name, value] : bindings.front()) {
       const auto before = run_.variables.find(name);

@@ -560,7 +560,7 @@ class Simulation {
       v1::Run run;
       ASSERT_TRUE(ReadRun(graph, id, &run));
       v1::ExplainRunReply reply;
-      AddWaits({&graph, nullptr, nullptr}, run, "", &reply);
+      AddWaits({&graph, nullptr, 0, nullptr}, run, "", &reply);
       EXPECT_FALSE(reply.waits().empty()) << "nothing is told of what " << id << " waits for\n"
                                           << run.DebugString();
       for (const v1::Wait& wait : reply.waits()) {

@@ -138,10 +138,10 @@ TEST_F(RunAssignments, AValueOfAnotherTypeThanDeclaredFailsTheNode) {
   const std::string n =
       "<variable name=\"n\" type=\"xsd:integer\"/><variable name=\"c\" type=\"docent:Robot\"/>";
   Deploy("<node name=\"A\"><ext:assign variable=\"n\" expression=\"'7'\"/></node>", {"A"}, n);
-  EXPECT_THAT(Said(Run()), Contains("F-1/A running>failed: it cannot assign: the value for variable n is "
-                                    "\"7\", and its type is xsd:integer"));
+  EXPECT_THAT(Said(Run()), Contains("F-1/A running>failed: it cannot assign: $n is of type "
+                                    "xsd:integer, and \"7\" is of type xsd:string"));
   Deploy("<node name=\"A\"><ext:assign variable=\"c\" expression=\"7\"/></node>", {"A"}, n);
-  EXPECT_THAT(Said(Run()), Contains(HasSubstr("its type is docent:Robot")));
+  EXPECT_THAT(Said(Run()), Contains(HasSubstr("$c is of type docent:Robot, and 7 is a literal")));
   Deploy("<node name=\"A\"><ext:assign variable=\"n\" expression=\"7\"/></node>", {"A"}, n);
   EXPECT_THAT(Said(Run()), Contains(HasSubstr("running>done")));
 }

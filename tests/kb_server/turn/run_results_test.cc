@@ -48,8 +48,8 @@ TEST_F(RunResults, AResultOfAWrongTypeIsRefusedAndRecorded) {
   Deploy("<node name=\"A\"><invoke operation=\"greet\"/></node>", {"A"},
          "<variable name=\"n\" type=\"xsd:decimal\"/>");
   const TurnResult done = Succeed(Run(), {{"n", Term::Literal("warm")}});
-  EXPECT_THAT(Said(done), Contains("F-1/A/0 running>running: the result for variable n is refused: it is "
-                                   "\"warm\", and its type is xsd:decimal"));
+  EXPECT_THAT(Said(done), Contains("F-1/A/0 running>running: the result for variable n is refused: $n is "
+                                   "of type xsd:decimal, and \"warm\" is of type xsd:string"));
   EXPECT_THAT(Said(done), Contains(HasSubstr("F-1 running>done")));
 }
 

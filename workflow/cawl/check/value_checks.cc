@@ -135,11 +135,22 @@ class ValueChecker {
 
   void Check() {
     CheckInitialTypes(cawl_);
-    if (document_.activator) CheckInitialTypes(Scope(cawl_, *document_.activator));
+    if (document_.activator) {
+      const Activator& activator = *document_.activator;
+      const Scope scope(cawl_, activator);
+      CheckInitialTypes(scope);
+      const Flow* started = document_.FindFlow(activator.flow.value);
+      const Scope of_flow = started == nullptr ? cawl_ : Scope(cawl_, *started);
+      CheckBound(activator.condition, {&of_flow, &scope}, "run");
+    }
     for (const Flow& flow : document_.flows) {
       const Scope scope(cawl_, flow);
       CheckInitialTypes(scope);
-      for (const Node& node : flow.nodes) CheckNode(scope, node);
+      for (const Node& node : flow.nodes) {
+        CheckNode(scope, node);
+        const Scope of_node(scope, node);
+        if (node.condition) CheckBound(*node.condition, {&of_node}, "node");
+      }
     }
     if (!document_.activator) return;
     const Flow* flow = document_.FindFlow(document_.activator->flow.value);
@@ -271,8 +282,65 @@ class ValueChecker {
     }
   }
 
+  // What a match of the condition gives to variables that declare a type. `scopes`: where they are looked for, one after the
+  // other. `fails`: what does where a value is of another type.
+  void CheckBound(const Condition& condition, const std::vector<const Scope*>& scopes,
+                  std::string_view fails) {
+    const auto type_of = [&](const Word& word) -> std::string {
+      if (word.kind != Word::Kind::kFree && word.kind != Word::Kind::kVariable) return "";
+      if (word.comparison != Word::Comparison::kNone) return "";
+      for (const Scope* scope : scopes) {
+        const Variable* variable = scope->FindVariable(word.name);
+        if (variable != nullptr)
+          return scope->PartsOf(*variable) == nullptr ? TypeOf(variable->type_term) : "";
+      }
+      return "";
+    };
+    for (const Context& context : condition.contexts) {
+      for (const Rule& rule : context.rules) {
+        for (const Constraint& constraint : rule.constraints) {
+          if (constraint.time != Constraint::Time::kNone) continue;
+          for (const Word* word : {&constraint.subject, &constraint.object}) {
+            const std::string type = type_of(*word);
+            if (!type.empty()) CheckBound(constraint, *word, type, fails);
+          }
+        }
+      }
+    }
+  }
+
+  void CheckBound(const Constraint& constraint, const Word& word, const std::string& type,
+                  std::string_view fails) {
+    const auto warn = [&](const std::string& what) {
+      Warn(word.span,
+           Concat("variable ", word.name, " is of ", names_.Iri(type), ", and ", what, ": the ", fails,
+                  " fails"),
+           "correct the type of the variable, or the constraint", kTypeClash);
+    };
+    // Of $x, what is a resource and what a literal is told with the condition.
+    const bool told = word.kind == Word::Kind::kVariable && schema_ != nullptr;
+    const bool datatype = IsDatatype(type);
+    if (&word == &constraint.subject) {
+      if (datatype && !told) warn("a subject is a resource");
+      return;
+    }
+    std::set<std::string> others;
+    if (word.type_term && word.type_term->IsIri()) others.insert(word.type_term->lexical);
+    if (others.empty() && schema_ != nullptr && constraint.verb.kind == Word::Kind::kTerm)
+      others = schema_->Ranges(constraint.verb.term.lexical);
+    for (const std::string& other : others) {
+      if (other == Concat(kRdfsNs, "Resource") || !Clash(type, other)) continue;
+      if (told && (!datatype || !IsDatatype(other))) continue;
+      return warn(Concat("a match gives it one of ", names_.Iri(other)));
+    }
+  }
+
+  bool IsDatatype(const std::string& type) const {
+    return schema_ != nullptr ? schema_->IsDatatype(type) : type.starts_with(kXsdNs);
+  }
+
   void CheckValue(const Term& value, const std::string& type, const SourceSpan& span) {
-    const bool datatype = schema_ != nullptr ? schema_->IsDatatype(type) : type.starts_with(kXsdNs);
+    const bool datatype = IsDatatype(type);
     const std::string wanted = names_.Iri(type);
     if (datatype != value.IsLiteral()) {
       Warn(span,
@@ -317,9 +385,9 @@ class ValueChecker {
   }
 
   bool Clash(const std::string& a, const std::string& b) const {
-    const bool of_values = schema_->IsDatatype(a);
-    if (of_values != schema_->IsDatatype(b)) return true;
-    if (!of_values) return schema_->Disjoint(a, b);
+    const bool of_values = IsDatatype(a);
+    if (of_values != IsDatatype(b)) return true;
+    if (!of_values) return schema_ != nullptr && schema_->Disjoint(a, b);
     const ValueFamily one = FamilyOf(a), other = FamilyOf(b);
     return a.starts_with(kXsdNs) && b.starts_with(kXsdNs) && one != ValueFamily::kUnknown &&
            other != ValueFamily::kUnknown && one != other;

@@ -1,0 +1,93 @@
+// What is told of what a run waits for.
+#include "kb_server/grpc/run_waits.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/batch_applier.h"
+#include "graph/store/graph_writer.h"
+
+namespace docent::server {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RunWaitsTest : public ::testing::Test {
+ protected:
+  void Tell(const std::string& subject, const std::string& predicate, Term object) {
+    WriteBatch batch;
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd, {Term::Iri(subject), Term::Iri(predicate), std::move(object), Term()}});
+    ASSERT_TRUE(applier_.Apply(batch, writer_, {}).ok());
+  }
+  v1::ExplainRunReply Waits(const v1::Run& run, TimeMicros now_us = 0) {
+    const GraphReader graph(dictionary_, writer_.current());
+    v1::ExplainRunReply reply;
+    AddWaits({&graph, nullptr, now_us,
+              [](const std::string&) {
+                return ConditionAnswer{true, "", ""};
+              }},
+             run, "", &reply);
+    return reply;
+  }
+  static v1::Run Waiting(const std::string& ask) {
+    v1::Run run;
+    run.set_id("F-1");
+    run.set_state("running");
+    v1::Node* node = run.add_nodes();
+    node->set_name("N");
+    node->set_state("waiting");
+    node->set_waits_for(ask);
+    node->set_since_us(1'700'000'000'000'000);
+    return run;
+  }
+
+  Dictionary dictionary_;
+  GraphWriter writer_{nullptr};
+  BatchApplier applier_{dictionary_, Limits{}};
+};
+
+TEST_F(RunWaitsTest, ATimeAfterTheNodeWasEnteredIsToldWithItsEnd) {
+  const v1::Run run = Waiting("# after 20s in the node\nASK {\n}\n");
+  v1::ExplainRunReply reply = Waits(run, 1'700'000'005'000'000);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_EQ(reply.waits(0).kind(), "time");
+  EXPECT_EQ(reply.waits(0).until_us(), 1'700'000'020'000'000);
+  EXPECT_THAT(reply.waits(0).detail(), HasSubstr("2023-11-14T22:13:40"));
+  EXPECT_THAT(reply.waits(0).detail(), HasSubstr("20s after it was entered"));
+}
+
+TEST_F(RunWaitsTest, ATimeThatAConditionHasToHoldIsNamed) {
+  const v1::Run run = Waiting("# after 20s in the node\n# rule there: for at least 5min\nASK {\n}\n");
+  v1::ExplainRunReply reply = Waits(run, 1'700'000'030'000'000);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_EQ(reply.waits(0).until_us(), 0);
+  EXPECT_EQ(reply.waits(0).detail(), "its condition holds, but not yet for the 5min that it has to hold");
+}
+
+// The reason of the invocation, which is that of one robot, stood with each.
+TEST_F(RunWaitsTest, EachRobotIsToldWithWhatKeepsIt) {
+  for (const char* robot : {"urn:clara", "urn:hugo"})
+    Tell(robot, std::string(kRdfType), Term::Iri(DocentIri("Robot")));
+  Tell("urn:clara", DocentIri("outOfService"), Term::Literal("brush"));
+  Tell("urn:hugo", DocentIri("reservedBy"), Term::Iri("urn:docent:reservation:operator-1"));
+  v1::Run run = Waiting("");
+  run.mutable_nodes(0)->set_state("running");
+  v1::Invocation* invocation = run.mutable_nodes(0)->add_invocations();
+  invocation->set_operation("goTo");
+  invocation->set_state("pending");
+  invocation->set_reason("<urn:clara> is out of service: brush");
+  invocation->add_awaits()->set_robot("urn:clara");
+  invocation->add_awaits()->set_robot("urn:hugo");
+  const v1::ExplainRunReply reply = Waits(run);
+  ASSERT_EQ(reply.waits_size(), 2);
+  EXPECT_THAT(reply.waits(0).detail(), HasSubstr("out of service (brush)"));
+  EXPECT_THAT(reply.waits(1).detail(), HasSubstr("reserved"));
+  EXPECT_THAT(reply.waits(1).detail(), Not(HasSubstr("clara")));
+}
+
+}  // namespace
+}  // namespace docent::server
