@@ -53,7 +53,10 @@ TimeMicros TimeSpec::NextLook(TimeMicros now_us) const {
 
 namespace {
 
-// Occurrences of one day, for `visit` until it returns false.
+// Longer intervals that are aligned go by what the clocks show, shorter ones by the time that passes.
+constexpr int64_t kLongestByElapsedMs = 3600 * 1000;
+
+// Occurrences of one day, for `visit` until it returns false. Two that the clocks jump over may be the same moment.
 template <typename Visit>
 void OnDay(const TimeSpec& spec, const absl::CivilDay& day, Visit visit) {
   if (!IsOn(spec.days, day)) return;
@@ -64,6 +67,14 @@ void OnDay(const TimeSpec& spec, const absl::CivilDay& day, Visit visit) {
   if (spec.kind == TimeSpec::Kind::kDaily) {
     const TimeMicros t = InstantOf(TimeOn(day, spec.at_s), spec.zone);
     if (within(t)) visit(t);
+    return;
+  }
+  if (spec.every_ms > kLongestByElapsedMs) {
+    // it divides a day, and so is whole seconds
+    for (int s = 0; s < kDayS; s += static_cast<int>(spec.every_ms / 1000)) {
+      const TimeMicros t = InstantOf(TimeOn(day, s), spec.zone);
+      if (within(t) && !visit(t)) return;
+    }
     return;
   }
   const TimeMicros midnight = InstantOf(absl::CivilSecond(day), spec.zone);

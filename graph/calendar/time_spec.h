@@ -4,7 +4,8 @@
 //   at="18:00" days="Sat,Sun"         an occurrence on each of these days
 //   at="2026-12-24T18:00"             an occurrence once
 //   every="10min"                     occurrences, counted from when somebody began to ask for it
-//   every="10min" aligned="true"      occurrences, counted from each midnight of the zone
+//   every="10min" aligned="true"      occurrences, counted from each midnight of the zone: of more than an hour when its clocks show a multiple
+//                                     of the interval, of up to an hour by the time that has passed
 //   zone="Europe/Berlin"              of all of these; UTC without it
 //   missed="skip"                     an occurrence that was missed (the server was down, or the clock was set) is left out; "fire": it is told late, once
 //

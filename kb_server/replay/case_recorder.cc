@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -249,7 +250,8 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   const RunTree own(run.run, &dictionary);
   WorldFacts world(stages, &own, ports_.replay_limits);
   WorldFacts all(stages, nullptr, ports_.replay_limits);
-  auto facts = all.All();
+  const std::set<Quad> passing = all.Passing();
+  auto facts = all.All(passing);
   if (!facts.ok()) return facts.status();
   moment.facts = *std::move(facts);
   world.ReadHolds();
@@ -258,7 +260,11 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   CaseTurn turn;
   turn.offset = facts_of;
   turn.time_us = time_us;
+  // An event counts where it is told while the node waits: after the node is entered.
+  CaseTurn told = turn;
+  told.changes = all.Telling(passing);
   moment.turns.push_back(std::move(turn));
+  if (!told.changes.empty()) moment.turns.push_back(std::move(told));
   return moment;
 }
 

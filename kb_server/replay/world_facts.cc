@@ -33,14 +33,14 @@ TermQuad WorldFacts::Decode(const Quad& quad) const {
           dictionary.Decode(quad.graph)};
 }
 
-absl::StatusOr<std::vector<TermQuad>> WorldFacts::All() {
+absl::StatusOr<std::vector<TermQuad>> WorldFacts::All(const std::set<Quad>& but) {
   std::vector<TermQuad> facts;
   absl::Status counted;
   TermId graph;
   bool wanted = false;
   stages_.writer.current().ForEach({}, [&](const Quad& quad) {
     if (quad.graph != graph) wanted = IsOfWorld(graph = quad.graph);
-    if (!wanted) return true;
+    if (!wanted || but.contains(quad)) return true;
     counted = Count(1);
     if (counted.ok()) facts.push_back(Decode(quad));
     return counted.ok();
@@ -72,6 +72,27 @@ absl::StatusOr<std::vector<QuadOperation>> WorldFacts::Changes(const Delta& delt
   }
   if (absl::Status counted = Count(changes.size()); !counted.ok()) return counted;
   return changes;
+}
+
+std::set<Quad> WorldFacts::Passing() const {
+  std::set<Quad> passing;
+  for (const auto& [id, event] : stages_.events.events())
+    passing.insert(event.facts.begin(), event.facts.end());
+  const std::optional<TermId> occurs = stages_.dictionary.FindIri(DocentIri("occurs"));
+  if (!occurs) return passing;
+  stages_.writer.current().ForEach({{}, *occurs, {}, {}}, [&passing](const Quad& quad) {
+    passing.insert(quad);
+    return true;
+  });
+  return passing;
+}
+
+std::vector<QuadOperation> WorldFacts::Telling(const std::set<Quad>& facts) {
+  std::vector<QuadOperation> telling;
+  for (const Quad& quad : facts) {
+    if (IsOfWorld(quad.graph)) telling.push_back({QuadOperation::Kind::kAdd, Decode(quad)});
+  }
+  return telling;
 }
 
 void WorldFacts::ReadHolds() {

@@ -20,8 +20,13 @@ class WorldFacts {
   WorldFacts(const Stages* stages, const RunTree* own, const ReplayLimits& limits);
 
   // RESOURCE_EXHAUSTED naming replay_facts: these and the changes before are too many.
-  absl::StatusOr<std::vector<TermQuad>> All();
+  absl::StatusOr<std::vector<TermQuad>> All(const std::set<Quad>& but = {});
   absl::StatusOr<std::vector<QuadOperation>> Changes(const Delta& delta);
+
+  // What stands for this turn alone, or as long as something waits with it: events with their facts, times that occur.
+  std::set<Quad> Passing() const;
+  // Tells those of them that All has.
+  std::vector<QuadOperation> Telling(const std::set<Quad>& facts);
 
   // Robots that runs other than the own hold.
   const Holds& holds() const { return holds_; }

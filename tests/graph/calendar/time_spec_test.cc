@@ -114,6 +114,54 @@ TEST(TimeSpecTest, AnIntervalIsCountedFromItsBeginOrFromMidnight) {
   EXPECT_EQ(Utc(aligned.Next(At("2026-11-26T22:30"), 0)), "2026-11-26T23:00") << "midnight in Berlin";
 }
 
+// It was 07, 13 and 19 o'clock, and midnight twice.
+TEST(TimeSpecTest, AnAlignedIntervalOfHoursGoesByWhatTheClocksShow) {
+  const TimeSpec spec = Spec({{"every", "6h"}, {"aligned", "true"}, {"zone", "Europe/Berlin"}});
+  EXPECT_EQ(Utc(spec.Next(At("2026-03-28T23:00"), 0)), "2026-03-29T04:00") << "06:00, summer time";
+  EXPECT_EQ(Utc(spec.Next(At("2026-03-29T04:00"), 0)), "2026-03-29T10:00");
+  EXPECT_EQ(Utc(spec.Next(At("2026-03-29T16:00"), 0)), "2026-03-29T22:00") << "midnight";
+  EXPECT_EQ(Utc(spec.Next(At("2026-10-24T22:00"), 0)), "2026-10-25T05:00") << "06:00, winter time";
+  EXPECT_EQ(Utc(spec.Last(At("2026-10-25T22:59"), 0)), "2026-10-25T17:00");
+  const TimeSpec gap = Spec({{"every", "2h"}, {"aligned", "true"}, {"zone", "Europe/Berlin"}});
+  EXPECT_EQ(Utc(gap.Next(At("2026-03-28T23:00"), 0)), "2026-03-29T01:00")
+      << "02:00 is the moment of the jump";
+  EXPECT_EQ(Utc(gap.Next(At("2026-10-24T22:00"), 0)), "2026-10-25T00:00") << "02:00 is the first of the two";
+  EXPECT_EQ(Utc(gap.Next(At("2026-10-25T00:00"), 0)), "2026-10-25T03:00") << "04:00";
+}
+
+// Over two years, in zones whose clocks change by an hour or half of one, at night or at midnight.
+void CheckEveryDay(const std::string& zone, const std::string& every) {
+  const TimeSpec spec = Spec({{"every", every}, {"aligned", "true"}, {"zone", zone}});
+  const int64_t step_s = spec.every_ms / 1000;
+  const bool by_clock = step_s > 3600;
+  std::optional<TimeMicros> before;
+  for (absl::CivilDay day(2026, 1, 1); day < absl::CivilDay(2028, 1, 1); ++day) {
+    SCOPED_TRACE(zone + " " + every + " " + absl::FormatCivilTime(day));
+    const TimeMicros midnight = InstantOf(absl::CivilSecond(day), spec.zone);
+    const int64_t length_s = (InstantOf(absl::CivilSecond(day + 1), spec.zone) - midnight) / 1'000'000;
+    for (int64_t s = 0; s < (by_clock ? 24 * 3600 : length_s); s += step_s) {
+      const absl::CivilSecond shown = absl::CivilSecond(day) + s;
+      const TimeMicros wanted = by_clock ? InstantOf(shown, spec.zone) : midnight + s * 1'000'000;
+      if (wanted == before) continue;  // two in one jump
+      if (before) ASSERT_EQ(spec.Last(wanted - 1, 0), before);
+      const std::optional<TimeMicros> next = spec.Next(before.value_or(wanted - 1), 0);
+      ASSERT_EQ(Utc(next), Utc(wanted));
+      ASSERT_EQ(spec.Last(wanted, 0), next);
+      const absl::Time moment = absl::FromUnixMicros(wanted);
+      const bool jumped = spec.zone.At(shown).kind == absl::TimeZone::TimeInfo::SKIPPED;
+      if (by_clock && !jumped) ASSERT_EQ(absl::ToCivilSecond(moment, spec.zone), shown);
+      before = next;
+    }
+  }
+}
+
+TEST(TimeSpecTest, AlignedIntervalsHoldToTheirDayWhateverTheClocksDo) {
+  for (const char* zone :
+       {"Europe/Berlin", "Australia/Lord_Howe", "America/Santiago", "Africa/Cairo", "UTC"}) {
+    for (const char* every : {"2h", "6h", "1.5h", "24h", "15min", "1h"}) CheckEveryDay(zone, every);
+  }
+}
+
 TEST(TimeSpecTest, WhatCanNeverBeIsRefused) {
   EXPECT_EQ(FaultOf({{"from", "2027-02-31"}}).message,
             "\"2027-02-31\" can never be: the month has no day 31");

@@ -227,6 +227,34 @@ TEST_F(ReplayTest, OneNodeIsTriedOnTheFactsOfItsTurn) {
   EXPECT_EQ(TryNode("Lead", 700).status().code(), absl::StatusCode::kOutOfRange);
 }
 
+// It did not open: the event had left the graph, or stood before the node waited.
+TEST_F(ReplayTest, ANodeThatWaitsForAnEventOpensOnTheFactsOfItsTurn) {
+  World();
+  Deploy(
+      "<CAWL name=\"Ev\" xmlns:w=\"urn:w:\"><flow name=\"Ev\"><variable name=\"user\"/><source name=\"s\"/>"
+      "<node name=\"Confirm\"><condition expression=\"ok and here\"><case name=\"ok\"><event "
+      "operation=\"confirmed\"/></case><context name=\"here\"><rule>" +
+      When("?ring", "w:by", "?user") + When("?user", "docent:isAt", "w:Hall") +
+      "</rule></context></condition></node><sink name=\"e\"/><link from=\"s\" to=\"Confirm\"/>"
+      "<link from=\"Confirm\" to=\"e\"/></flow></CAWL>");
+  Turn(test::Start("Ev"));
+  Turn(test::Tell({Fact("ring", "a", "docent:Event"),
+                   Fact("ring", "docent:operation", Term::Literal("confirmed")),
+                   Fact("ring", "w:by", "John")}));
+  const uint64_t opened = head_;
+  for (int i = 0; i < 3; ++i) Tick(kSecond);
+  auto trial = TryNode("Confirm", std::nullopt, "", "Ev-1");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  EXPECT_EQ(trial->moment.last_turn, opened);
+  EXPECT_EQ(trial->play.course.state, "done") << trial->play.stopped;
+  trial = TryNode("Confirm", opened - 1, "", "Ev-1");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  EXPECT_EQ(trial->play.course.state, "running");
+  trial = TryNode("Confirm", opened, "", "Ev-1");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  EXPECT_EQ(trial->play.course.state, "done") << trial->play.stopped;
+}
+
 TEST_F(ReplayTest, ASavedRunIsTheSameRun) {
   World();
   Visit();
