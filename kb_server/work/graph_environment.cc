@@ -22,14 +22,11 @@ class LiveEnvironment final : public cawl::Environment {
       : dictionary_(dictionary),
         version_(std::move(version)),
         catalog_(std::move(catalog)),
-        functions_(functions),
-        class_types_({Concat(kRdfsNs, "Class"), Concat(kOwlNs, "Class")}),
-        property_types_({Concat(kRdfNs, "Property"), Concat(kOwlNs, "ObjectProperty"),
-                         Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
+        functions_(functions) {}
 
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
     if (rsel::PlanPtr plan = catalog_->services.Find(name)) return SignatureOf(*plan);
-    return Described(name);
+    return SignatureFor(name);
   }
   std::vector<std::string> OperationNames() const override {
     std::vector<std::string> names = catalog_->services.ProcessNames();
@@ -44,6 +41,12 @@ class LiveEnvironment final : public cawl::Environment {
       classes.insert(offered.capabilities.begin(), offered.capabilities.end());
     return std::vector<std::string>(classes.begin(), classes.end());
   }
+  std::vector<cawl::DescribedOperation> Described() const override {
+    std::vector<cawl::DescribedOperation> described;
+    for (const rsel::OfferedOperation& offered : Offered())
+      described.push_back({offered.name, offered.capabilities, offered.input_types});
+    return described;
+  }
   const sparql::FunctionRegistry* Functions() const override { return functions_; }
   std::vector<std::string> ApplicationServices() const override {
     std::vector<std::string> names;
@@ -53,19 +56,21 @@ class LiveEnvironment final : public cawl::Environment {
     return names;
   }
   bool IsClass(const std::string& iri) const override {
-    return HasType(iri, class_types_) || Has(iri, Concat(kRdfsNs, "subClassOf"), {});
+    const std::string below = Concat(kRdfsNs, "subClassOf");
+    return HasType(iri, cawl::ClassTypes()) || Has(iri, below, {}) || Has({}, below, iri);
   }
   bool IsProperty(const std::string& iri) const override {
-    return HasType(iri, property_types_) || Has(iri, Concat(kRdfsNs, "subPropertyOf"), {});
+    const std::string below = Concat(kRdfsNs, "subPropertyOf");
+    return HasType(iri, cawl::PropertyTypes()) || Has(iri, below, {}) || Has({}, below, iri);
   }
   bool IsKnown(const std::string& iri) const override {
-    return Has(iri, std::string(kRdfType), {}) || IsClass(iri) || IsProperty(iri);
+    return Has(iri, {}, {}) || IsClass(iri) || IsProperty(iri);
   }
   std::vector<std::string> Classes(std::string_view namespace_iri) const override {
-    return OfTypes(class_types_, namespace_iri);
+    return OfTypes(cawl::ClassTypes(), namespace_iri);
   }
   std::vector<std::string> Properties(std::string_view namespace_iri) const override {
-    return OfTypes(property_types_, namespace_iri);
+    return OfTypes(cawl::PropertyTypes(), namespace_iri);
   }
   std::vector<std::string> Words(std::string_view namespace_iri) const override {
     std::vector<std::string> words;
@@ -96,7 +101,7 @@ class LiveEnvironment final : public cawl::Environment {
     return out->size() < kMaxFacts;
   }
   // The inputs that every robot takes that describes the operation; nullopt: no robot offers it.
-  std::optional<cawl::OperationSignature> Described(std::string_view name) const {
+  std::optional<cawl::OperationSignature> SignatureFor(std::string_view name) const {
     std::optional<cawl::OperationSignature> out;
     for (const rsel::OfferedOperation& offered : Offered()) {
       if (offered.name != name) continue;
@@ -159,8 +164,6 @@ class LiveEnvironment final : public cawl::Environment {
   const GraphVersionPtr version_;
   const std::shared_ptr<const Catalog> catalog_;
   const sparql::FunctionRegistry* const functions_;
-  const std::vector<std::string> class_types_;
-  const std::vector<std::string> property_types_;
   mutable std::optional<std::vector<rsel::OfferedOperation>> offered_;
 };
 

@@ -46,6 +46,7 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
     CheckFeedback(*out.document, &reader);
     CheckRuns(*out.document, &reader);
     CheckValues(*out.document, environment, &reader);
+    CheckTypes(*out.document, environment, &reader);
     CheckTimeouts(*out.document, environment, &reader);
   }
   for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));

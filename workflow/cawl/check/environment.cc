@@ -17,17 +17,8 @@ std::vector<std::string> BeginningWith(const std::set<std::string, std::less<>>&
   return out;
 }
 
-bool IsClassType(std::string_view type) {
-  return type == "http://www.w3.org/2000/01/rdf-schema#Class" ||
-         type == "http://www.w3.org/2002/07/owl#Class";
-}
-
-bool IsPropertyType(std::string_view type) {
-  static const std::set<std::string, std::less<>> types = {
-      Concat(kRdfNs, "Property"),           Concat(kOwlNs, "ObjectProperty"),
-      Concat(kOwlNs, "DatatypeProperty"),   Concat(kOwlNs, "AnnotationProperty"),
-      Concat(kOwlNs, "FunctionalProperty"), Concat(kDocentNs, "StateProperty")};
-  return types.contains(type);
+bool IsOneOf(const std::vector<std::string>& types, std::string_view type) {
+  return std::find(types.begin(), types.end(), type) != types.end();
 }
 
 template <typename Facts>
@@ -40,6 +31,20 @@ std::vector<Term> FirstOf(const Facts& facts, const Term& term, std::string_view
 
 }  // namespace
 
+const std::vector<std::string>& ClassTypes() {
+  static const auto* const types =
+      new std::vector<std::string>{Concat(kRdfsNs, "Class"), Concat(kOwlNs, "Class")};
+  return *types;
+}
+
+const std::vector<std::string>& PropertyTypes() {
+  static const auto* const types =
+      new std::vector<std::string>{Concat(kRdfNs, "Property"),           Concat(kOwlNs, "ObjectProperty"),
+                                   Concat(kOwlNs, "DatatypeProperty"),   Concat(kOwlNs, "AnnotationProperty"),
+                                   Concat(kOwlNs, "FunctionalProperty"), Concat(kDocentNs, "StateProperty")};
+  return *types;
+}
+
 void QuadEnvironment::AddOntology(const std::vector<TermQuad>& quads) {
   static const std::string sub_class = Concat(kRdfsNs, "subClassOf");
   static const std::string sub_property = Concat(kRdfsNs, "subPropertyOf");
@@ -51,8 +56,8 @@ void QuadEnvironment::AddOntology(const std::vector<TermQuad>& quads) {
     const std::string& predicate = q.predicate.lexical;
     const bool to_iri = q.object.IsIri();
     if (predicate == kRdfType && to_iri) {
-      if (IsClassType(q.object.lexical)) classes_.insert(q.subject.lexical);
-      if (IsPropertyType(q.object.lexical)) properties_.insert(q.subject.lexical);
+      if (IsOneOf(ClassTypes(), q.object.lexical)) classes_.insert(q.subject.lexical);
+      if (IsOneOf(PropertyTypes(), q.object.lexical)) properties_.insert(q.subject.lexical);
     } else if (predicate == sub_class) {
       classes_.insert(q.subject.lexical);
       if (to_iri) classes_.insert(q.object.lexical);

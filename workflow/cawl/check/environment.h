@@ -37,6 +37,13 @@ struct OperationSignature {
   std::optional<Step> longest_step = {};  // of those with a timeout, the one with the longest
 };
 
+// An operation as a robot describes it.
+struct DescribedOperation {
+  std::string name;
+  std::vector<std::string> capabilities;           // IRIs of the classes that it is of
+  std::map<std::string, std::string> input_types;  // part → IRI of its class or datatype, where it is told
+};
+
 // Must not change while a check reads it.
 class Environment {
  public:
@@ -45,6 +52,8 @@ class Environment {
   virtual std::vector<std::string> OperationNames() const = 0;
   // IRIs of the classes of operations that robots describe now; nullopt: it is not known which robots there are.
   virtual std::optional<std::vector<std::string>> OfferedCapabilities() const { return std::nullopt; }
+  // What robots describe now, once for each robot.
+  virtual std::vector<DescribedOperation> Described() const { return {}; }
   // Functions of queries beside those of SPARQL itself; null: it is not known which there are.
   virtual const sparql::FunctionRegistry* Functions() const { return nullptr; }
   // Flows of other documents that `subflow` may name.
@@ -65,6 +74,10 @@ class Environment {
   virtual std::vector<Term> Subjects(std::string_view predicate, const Term& object) const = 0;
 };
 
+// What says that a thing is a class or a property: the types. Every environment goes by them.
+const std::vector<std::string>& ClassTypes();
+const std::vector<std::string>& PropertyTypes();
+
 // An environment of quads (ontology files, or the server's ontology graphs) and lists. Filled first, then read.
 class QuadEnvironment final : public Environment {
  public:
@@ -74,6 +87,7 @@ class QuadEnvironment final : public Environment {
   void AddApplicationService(std::string name);
   // A class of which a robot offers an operation.
   void AddCapability(std::string iri);
+  void AddDescribed(DescribedOperation operation) { described_.push_back(std::move(operation)); }
   // They must outlive the environment.
   void SetFunctions(const sparql::FunctionRegistry* functions) { functions_ = functions; }
   // Whether one of the ontologies declares a class or a property.
@@ -82,6 +96,7 @@ class QuadEnvironment final : public Environment {
   std::optional<OperationSignature> FindOperation(std::string_view name) const override;
   std::vector<std::string> OperationNames() const override;
   std::optional<std::vector<std::string>> OfferedCapabilities() const override { return capabilities_; }
+  std::vector<DescribedOperation> Described() const override { return described_; }
   const sparql::FunctionRegistry* Functions() const override { return functions_; }
   std::vector<std::string> ApplicationServices() const override;
   bool IsClass(const std::string& iri) const override;
@@ -99,6 +114,7 @@ class QuadEnvironment final : public Environment {
   std::map<std::string, OperationSignature, std::less<>> operations_;
   std::set<std::string> services_;
   std::optional<std::vector<std::string>> capabilities_;
+  std::vector<DescribedOperation> described_;
   std::set<std::string, std::less<>> classes_;
   std::set<std::string, std::less<>> properties_;
   std::set<std::string, std::less<>> known_;

@@ -41,6 +41,8 @@ class EnvironmentChecker {
   }
 
  private:
+  static constexpr char kNeverHolds[] = "it will never hold unless a fact with this word is told";
+
   // Of what a scope declares: classes, or datatypes of the ontology.
   template <typename ScopeElement>
   void CheckTypes(const ScopeElement& element) {
@@ -150,7 +152,11 @@ class EnvironmentChecker {
       if (node.condition) CheckCondition(*node.condition);
       if (node.hold) CheckConstraint(*node.hold);
       for (const Action& action : node.actions) {
+        otherwise_ = action.kind == Action::Kind::kTell
+                         ? "declare it in the ontology, if it is not misspelt"
+                         : "it takes nothing away unless a fact with this word is told";
         for (const Constraint& fact : action.facts) CheckConstraint(fact);
+        otherwise_ = kNeverHolds;
         for (const Action::Call& call : action.calls) CheckCall(call);
       }
       CheckOperation(node.compensate);
@@ -261,8 +267,7 @@ class EnvironmentChecker {
     for (const std::string& k : known) locals.push_back(k.substr(cut));
     reader_
         .Warning(span, Concat("the ontology has no ", kind, " ", ToDisplay(Term::Iri(iri))),
-                 reader_.DidYouMean(iri.substr(cut), locals,
-                                    "it will never hold unless a fact with this word is told"))
+                 reader_.DidYouMean(iri.substr(cut), locals, otherwise_))
         .rule = kUndefinedTerm;
   }
 
@@ -270,6 +275,7 @@ class EnvironmentChecker {
   const Environment& environment_;
   xml::ElementReader& reader_;
   std::vector<std::string> operations_;
+  std::string otherwise_ = kNeverHolds;  // the hint where no word is near
 };
 
 }  // namespace

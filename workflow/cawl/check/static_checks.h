@@ -24,9 +24,12 @@ void CheckFeedback(const Document& document, xml::ElementReader* reader);
 // Flows: nodes that may command one robot at the same time, loops that nothing slows down.
 void CheckRuns(const Document& document, xml::ElementReader* reader);
 
-// Variables that are used where they can have no value, and values of a type that does not suit. `environment` null: what
-// an invoked operation gives and takes is not known.
+// Variables that are used where they can have no value. `environment` null: what an invoked operation gives and takes is not
+// known.
 void CheckValues(const Document& document, const Environment* environment, xml::ElementReader* reader);
+
+// Values of variables of a type that does not suit. `environment` null: by the names of types alone.
+void CheckTypes(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
 // Timeouts that end nothing.
 void CheckTimeouts(const Document& document, const Environment* environment, xml::ElementReader* reader);

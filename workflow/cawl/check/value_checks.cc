@@ -1,14 +1,10 @@
-// Values of variables: used where there can be none, or of a type that does not suit.
+// Variables that are used where they can have no value.
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <set>
 #include <utility>
 
 #include "graph/base/text.h"
-#include "graph/rdf/iri_names.h"
-#include "graph/rdf/vocabulary.h"
-#include "workflow/cawl/check/schema.h"
 #include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/link_graph.h"
 #include "workflow/cawl/rule_names.h"
@@ -124,33 +120,11 @@ bool IsComparedVariable(const Word& word) {
 class ValueChecker {
  public:
   ValueChecker(const Document& document, const Environment* environment, xml::ElementReader* reader)
-      : document_(document),
-        environment_(environment),
-        reader_(*reader),
-        names_(IriNames::WellKnown()),
-        cawl_(document) {
-    if (environment != nullptr) schema_ = std::make_unique<Schema>(*environment);
-    for (const auto& [prefix, iri] : document.prefixes) names_.Add(prefix, iri);
-  }
+      : document_(document), environment_(environment), reader_(*reader), cawl_(document) {}
 
   void Check() {
-    CheckInitialTypes(cawl_);
-    if (document_.activator) {
-      const Activator& activator = *document_.activator;
-      const Scope scope(cawl_, activator);
-      CheckInitialTypes(scope);
-      const Flow* started = document_.FindFlow(activator.flow.value);
-      const Scope of_flow = started == nullptr ? cawl_ : Scope(cawl_, *started);
-      CheckBound(activator.condition, {&of_flow, &scope}, "run");
-    }
     for (const Flow& flow : document_.flows) {
-      const Scope scope(cawl_, flow);
-      CheckInitialTypes(scope);
-      for (const Node& node : flow.nodes) {
-        CheckNode(scope, node);
-        const Scope of_node(scope, node);
-        if (node.condition) CheckBound(*node.condition, {&of_node}, "node");
-      }
+      for (const Node& node : flow.nodes) CheckNode(node);
     }
     if (!document_.activator) return;
     const Flow* flow = document_.FindFlow(document_.activator->flow.value);
@@ -164,7 +138,7 @@ class ValueChecker {
     return report;
   }
 
-  void CheckNode(const Scope& flow_scope, const Node& node) {
+  void CheckNode(const Node& node) {
     for (const Variable& variable : node.variables) {
       if (variable.initializers.empty()) continue;
       Warn(variable.name.span,
@@ -172,11 +146,7 @@ class ValueChecker {
                   " never gets its initial value: those of a node's variables have no effect"),
            "declare the variable in the flow", kUnsetVariable);
     }
-    const Scope scope(flow_scope, node);
-    for (const Invoke& invoke : node.invokes) CheckInputTypes(scope, invoke);
   }
-
-  // ---- values that there are not
 
   void CheckActivated(const Flow& flow) {
     const FlowValues values(document_, flow, environment_);
@@ -260,145 +230,10 @@ class ValueChecker {
     }
   }
 
-  // ---- types
-
-  // A class or datatype that a declaration names; empty: none.
-  static std::string TypeOf(const std::optional<Term>& type) {
-    return type && type->IsIri() ? type->lexical : std::string();
-  }
-
-  void CheckInitialTypes(const Scope& scope) {
-    for (const Variable& variable : scope.variables()) {
-      const Message* message = scope.PartsOf(variable);
-      for (const Initialize& i : variable.initializers) {
-        std::string type = TypeOf(variable.type_term);
-        if (message != nullptr) {
-          const auto part = std::find_if(message->parts.begin(), message->parts.end(),
-                                         [&](const Part& p) { return p.name.value == i.part.value; });
-          type = part == message->parts.end() ? "" : TypeOf(part->type_term);
-        }
-        if (!type.empty() && i.value) CheckValue(*i.value, type, i.from_expression.span);
-      }
-    }
-  }
-
-  // What a match of the condition gives to variables that declare a type. `scopes`: where they are looked for, one after the
-  // other. `fails`: what does where a value is of another type.
-  void CheckBound(const Condition& condition, const std::vector<const Scope*>& scopes,
-                  std::string_view fails) {
-    const auto type_of = [&](const Word& word) -> std::string {
-      if (word.kind != Word::Kind::kFree && word.kind != Word::Kind::kVariable) return "";
-      if (word.comparison != Word::Comparison::kNone) return "";
-      for (const Scope* scope : scopes) {
-        const Variable* variable = scope->FindVariable(word.name);
-        if (variable != nullptr)
-          return scope->PartsOf(*variable) == nullptr ? TypeOf(variable->type_term) : "";
-      }
-      return "";
-    };
-    for (const Context& context : condition.contexts) {
-      for (const Rule& rule : context.rules) {
-        for (const Constraint& constraint : rule.constraints) {
-          if (constraint.time != Constraint::Time::kNone) continue;
-          for (const Word* word : {&constraint.subject, &constraint.object}) {
-            const std::string type = type_of(*word);
-            if (!type.empty()) CheckBound(constraint, *word, type, fails);
-          }
-        }
-      }
-    }
-  }
-
-  void CheckBound(const Constraint& constraint, const Word& word, const std::string& type,
-                  std::string_view fails) {
-    const auto warn = [&](const std::string& what) {
-      Warn(word.span,
-           Concat("variable ", word.name, " is of ", names_.Iri(type), ", and ", what, ": the ", fails,
-                  " fails"),
-           "correct the type of the variable, or the constraint", kTypeClash);
-    };
-    // Of $x, what is a resource and what a literal is told with the condition.
-    const bool told = word.kind == Word::Kind::kVariable && schema_ != nullptr;
-    const bool datatype = IsDatatype(type);
-    if (&word == &constraint.subject) {
-      if (datatype && !told) warn("a subject is a resource");
-      return;
-    }
-    std::set<std::string> others;
-    if (word.type_term && word.type_term->IsIri()) others.insert(word.type_term->lexical);
-    if (others.empty() && schema_ != nullptr && constraint.verb.kind == Word::Kind::kTerm)
-      others = schema_->Ranges(constraint.verb.term.lexical);
-    for (const std::string& other : others) {
-      if (other == Concat(kRdfsNs, "Resource") || !Clash(type, other)) continue;
-      if (told && (!datatype || !IsDatatype(other))) continue;
-      return warn(Concat("a match gives it one of ", names_.Iri(other)));
-    }
-  }
-
-  bool IsDatatype(const std::string& type) const {
-    return schema_ != nullptr ? schema_->IsDatatype(type) : type.starts_with(kXsdNs);
-  }
-
-  void CheckValue(const Term& value, const std::string& type, const SourceSpan& span) {
-    const bool datatype = IsDatatype(type);
-    const std::string wanted = names_.Iri(type);
-    if (datatype != value.IsLiteral()) {
-      Warn(span,
-           Concat("the value is a ", value.IsLiteral() ? "literal" : "resource", ", and the type ", wanted,
-                  datatype ? " is a datatype" : " is a class"),
-           datatype ? "write a literal" : "write prefix:local or <iri>", kTypeClash);
-      return;
-    }
-    if (datatype) {
-      const ValueFamily given =
-          FamilyOf(value.language.empty() ? value.datatype : std::string(kRdfLangString));
-      const ValueFamily family = FamilyOf(type);
-      if (type.starts_with(kXsdNs) && family != ValueFamily::kUnknown && given != ValueFamily::kUnknown &&
-          given != family)
-        Warn(span, Concat("the value is not of the type ", wanted), Concat("e.g. \"…\"^^", wanted),
-             kTypeClash);
-      return;
-    }
-    if (schema_ == nullptr) return;
-    for (const std::string& cls : schema_->TypesOf(value.lexical)) {
-      if (!schema_->Disjoint(cls, type)) continue;
-      Warn(span, Concat("the value is in ", names_.Iri(cls), ", which is disjoint with the type ", wanted),
-           "correct the value or the type", kTypeClash);
-      return;
-    }
-  }
-
-  // The types of variables against those of the parts of a robot service.
-  void CheckInputTypes(const Scope& scope, const Invoke& invoke) {
-    if (environment_ == nullptr || invoke.operation.empty()) return;
-    const std::optional<OperationSignature> operation = environment_->FindOperation(invoke.operation.value);
-    if (!operation) return;
-    for (const auto& [input, wanted] : operation->input_types) {
-      const Variable* variable = scope.FindVariable(input);
-      const std::string given = variable != nullptr ? TypeOf(variable->type_term) : std::string();
-      if (given.empty() || !Clash(given, wanted)) continue;
-      Warn(invoke.operation.span,
-           Concat("operation ", operation->name, " takes ", input, " of ", names_.Iri(wanted),
-                  ", and variable ", input, " is of ", names_.Iri(given)),
-           "no value is of both; correct the type of the variable, or invoke another operation", kTypeClash);
-    }
-  }
-
-  bool Clash(const std::string& a, const std::string& b) const {
-    const bool of_values = IsDatatype(a);
-    if (of_values != IsDatatype(b)) return true;
-    if (!of_values) return schema_ != nullptr && schema_->Disjoint(a, b);
-    const ValueFamily one = FamilyOf(a), other = FamilyOf(b);
-    return a.starts_with(kXsdNs) && b.starts_with(kXsdNs) && one != ValueFamily::kUnknown &&
-           other != ValueFamily::kUnknown && one != other;
-  }
-
   const Document& document_;
   const Environment* environment_;
   xml::ElementReader& reader_;
-  IriNames names_;
   const Scope cawl_;
-  std::unique_ptr<Schema> schema_;
 };
 
 }  // namespace

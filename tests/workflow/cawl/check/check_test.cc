@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
 #include "graph/base/workflow_limits.h"
+#include "graph/rdf/vocabulary.h"
 #include "tests/workflow/cawl/documents.h"
 #include "workflow/cawl/parser.h"
 
@@ -48,6 +50,32 @@ TEST(CheckDocument, AFreeNameThatTheRunHasIsWorthAWarning) {
   const std::string begun =
       "<variable name=\"w\"><initialize><from expression=\"expo:R01\"/></initialize></variable>";
   EXPECT_THAT(CheckDocument(document("?v", begun, "?w"), "f", nullptr).diagnostics, SizeIs(1));
+}
+
+TEST(CheckDocument, InputTypesAreThoseInWhichTheOperationsOfAClassAgree) {
+  const std::string speech = "https://w3id.org/docent#SpeechSynthesis", text_type = Concat(kXsdNs, "string"),
+                    number = Concat(kXsdNs, "integer");
+  const std::string document =
+      "<CAWL name=\"D\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F\"><variable "
+      "name=\"text\" "
+      "type=\"xsd:integer\"/><variable name=\"times\" type=\"xsd:string\"/><source name=\"s\"/><node "
+      "name=\"n\"><invoke ext:capability=\"docent:SpeechSynthesis\"/></node><sink name=\"t\"/><link "
+      "from=\"s\" "
+      "to=\"n\"/><link from=\"n\" to=\"t\"/></flow></CAWL>";
+  QuadEnvironment environment;
+  environment.AddDescribed({"say", {speech}, {{"text", text_type}, {"times", number}}});
+  CheckReport report = CheckDocument(document, "f", &environment);
+  ASSERT_THAT(report.diagnostics, SizeIs(2));
+  EXPECT_EQ(
+      report.diagnostics[0].message,
+      "each operation of class docent:SpeechSynthesis takes text of xsd:string, and variable text is of "
+      "xsd:integer");
+  environment.AddDescribed({"talk", {speech}, {{"text", text_type}, {"times", text_type}}});
+  report = CheckDocument(document, "f", &environment);
+  ASSERT_THAT(report.diagnostics, SizeIs(1)) << "of the times they do not agree";
+  EXPECT_EQ(report.diagnostics[0].rule, "type-clash");
+  environment.AddDescribed({"hum", {speech}, {}});
+  EXPECT_THAT(CheckDocument(document, "f", &environment).diagnostics, IsEmpty());
 }
 
 // A limit of new texts: those of a log are parsed again when it is replayed.
