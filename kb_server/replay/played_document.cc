@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "workflow/cawl/parser.h"
+#include "workflow/rsel/parser.h"
 
 namespace docent::server {
 namespace {
@@ -36,6 +37,26 @@ absl::StatusOr<cawl::DocumentPtr> ParseWorkflow(const std::string& text, const s
   cawl::ParsedCawl parsed = cawl::ParseCawl(text, name, limits);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
   return std::move(parsed.document);
+}
+
+absl::StatusOr<RunCase> WithServices(RunCase recorded, const std::vector<Document>& services,
+                                     const Limits& limits) {
+  std::vector<std::string> names;
+  for (const Document& document : services) {
+    const rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
+    names.push_back(parsed.document->name.value);
+  }
+  const auto is_replaced = [&](const Document& document) {
+    if (document.kind != Document::Kind::kRsel || document.action != Document::Action::kPut) return false;
+    const rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
+    return parsed.document != nullptr &&
+           std::find(names.begin(), names.end(), parsed.document->name.value) != names.end();
+  };
+  std::erase_if(recorded.documents, is_replaced);
+  for (CaseTurn& turn : recorded.turns) std::erase_if(turn.documents, is_replaced);
+  recorded.documents.insert(recorded.documents.end(), services.begin(), services.end());
+  return recorded;
 }
 
 cawl::DocumentPtr WithoutFiring(const cawl::Document& document) {

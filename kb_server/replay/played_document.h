@@ -4,9 +4,11 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "graph/base/limits.h"
+#include "kb_server/replay/run_case.h"
 #include "workflow/cawl/ast.h"
 
 namespace docent::server {
@@ -22,6 +24,11 @@ cawl::DocumentPtr WithoutFiring(const cawl::Document& document);
 // is named.
 absl::StatusOr<cawl::DocumentPtr> OnlyNode(const cawl::Document& document, const std::string& flow,
                                            const std::string& node);
+
+// A case with documents of robot services in place of those that have their names, also of those that came in its life.
+// `services`: names are for people. INVALID_ARGUMENT with every mistake: one is not correct.
+absl::StatusOr<RunCase> WithServices(RunCase recorded, const std::vector<Document>& services,
+                                     const Limits& limits);
 
 // An ASK with values in place of its variables.
 std::string WithValues(const std::string& ask, const std::map<std::string, Term>& values);

@@ -28,14 +28,21 @@ std::string Unfaithful(const std::vector<NodeComparison>& nodes) {
 }  // namespace
 
 absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, const std::string& name,
-                                    const PlayOptions& options) {
+                                    const PlayOptions& options, const std::vector<Document>& services) {
   Replayed replayed;
   replayed.recorded = std::move(recorded);
-  const auto play = [&](const std::string& document_text, const std::string& document_name, Play* out,
+  std::optional<RunCase> with_services;
+  if (!services.empty()) {
+    absl::StatusOr<RunCase> changed = WithServices(replayed.recorded, services, options.limits);
+    if (!changed.ok()) return changed.status();
+    with_services = *std::move(changed);
+  }
+  const auto play = [&](const RunCase& world, const std::string& document_text,
+                        const std::string& document_name, Play* out,
                         std::vector<NodeComparison>* nodes) -> absl::Status {
     const auto document = ParseWorkflow(document_text, document_name, options.limits);
     if (!document.ok()) return document.status();
-    absl::StatusOr<Play> played = PlayCase(replayed.recorded, *document, options);
+    absl::StatusOr<Play> played = PlayCase(world, *document, options);
     if (!played.ok()) return played.status();
     *nodes = Compare(replayed.recorded, **document, *played);
     *out = *std::move(played);
@@ -43,14 +50,14 @@ absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, c
   };
   const Document& own = replayed.recorded.document;
   const bool edited = !text.empty() && text != own.text;
-  absl::Status status =
-      play(edited ? text : own.text, edited ? name : own.name, &replayed.play, &replayed.nodes);
+  absl::Status status = play(with_services ? *with_services : replayed.recorded, edited ? text : own.text,
+                             edited ? name : own.name, &replayed.play, &replayed.nodes);
   if (!status.ok()) return status;
   if (IsSame(replayed.nodes)) return replayed;
   std::vector<NodeComparison> of_own = replayed.nodes;
-  if (edited) {
+  if (edited || with_services) {
     Play again;
-    if (status = play(own.text, own.name, &again, &of_own); !status.ok()) return status;
+    if (status = play(replayed.recorded, own.text, own.name, &again, &of_own); !status.ok()) return status;
   }
   if (std::string note = Unfaithful(of_own); !note.empty()) replayed.play.notes.push_back(std::move(note));
   return replayed;

@@ -26,10 +26,11 @@ struct Replayed {
   Play play;
   std::vector<NodeComparison> nodes;
 };
-// Plays a case with a document, or where `text` is empty with the one that ran, and compares. Where an edited document does
-// otherwise, the one that ran is played, too: what it does otherwise than it was recorded is noted in play.notes.
+// Plays a case with a document, or where `text` is empty with the one that ran, and compares. `services`: robot services in
+// place of those of then (played_document.h). Where what is edited does otherwise, the case as it ran is played, too: what
+// that does otherwise than it was recorded is noted in play.notes.
 absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, const std::string& name,
-                                    const PlayOptions& options);
+                                    const PlayOptions& options, const std::vector<Document>& services = {});
 
 // What one node does at one moment.
 struct Trial {

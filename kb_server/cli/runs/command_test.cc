@@ -27,11 +27,12 @@ struct TestArguments {
   ClientOptions client;
   std::string document;
   std::vector<std::string> runs;
+  std::vector<std::string> services;
   bool assume_done = false;
 };
 
 absl::StatusOr<v1::ReplayReply> TestOne(const TestArguments& arguments, const std::string& file,
-                                        const std::string& document,
+                                        const std::string& document, const std::vector<Document>& services,
                                         const sparql::FunctionRegistry& functions) {
   auto text = ReadBytes(file);
   if (!text.ok()) return text.status();
@@ -42,7 +43,8 @@ absl::StatusOr<v1::ReplayReply> TestOne(const TestArguments& arguments, const st
   options.functions = &functions;
   options.cancellation = &cancellation;
   options.assume_done = arguments.assume_done;
-  absl::StatusOr<Replayed> replayed = ReplayCase(*std::move(saved), document, arguments.document, options);
+  absl::StatusOr<Replayed> replayed =
+      ReplayCase(*std::move(saved), document, arguments.document, options, services);
   if (!replayed.ok())
     return absl::Status(replayed.status().code(), absl::StrCat(file, ": ", replayed.status().message()));
   v1::ReplayReply reply;
@@ -60,9 +62,15 @@ int Test(const TestArguments& arguments) {
   const Presenter presenter(arguments.client, prefixes, IriNames::WellKnown());
   sparql::FunctionRegistry functions;
   RegisterSpatialFunctions(&functions);
+  std::vector<Document> services;
+  for (const std::string& file : arguments.services) {
+    auto rsel = ReadBytes(file);
+    if (!rsel.ok()) return Fail(rsel.status());
+    services.push_back({Document::Kind::kRsel, Document::Action::kPut, file, *std::move(rsel), nullptr});
+  }
   int same = 0, differ = 0, bad = 0;
   for (const std::string& file : arguments.runs) {
-    const absl::StatusOr<v1::ReplayReply> reply = TestOne(arguments, file, *text, functions);
+    const absl::StatusOr<v1::ReplayReply> reply = TestOne(arguments, file, *text, services, functions);
     if (!reply.ok()) {
       Fail(reply.status());
       ++bad;
@@ -93,6 +101,13 @@ void AddTestCommand(CLI::App* app, int* exit_code) {
   command->group(kDocumentsGroup);
   command->add_option("document", arguments->document, "The workflow document (CAWL)")->required();
   command->add_option("runs", arguments->runs, "Files of docent runs save")->required();
+  command
+      ->add_option(
+          "--services", arguments->services,
+          "An edited document of robot services (RSEL), in place of the one of its name that the runs went "
+          "by")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   command->add_flag("--assume-done", arguments->assume_done,
                     "Take commands that a saved run did not send to have succeeded at once; by default its "
                     "replay ends with the "
@@ -102,7 +117,8 @@ void AddTestCommand(CLI::App* app, int* exit_code) {
   command->footer(
       "Exit code 1: a run differs; 2: a file or the document cannot be read.\n"
       "Example:\n"
-      "  docent test booth_guide.cawl.xml runs/*.run.json");
+      "  docent test booth_guide.cawl.xml runs/*.run.json\n"
+      "  docent test booth_guide.cawl.xml runs/*.run.json --services booth_guide.rsel.xml");
   command->callback([arguments, exit_code] { *exit_code = Test(*arguments); });
 }
 

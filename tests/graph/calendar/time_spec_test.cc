@@ -143,13 +143,17 @@ void CheckEveryDay(const std::string& zone, const std::string& every) {
       const absl::CivilSecond shown = absl::CivilSecond(day) + s;
       const TimeMicros wanted = by_clock ? InstantOf(shown, spec.zone) : midnight + s * 1'000'000;
       if (wanted == before) continue;  // two in one jump
-      if (before) ASSERT_EQ(spec.Last(wanted - 1, 0), before);
+      if (before) {
+        ASSERT_EQ(spec.Last(wanted - 1, 0), before);
+      }
       const std::optional<TimeMicros> next = spec.Next(before.value_or(wanted - 1), 0);
       ASSERT_EQ(Utc(next), Utc(wanted));
       ASSERT_EQ(spec.Last(wanted, 0), next);
       const absl::Time moment = absl::FromUnixMicros(wanted);
       const bool jumped = spec.zone.At(shown).kind == absl::TimeZone::TimeInfo::SKIPPED;
-      if (by_clock && !jumped) ASSERT_EQ(absl::ToCivilSecond(moment, spec.zone), shown);
+      if (by_clock && !jumped) {
+        ASSERT_EQ(absl::ToCivilSecond(moment, spec.zone), shown);
+      }
       before = next;
     }
   }
@@ -158,7 +162,7 @@ void CheckEveryDay(const std::string& zone, const std::string& every) {
 TEST(TimeSpecTest, AlignedIntervalsHoldToTheirDayWhateverTheClocksDo) {
   for (const char* zone :
        {"Europe/Berlin", "Australia/Lord_Howe", "America/Santiago", "Africa/Cairo", "UTC"}) {
-    for (const char* every : {"2h", "6h", "1.5h", "24h", "15min", "1h"}) CheckEveryDay(zone, every);
+    for (const char* every : {"2h", "6h", "90min", "24h", "15min", "1h"}) CheckEveryDay(zone, every);
   }
 }
 

@@ -238,9 +238,9 @@ TEST_F(ReplayTest, ANodeThatWaitsForAnEventOpensOnTheFactsOfItsTurn) {
       "</rule></context></condition></node><sink name=\"e\"/><link from=\"s\" to=\"Confirm\"/>"
       "<link from=\"Confirm\" to=\"e\"/></flow></CAWL>");
   Turn(test::Start("Ev"));
-  Turn(test::Tell({Fact("ring", "a", "docent:Event"),
-                   Fact("ring", "docent:operation", Term::Literal("confirmed")),
-                   Fact("ring", "w:by", "John")}));
+  Turn(
+      test::Tell({Fact("ring", "a", "docent:Event"),
+                  Fact("ring", "docent:operation", Term::Literal("confirmed")), Fact("ring", "by", "John")}));
   const uint64_t opened = head_;
   for (int i = 0; i < 3; ++i) Tick(kSecond);
   auto trial = TryNode("Confirm", std::nullopt, "", "Ev-1");
@@ -273,6 +273,40 @@ TEST_F(ReplayTest, ASavedRunIsTheSameRun) {
   EXPECT_THAT(Differences(ReplayCase(*read, "", "", options)), IsEmpty());
   EXPECT_THAT(Differences(ReplayCase(*read, Edited("w:saw $booth", "w:saw w:Nothing"), "e.xml", options)),
               Not(IsEmpty()));
+}
+
+// A service was always the one of then.
+TEST_F(ReplayTest, AnEditedServiceIsTriedInPlaceOfTheOneOfThen) {
+  const auto services = [](const std::string& operation) {
+    return "<rsel name=\"Greetings\"><process name=\"greet\"><invoke operation=\"" + operation +
+           "\"/></process></rsel>";
+  };
+  World();
+  Turn(Put(Document::Kind::kRsel, "g.rsel.xml", services("come")));
+  Deploy(
+      "<CAWL name=\"Guide\"><flow name=\"Guide\"><source name=\"s\"/><node name=\"Hi\"><invoke "
+      "operation=\"greet\"/></node><sink name=\"e\"/><link from=\"s\" to=\"Hi\"/><link from=\"Hi\" "
+      "to=\"e\"/></flow></CAWL>");
+  Turn(test::Start("Guide"));
+  Answer("come");
+  const auto recorded = Replay();
+  ASSERT_TRUE(recorded.ok()) << recorded.status();
+  EXPECT_TRUE(IsSame(recorded->nodes));
+  Cancellation cancellation;
+  PlayOptions options{&functions_, Limits(), ReplayLimits(), &cancellation, false};
+  const auto with = [&](const std::string& text) {
+    return ReplayCase(recorded->recorded, "", "", options,
+                      {{Document::Kind::kRsel, Document::Action::kPut, "edited.rsel.xml", text, nullptr}});
+  };
+  const auto edited = with(services("bye"));
+  ASSERT_TRUE(edited.ok()) << edited.status();
+  EXPECT_FALSE(IsSame(edited->nodes));
+  EXPECT_THAT(edited->play.stopped, HasSubstr("there is no recorded report of bye("));
+  EXPECT_THAT(edited->play.notes, IsEmpty());
+  const auto same = with(services("come"));
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_TRUE(IsSame(same->nodes));
+  EXPECT_THAT(with("<rsel").status().message(), HasSubstr("edited.rsel.xml:1:"));
 }
 
 TEST_F(ReplayTest, ADamagedSavedRunIsRefusedWithItsPlace) {
