@@ -74,7 +74,7 @@ def option_row(name, told):
 def rows_of(told, title):
     """Of the section of that title, without --help and --version."""
     return [option_row(*pair) for name, pairs in told.sections if name == title for pair in pairs
-            if not pair[0].startswith(("-h,", "--version"))]
+            if not (pair[0].startswith("-h,") or pair[0].split(",")[-1].strip() == "--version")]
 
 
 def footer_of(told):

@@ -15,6 +15,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 #include "graph/wire/term_proto.h"
+#include "kb_server/cli/presenter.h"
 
 namespace docent::server {
 namespace {
@@ -77,7 +78,11 @@ int Fail(const grpc::Status& status, const ClientOptions& options) {
     std::cerr
         << "docent: nothing was sent: what was given does not fit into a message; is all of it UTF-8?\n";
   } else {
-    std::cerr << "docent: " << status.error_message() << "\n";
+    // Texts of several lines show documents, whose places are marked by columns.
+    const std::string& message = status.error_message();
+    const bool names_iris = message.find("<") != std::string::npos && message.find('\n') == std::string::npos;
+    const bool whole = !names_iris || options.json || options.full;
+    std::cerr << "docent: " << (whole ? message : ServerNames(options).InText(message)) << "\n";
   }
   return kExitBad;
 }

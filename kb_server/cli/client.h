@@ -35,7 +35,8 @@ void AddPrefixOption(CLI::App* command, std::vector<std::string>* prefixes);
 
 std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 
-// Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so.
+// Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so; IRIs have the
+// server's prefixes, unless they are to be whole.
 int Fail(const grpc::Status& status, const ClientOptions& options);
 int Fail(const absl::Status& status);
 

@@ -113,8 +113,10 @@ void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
   for (const Term& variable : variables) {
     const std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
     if (values.empty()) continue;
+    const std::string name = graph.Object(variable.lexical, DocentIri("variableName"));
+    if (name.starts_with("_")) continue;  // the engine's own: the event that started it
     v1::NamedTerm* named = out->Add();
-    named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
+    named->set_name(name);
     ToProto(values.front(), named->mutable_value());
   }
 }

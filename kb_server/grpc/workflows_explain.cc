@@ -94,7 +94,8 @@ absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request,
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
   const auto catalog = ports.catalog->Get();
   ConditionAsker asker(ports, version, cancellation);
-  WaitSources sources{&graph, catalog.get(), ports.clock->Now(), [&asker](const std::string& ask) { return asker.Ask(ask); }};
+  WaitSources sources{&graph, catalog.get(), ports.clock->Now(),
+                      [&asker](const std::string& ask) { return asker.Ask(ask); }};
   if (run.state() == "running") AddWaits(sources, run, request.node(), reply);
   reply->set_text(TextOf(run, *reply));
   return absl::OkStatus();

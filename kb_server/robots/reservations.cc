@@ -142,8 +142,8 @@ absl::Status ReleaseReservation(const std::string& reservation, const Dictionary
                               property = dictionary.FindIri(DocentIri("reservedBy"));
   const bool known = iri && property && graph.ContainsMatch({{}, *property, *iri, {}});
   if (!known) {
-    return absl::NotFoundError(
-        absl::StrCat("there is no reservation <", reservation, ">; docent robots shows which robots are reserved, and by what"));
+    return absl::NotFoundError(absl::StrCat("there is no reservation <", reservation,
+                                            ">; docent robots shows which robots are reserved, and by what"));
   }
   for (const QuadPattern& pattern : {QuadPattern{*iri, {}, {}, {}}, QuadPattern{{}, *property, *iri, {}}}) {
     graph.ForEach(pattern, [&](const Quad& quad) {

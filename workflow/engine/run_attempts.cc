@@ -124,6 +124,13 @@ std::optional<TimeMicros> RunStepper::NextDeadline() const {
   return next;
 }
 
+std::string TimeText(int64_t ms) {
+  for (const auto& [unit_ms, unit] : {std::pair(3'600'000, " h"), {60'000, " min"}, {1000, " s"}}) {
+    if (ms >= unit_ms && ms % unit_ms == 0) return absl::StrCat(ms / unit_ms, unit);
+  }
+  return absl::StrCat(ms, " ms");
+}
+
 // True if a time was over.
 bool RunStepper::CheckOverdue(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
@@ -135,8 +142,15 @@ bool RunStepper::CheckOverdue(size_t node, size_t index) {
       InvocationFailed(node, index, absl::StrCat(invocation.overdue, "; ", ToAbsl(kAttemptNotEnded)));
       return true;
     }
-    const std::string what =
-        invocation.state == WorkState::kPending ? "no robot became free for it" : invocation.step;
+    const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
+    const std::string within =
+        invoke.timeout_ms ? absl::StrCat(" within ", TimeText(*invoke.timeout_ms)) : "";
+    const std::string what = invocation.state == WorkState::kPending ? "no robot became free for it"
+                             : !invocation.child.empty()
+                                 ? absl::StrCat("subflow ", invocation.child.value(), " was not done", within)
+                             : invocation.step.empty()
+                                 ? absl::StrCat(invoke.operation.value, " was not done", within)
+                                 : invocation.step;
     InvocationFailed(
         node, index,
         absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));

@@ -76,7 +76,7 @@ void RunStepper::RetryNode(size_t index, const RobotId& robot, const std::string
   if (node.state != WorkState::kIncident) return;
   node.wanted_robot = robot;
   node.attempt = 1;
-  node.reason.clear();
+  node.reason = reason.empty() ? "" : ByOperator("has it begin again", reason);
   WaitAgain(index, ByOperator("has it begin again", reason));
 }
 
@@ -89,8 +89,8 @@ void RunStepper::SkipNode(size_t index, const TermBinding& values, const std::st
   node.invocations.clear();
   node.actions.begun = true;  // what it had left to do before them, too
   node.actions.awaited.clear();
-  node.reason.clear();
-  SetNode(index, WorkState::kRunning, ByOperator("skips it", reason));
+  node.reason = ByOperator("skips it", reason);
+  SetNode(index, WorkState::kRunning, node.reason);
   SetVariables(values);
 }
 

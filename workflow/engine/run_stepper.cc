@@ -339,8 +339,13 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
   DisarmNode(index);
+  // Where none failed, they end with what ends the node: its time, what has to hold.
+  const bool of_invocation =
+      std::any_of(node.invocations.begin(), node.invocations.end(), [](const InvocationState& invocation) {
+        return invocation.state == WorkState::kFailed || invocation.state == WorkState::kCancelled;
+      });
   for (size_t i = 0; i < node.invocations.size(); ++i)
-    CancelInvocation(index, i, "another invocation of the node failed");
+    CancelInvocation(index, i, of_invocation ? "another invocation of the node failed" : reason);
   const bool once = std::any_of(node.invocations.begin(), node.invocations.end(),
                                 [](const InvocationState& invocation) { return invocation.once; });
   if (node.state == WorkState::kRunning && node.attempt <= syntax.retry && !once) {
@@ -403,10 +408,11 @@ bool RunStepper::CheckDeadlines(size_t index) {
   NodeState& node = run_.nodes[index];
   TimeMicros now = core_.input->now_us;
   if (!run_.paused() && node.deadline_us && *node.deadline_us <= now) {
-    int64_t seconds = (now - node.since_us) / 1000000;
+    const cawl::Node& syntax = flow_.nodes[index];
     NodeFailed(index, node.state == WorkState::kWaiting
-                          ? absl::StrCat("its condition did not hold within ", seconds, " s")
-                          : absl::StrCat("it was not done within ", seconds, " s"));
+                          ? absl::StrCat("its condition did not hold within ",
+                                         TimeText(syntax.condition->timeout_ms.value_or(0)))
+                          : absl::StrCat("it was not done within ", TimeText(syntax.timeout_ms.value_or(0))));
     return true;
   }
   for (size_t i = 0; i < node.invocations.size(); ++i) {

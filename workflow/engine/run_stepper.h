@@ -12,6 +12,9 @@
 
 namespace docent::engine {
 
+// "90 s", "2 min", "1500 ms": a time of a document, for people.
+std::string TimeText(int64_t ms);
+
 // Solutions looked at to find one whose robot is free, and the most that forEach takes.
 inline constexpr size_t kSolutionLimit = 1000;
 

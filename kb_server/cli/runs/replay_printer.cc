@@ -39,7 +39,20 @@ std::string StatesOf(const google::protobuf::RepeatedPtrField<v1::ReplayStep>& s
     else if (step.state() != "waiting" && step.state() != "inactive")
       parts.push_back(absl::StrCat(step.state(), " in turn ", step.turn()));
   }
-  return absl::StrJoin(parts, ", ");
+  // A node of a sub-flow stands for all runs of it that the same node started.
+  std::vector<std::pair<std::string, int>> counted;
+  for (std::string& part : parts) {
+    const auto same = std::find_if(counted.begin(), counted.end(),
+                                   [&part](const auto& other) { return other.first == part; });
+    if (same == counted.end())
+      counted.emplace_back(std::move(part), 1);
+    else
+      ++same->second;
+  }
+  return absl::StrJoin(counted, ", ", [](std::string* out, const auto& part) {
+    absl::StrAppend(out, part.first);
+    if (part.second > 1) absl::StrAppend(out, " (", part.second, " times)");
+  });
 }
 
 void PrintAsk(const std::string& indent, const std::string& ask, const std::string& missing,

@@ -33,7 +33,8 @@ void PrintNode(const v1::Node& node, const Presenter& presenter) {
     if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
     if (invocation.state() == "running")
       std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
-    if (!invocation.reason().empty()) std::cout << "  (" << invocation.reason() << ")";
+    if (!invocation.reason().empty())
+      std::cout << "  (" << presenter.names().InText(invocation.reason()) << ")";
     std::cout << "\n";
     for (const v1::InvocationStep& step : invocation.steps())
       std::cout << "      " << step.step() << "  " << presenter.State(step.state()) << "\n";

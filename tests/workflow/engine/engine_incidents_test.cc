@@ -112,6 +112,40 @@ TEST_F(EngineIncidentsTest, ASkippedNodeCountsAsDoneWithItsValues) {
   EXPECT_EQ(commands_[0].operation, "b");
 }
 
+TEST_F(EngineIncidentsTest, WhatAnOperatorGaveAsReasonStandsInTheRun) {
+  Deploy(TwoNodes("ext:onFailure=\"incident\""));
+  FailFirst();
+  RunRequest request{Kind::kSkipNode, "F-1", {}};
+  request.node = "A";
+  request.reason = "done by hand";
+  ASSERT_TRUE(engine_.CheckRequest(request).ok());
+  Turn({}, {request});
+  EXPECT_EQ(State("A"), "done");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "reason"), "an operator skips it: done by hand");
+}
+
+// It was "another invocation of the node failed", where there is no other.
+TEST_F(EngineIncidentsTest, AnInvocationEndsWithTheTimeOfItsNode) {
+  Deploy(TwoNodes("ext:timeout=\"90s\""));
+  Start();
+  Pass(200);  // the server was down
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "reason"), "it was not done within 90 s");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "reason"), "it was not done within 90 s");
+}
+
+TEST_F(EngineIncidentsTest, ASubflowThatIsTooLateIsNamed) {
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\" ext:timeout=\"2min\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  Start();
+  Pass(120);
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:G-2", "reason"), "timed out: subflow G-2 was not done within 2 min");
+  EXPECT_THAT(Run("reason"), HasSubstr("timed out: subflow G-2 was not done within 2 min"));
+}
+
 TEST_F(EngineIncidentsTest, ANodeThatIsLetFailFailsAsWithoutIncidents) {
   for (const bool handles : {false, true}) {
     Deploy(TwoNodes("ext:onFailure=\"incident\"", "", handles));
