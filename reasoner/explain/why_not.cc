@@ -78,6 +78,7 @@ SolveOptions WhyNotFinder::Telling() const {
   options.tell_derived = pass_.tell_derived;
   options.tell_schema = pass_.tell_schema;
   if (pass_.tell_schema) options.rule_depth = 1;  // many axioms imply an axiom
+  if (pass_.direct) options.rule_depth = 0;
   return options;
 }
 
@@ -450,7 +451,8 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
 
   WhyNotAnswer answer;
   // Facts about things come before axioms, whatever the number: one axiom makes many facts true.
-  for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{false, true}, Pass{true, true}}) {
+  for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{true, false, true}, Pass{false, true},
+                          Pass{true, true}}) {
     if (!answer.repairs.empty() || (pass.tell_schema && !schema_skipped_)) break;
     if (OutOfTime()) {
       LeaveOut(0);

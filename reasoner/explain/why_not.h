@@ -7,7 +7,8 @@
 // does. A fact with an open variable is tried with an example value. Sets that change the type of a thing
 // (rdf:type asserted, or withdrawn only because of a rule) are listed only if no set of the same size changes
 // fewer types; axioms (of classes, properties, equality) used by a rule only if no set of facts about things,
-// of any size, is enough.
+// of any size, is enough: not even the facts as the condition says them, which are tried alone where the search through
+// rules found none before it ended.
 #ifndef DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 #define DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 
@@ -66,6 +67,7 @@ class WhyNotFinder {
   // Facts that may be asserted in addition to those that people assert about things.
   struct Pass {
     bool tell_derived, tell_schema;
+    bool direct = false;  // as the condition says it, without rules
   };
   // A partial match, the start of a search for hitting sets.
   struct Root {

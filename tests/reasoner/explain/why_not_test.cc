@@ -16,6 +16,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 class WhyNotTest : public ExplainWorld {};
@@ -368,6 +369,18 @@ TEST_F(WhyNotOwl, NothingIsMadeAMemberOfNothing) {
 TEST_F(WhyNotOwl, TwoFactsAboutThingsComeBeforeOneAxiom) {
   EXPECT_EQ(Missing({"R2 isAt B1", "R2 a Robot", "R1 knows R2"}, "ASK { :R1 a :Robot . :R1 :isAt :B1 }"),
             "R1 a Robot\nR1 isAt B1\n");
+}
+
+TEST_F(WhyNotOwl, WhatTheConditionSaysComesBeforeAnAxiomHoweverLongTheSearch) {
+  std::vector<std::string> told;
+  for (int i = 0; i < 40; ++i) {
+    const std::string n = absl::StrCat(i);
+    told.insert(told.end(),
+                {"p" + n + " rdfs:domain C" + n, "C" + n + " rdfs:subClassOf D" + n,
+                 "x" + n + " p" + n + " y" + n, "q" + n + " rdfs:subPropertyOf p" + n, "z" + n + " a C" + n});
+  }
+  EXPECT_THAT(Missing(told, "ASK { ?e a :Event . ?e :operation 1 . :O6 :confirmedBy ?guest }"),
+              AllOf(HasSubstr(" a Event"), Not(HasSubstr("rdf-schema#"))));
 }
 
 TEST_F(WhyNotOwl, AnAxiomThatTheQuestionAsksForIsNamed) {
