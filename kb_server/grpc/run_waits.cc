@@ -1,6 +1,8 @@
 #include "kb_server/grpc/run_waits.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -297,11 +299,85 @@ class WaitCollector {
   v1::ExplainRunReply& reply_;
 };
 
+// A robot that a run waits for, and the run that holds it.
+struct Need {
+  std::string run, robot, holder;
+};
+
+// Runs that are looked at to find a circle.
+constexpr size_t kRunsOfACircle = 16;
+
+std::string OutermostOf(const GraphReader& graph, std::string run) {
+  for (int depth = 0; depth < kDeepest; ++depth) {
+    const auto outer = RunOfIri(graph.Object(RunIri(RunId(run)), DocentIri("parentRun")));
+    if (!outer) break;
+    run = outer->value();
+  }
+  return run;
+}
+
+// What nodes of the run wait for that only robots of one other run could do.
+std::vector<Need> NeedsOf(const std::string& run, const v1::ExplainRunReply& waits) {
+  std::map<std::string, std::vector<const v1::Wait*>> by_node;
+  for (const v1::Wait& wait : waits.waits()) {
+    if (wait.kind() == "robot") by_node[wait.node()].push_back(&wait);
+  }
+  std::vector<Need> needs;
+  for (const auto& [node, robots] : by_node) {
+    const v1::Wait& first = *robots.front();
+    const bool of_one = std::all_of(robots.begin(), robots.end(), [&](const v1::Wait* other) {
+      return other->held_by() == first.held_by();
+    });
+    if (of_one && !first.held_by().empty() && first.held_by() != run)
+      needs.push_back({run, first.robot(), first.held_by()});
+  }
+  return needs;
+}
+
+// From a need of `way` back to its first run; false: there is no circle. `seen`: runs that were looked at.
+bool FindCircle(const WaitSources& sources, std::vector<Need>* way, std::set<std::string>* seen) {
+  const std::string holder = way->back().holder;
+  if (holder == way->front().run) return true;
+  v1::Run run;
+  if (seen->size() >= kRunsOfACircle || !seen->insert(holder).second ||
+      !ReadRun(*sources.graph, holder, &run) || run.state() != "running")
+    return false;
+  v1::ExplainRunReply waits;
+  WaitCollector(sources, &waits).Add(run, "", "", 0);
+  for (Need& need : NeedsOf(holder, waits)) {
+    way->push_back(std::move(need));
+    if (FindCircle(sources, way, seen)) return true;
+    way->pop_back();
+  }
+  return false;
+}
+
+// Runs that wait for each other over the robots that they hold: that does not end by itself.
+void AddCircle(const WaitSources& sources, const std::string& run, v1::ExplainRunReply* reply) {
+  for (Need& need : NeedsOf(OutermostOf(*sources.graph, run), *reply)) {
+    std::vector<Need> way = {std::move(need)};
+    std::set<std::string> seen;
+    if (!FindCircle(sources, &way, &seen)) continue;
+    v1::Wait* wait = reply->add_waits();
+    wait->set_kind("operator");
+    wait->set_detail(absl::StrCat("runs wait for each other: ",
+                                  absl::StrJoin(way, "; ",
+                                                [](std::string* out, const Need& each) {
+                                                  absl::StrAppend(out, each.run, " waits for robot ",
+                                                                  Angled(each.robot), ", which ", each.holder,
+                                                                  " holds");
+                                                }),
+                                  "; cancel one of them (docent runs cancel)"));
+    return;
+  }
+}
+
 }  // namespace
 
 void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
               v1::ExplainRunReply* reply) {
   WaitCollector(sources, reply).Add(run, node, "", 0);
+  if (node.empty()) AddCircle(sources, run.id(), reply);
   if (!node.empty() || reply->waits_size() > 0 || run.state() != "running") return;
   // A run that undoes what it did has no node under way, but a run for each step.
   for (const std::string& nested :

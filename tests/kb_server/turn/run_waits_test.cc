@@ -1,0 +1,74 @@
+// What a run waits for, told to people: runs that wait for each other.
+#include "kb_server/grpc/run_waits.h"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "graph/store/graph_reader.h"
+#include "gtest/gtest.h"
+#include "kb_server/grpc/run_reader.h"
+#include "tests/kb_server/turn/turn_fixture.h"
+
+namespace docent::server {
+namespace {
+
+using test::Fact;
+using test::Put;
+using test::Tell;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RunWaitsTest : public test::TurnTest {
+ protected:
+  void SetUp() override {
+    std::vector<TermQuad> facts = {Fact("docent:status", "a", "docent:StateProperty")};
+    for (const char* robot : {"R1", "R2"}) {
+      facts.push_back(Fact(robot, "a", "docent:Robot"));
+      facts.push_back(Fact(robot, "docent:incarnation", Term::Literal("i1")));
+      facts.push_back(Fact(robot, "docent:status", "docent:Standby"));
+      facts.push_back(Fact(robot, "docent:offers", "urn:docent:operation:drive"));
+    }
+    Turn(Tell(facts));
+    const auto node = [](const std::string& name, const std::string& of) {
+      return absl::StrCat("<node name=\"", name, "\"><ext:assign variable=\"robot\" expression=\"$", of,
+                          "\"/><invoke operation=\"drive\"/></node>");
+    };
+    Turn(Put(Document::Kind::kCawl, "t.xml",
+             absl::StrCat("<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F\">"
+                          "<variable name=\"first\"/><variable name=\"second\"/><variable name=\"robot\"/>"
+                          "<source name=\"s\"/>",
+                          node("A", "first"), node("B", "second"),
+                          "<sink name=\"e\"/><link from=\"s\" to=\"A\"/><link from=\"A\" to=\"B\"/>"
+                          "<link from=\"B\" to=\"e\"/></flow></CAWL>")));
+  }
+  CommandId Begin(const std::string& first, const std::string& second) {
+    const TurnResult turn =
+        Turn(test::Start("T/F", {{"first", test::Iri(first)}, {"second", test::Iri(second)}}));
+    EXPECT_EQ(turn.record.commands.size(), 1u);
+    return turn.record.commands.empty() ? CommandId() : turn.record.commands[0].id;
+  }
+  std::string Waits(const std::string& id) {
+    const GraphReader graph(dictionary_, stages_->writer.current());
+    v1::Run run;
+    EXPECT_TRUE(ReadRun(graph, id, &run));
+    v1::ExplainRunReply reply;
+    AddWaits({&graph, nullptr, nullptr}, run, "", &reply);
+    return TextOf(run, reply);
+  }
+};
+
+TEST_F(RunWaitsTest, RunsThatWaitForEachOtherAreNamed) {
+  const CommandId one = Begin("R1", "R2"), two = Begin("R2", "R1");
+  Turn(test::Report(one, CommandReport::Outcome::kSucceeded));
+  EXPECT_THAT(Waits("F-1"), Not(HasSubstr("each other"))) << "the other one drives, and then goes on";
+  Turn(test::Report(two, CommandReport::Outcome::kSucceeded));
+  for (const char* run : {"F-1", "F-2"}) {
+    EXPECT_THAT(Waits(run), AllOf(HasSubstr("runs wait for each other"),
+                                  HasSubstr("F-1 waits for robot <urn:w:R2>, which F-2 holds"),
+                                  HasSubstr("F-2 waits for robot <urn:w:R1>, which F-1 holds")));
+  }
+}
+
+}  // namespace
+}  // namespace docent::server
