@@ -41,7 +41,8 @@ void AddTurnMetrics(const MeasuredParts& parts, Metrics* metrics) {
   metrics->AddDeprecatedName("docent_constraint_whole_seconds_total", "docent_condition_whole_seconds_total");
   metrics->AddDeprecatedName("docent_constraints", "docent_conditions");
   Count(metrics, "docent_firings_ignored_total",
-        "Firings of activators that started no run, by ext:mode, ext:max or a limit",
+        "Firings of activators that started no run: by ext:mode, ext:max or a limit, or while the workflow "
+        "was paused or disabled",
         &counters->firings_ignored);
   metrics->AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
                             [counters] { return static_cast<double>(counters->live_runs.load()); });

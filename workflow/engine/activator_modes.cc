@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
@@ -99,13 +101,14 @@ void Fire(Engine::Core* core, const Activations::Place& place, Firing firing) {
   StartRun(core, place, std::move(firing));
 }
 
-// The firing of a binding that the condition has now.
-void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
-             const TermBinding& binding) {
+// The firing of a binding that the condition has now; nullopt: the turn has no room for it, and says so.
+std::optional<Firing> FiringOf(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
+                               const TermBinding& binding) {
   const std::string why = core->bounds.WhyNotFire(workflow, core->limits.engine_rounds_per_turn);
   if (!why.empty()) {
     core->activations.Ignored(workflow);
-    return core->bounds.NotStarted(workflow, KeyText(binding), why, true);
+    core->bounds.NotStarted(workflow, KeyText(binding), why, true);
+    return std::nullopt;
   }
   core->bounds.Fired();
   const cawl::DocumentPtr document = core->deployments.at(workflow).document;
@@ -116,9 +119,67 @@ void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle ha
   std::string evidence = core->input->conditions->Evidence(handle, firing.variables);
   std::replace(evidence.begin(), evidence.end(), '\n', ' ');
   firing.cause = absl::StrCat("activator ", document->activator->name.value, ": ", evidence);
-  TermBinding key = binding;  // without the events
-  std::erase_if(key, [](const auto& value) { return value.first.starts_with("_"); });
-  Fire(core, {workflow, KeyText(key)}, std::move(firing));
+  return firing;
+}
+
+Activations::Place PlaceOf(const std::string& workflow, TermBinding binding) {
+  std::erase_if(binding,
+                [](const auto& value) { return value.first.starts_with("_"); });  // without the events
+  return {workflow, KeyText(binding)};
+}
+
+void FireFor(Engine::Core* core, const std::string& workflow, ConditionHandle handle,
+             const TermBinding& binding) {
+  if (std::optional<Firing> firing = FiringOf(core, workflow, handle, binding))
+    Fire(core, PlaceOf(workflow, binding), *std::move(firing));
+}
+
+// A time that occurs is told of once it is over, as one that was missed; what it says of that stands in its name.
+bool IsOccurrence(const cawl::CompiledAsk& ask) {
+  return absl::StrContains(ask.ask, ":occurs ?_");
+}
+bool LeavesOutMissed(const cawl::CompiledAsk& ask) {
+  return absl::StrContains(ask.ask, ";missed=skip");
+}
+
+// Why a firing of a paused workflow does not wait for the resume; empty: it does. `live`: a run of the key is live.
+std::string WhyNotKept(const Engine::Core& core, const cawl::CompiledAsk& ask,
+                       const Activations::Place& place, bool live) {
+  const cawl::Activator& activator = *core.deployments.at(place.first).document->activator;
+  const Activations::Key* known = core.activations.Find(place);
+  const size_t waiting = known == nullptr ? 0 : known->waiting.size();
+  if (IsOccurrence(ask) && LeavesOutMissed(ask)) return "missed=\"skip\"";
+  if (activator.mode == Mode::kSingle && (live || waiting > 0)) {
+    return live ? "a run of the same key is live (ext:mode=\"single\")"
+                : "another of the same key waits (ext:mode=\"single\")";
+  }
+  if (activator.mode == Mode::kQueued && activator.max && waiting >= static_cast<size_t>(*activator.max))
+    return absl::StrCat(waiting, " of the same key wait (ext:max)");
+  if (core.activations.Waiting(place.first) >= kWorkflowLimits.firings_waiting)
+    return absl::StrCat("the limit firings_waiting is ", kWorkflowLimits.firings_waiting);
+  return "";
+}
+
+// An event fired while the workflow starts no run. It is over at once: it waits here, or is ignored.
+void FireLater(Engine::Core* core, const std::string& workflow, const ArmedCondition& by,
+               const TermBinding& binding) {
+  std::optional<Firing> firing = FiringOf(core, workflow, by.handle, binding);
+  if (!firing) return;
+  const Deployment& deployment = core->deployments.at(workflow);
+  if (deployment.disabled) return Ignore(core, workflow, *firing, "ignored: the workflow is disabled");
+  const Activations::Place place = PlaceOf(workflow, binding);
+  const Activations::Key* known = core->activations.Find(place);
+  const bool newest = deployment.document->activator->mode == Mode::kRestart || IsOccurrence(by.ask);
+  const bool replaces = newest && known != nullptr && !known->waiting.empty() && !LeavesOutMissed(by.ask);
+  if (replaces) {
+    Ignore(core, workflow, core->activations.Next(place),
+           "ignored: the workflow is paused, and a later one of the same key waits for the resume");
+  }
+  const bool live = known != nullptr && !known->live.empty();
+  if (const std::string why = WhyNotKept(*core, by.ask, place, live); !why.empty())
+    return Ignore(core, workflow, *firing, absl::StrCat("ignored: the workflow is paused, and ", why));
+  SayOf(core, workflow, "queued", *firing, "the workflow is paused: it waits for the resume");
+  core->activations.Wait(place, *std::move(firing));
 }
 
 bool MayStart(const Engine::Core& core, const std::string& workflow) {
@@ -138,6 +199,10 @@ void StartNext(Engine::Core* core, const Activations::Place& place) {
 void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
   const bool holds_back = !MayStart(*core, workflow);
   Deployment& deployment = holds_back ? core->MutableDeployment(workflow) : core->deployments.at(workflow);
+  const ArmedCondition* by = nullptr;  // if it needs an event
+  for (const ArmedCondition& armed : deployment.armed) {
+    if (armed.handle == edge.handle && armed.ask.by_event()) by = &armed;
+  }
   // a condition without free variables has one binding, the empty one
   std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
   if (edge.rose && appeared.empty()) appeared.emplace_back();
@@ -149,7 +214,9 @@ void Activate(Engine::Core* core, const std::string& workflow, const ConditionEd
   for (const TermBinding& key : appeared) {
     const std::string text = KeyText(key);
     if (core->AddActive(workflow, text, 1) > 0 || deployment.carried.erase(text) > 0) continue;
-    if (holds_back)
+    if (holds_back && by != nullptr)
+      FireLater(core, workflow, *by, key);
+    else if (holds_back)
       deployment.held_back[text] = {edge.handle, key};
     else
       FireFor(core, workflow, edge.handle, key);
@@ -166,7 +233,17 @@ void StartHeldBack(Engine::Core* core, const std::string& workflow) {
     const auto held_back = std::exchange(core->MutableDeployment(workflow).held_back, {});
     for (const auto& [text, start] : held_back) FireFor(core, workflow, start.handle, start.key);
   }
-  for (const std::string& key : core->activations.KeysOf(workflow)) StartNext(core, {workflow, key});
+  const bool one_by_one = core->deployments.at(workflow).document->activator->mode == Mode::kQueued;
+  for (const std::string& key : core->activations.KeysOf(workflow)) {
+    const Activations::Place place(workflow, key);
+    if (one_by_one) {
+      StartNext(core, place);
+      continue;
+    }
+    const Activations::Key* known = core->activations.Find(place);
+    for (size_t left = known == nullptr ? 0 : known->waiting.size(); left > 0; --left)
+      Fire(core, place, core->activations.Next(place));
+  }
 }
 
 }  // namespace docent::engine

@@ -45,7 +45,7 @@ constexpr size_t kDetailColumns = 200;
 
 void PrintEvent(const v1::RunEvent& event, const Presenter& presenter) {
   std::cout << LocalTime(event.time_us(), "%H:%M:%E3S") << "  " << event.run();
-  if (!event.node().empty()) std::cout << "/" << event.node();
+  if (!event.node().empty()) std::cout << (event.run().empty() ? "" : "/") << event.node();  // or a workflow
   std::cout << "  " << event.kind() << " ";
   if (!event.from().empty()) std::cout << event.from() << " → ";
   std::cout << presenter.State(event.to());

@@ -264,6 +264,95 @@ TEST_F(ActivatorModesTest, ADisabledWorkflowStartsNoRunAndMakesUpForWhatStillHol
   EXPECT_THAT(Started(Turn(Act(kRemovesDisablement))), IsEmpty());
 }
 
+// The bell rings while the workflow is paused or disabled.
+class BellTest : public ActivatorModesTest {
+ protected:
+  static std::string Bell(const std::string& mode, const std::string& node = "<node name=\"N\"/>") {
+    return absl::StrCat(
+        R"(<CAWL name="Call" xmlns:w="urn:w:" xmlns:ext="https://w3id.org/docent/cawl-ext#">
+           <activator name="OnCall" )",
+        mode,
+        R"(><variable name="user"/><activate flow="Come"/><condition expression="rang and by"><case name="rang"><event operation="ring"/></case>
+             <context name="by"><rule><constraint><subject>?event</subject><verb>w:by</verb><object>?user</object></constraint></rule>
+             </context></condition></activator>
+           <flow name="Come"><variable name="user"/><source name="s"/>)",
+        node, R"(<sink name="e"/><link from="s" to="N"/><link from="N" to="e"/></flow></CAWL>)");
+  }
+  TurnResult Ring(const std::string& who) {
+    const std::string event = absl::StrCat("ring", ++rings_);
+    const TurnResult rang = Turn(Tell({Fact(event, "a", "docent:Event"), Fact(event, "by", who),
+                                       Fact(event, "docent:operation", Term::Literal("ring"))}));
+    Tick();
+    return rang;
+  }
+  TurnResult Ask(RunRequest::Kind kind) {
+    WriteBatch batch;
+    batch.run_requests.push_back({kind, "Call", {}});
+    return Turn(std::move(batch));
+  }
+  std::vector<std::string> Users(const TurnResult& result) const {
+    std::vector<std::string> users;
+    for (const std::string& run : Started(result)) {
+      users.push_back(
+          GraphReader(dictionary_, stages_->writer.current())
+              .Object(absl::StrCat("urn:docent:run:", run, "/$user"), DocentIri("variableValue")));
+    }
+    return users;
+  }
+  int rings_ = 0;
+};
+
+TEST_F(BellTest, EventsOfAPausedWorkflowWaitForTheResumeAsItsModeSays) {
+  struct Case {
+    std::string mode;
+    std::vector<std::string> started;
+    size_t ignored;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"", {"urn:w:Ann", "urn:w:Ann", "urn:w:Bob"}, 0},
+           {"ext:mode=\"queued\"", {"urn:w:Ann", "urn:w:Bob"}, 0},  // the second of Ann after the first
+           {"ext:mode=\"queued\" ext:max=\"1\"", {"urn:w:Ann", "urn:w:Bob"}, 1},
+           {"ext:mode=\"single\"", {"urn:w:Ann", "urn:w:Bob"}, 1},
+           {"ext:mode=\"restart\"", {"urn:w:Ann", "urn:w:Bob"}, 1}}) {
+    Deploy(Bell(c.mode,
+                "<node name=\"N\"><condition><context name=\"d\"><rule><constraint><subject>w:x</subject>"
+                "<verb>w:y</verb><object>w:z</object></constraint></rule></context></condition></node>"));
+    Ask(RunRequest::Kind::kPauseWorkflow);
+    size_t ignored = 0;
+    for (const char* who : {"Ann", "Ann", "Bob"}) {
+      const TurnResult rang = Ring(who);
+      EXPECT_THAT(Started(rang), IsEmpty()) << c.mode;
+      ignored += Said(rang, "ignored").size();
+      EXPECT_GE(Said(rang, "ignored").size() + Said(rang, "queued").size(), 1u) << c.mode;
+    }
+    EXPECT_EQ(ignored, c.ignored) << c.mode;
+    Restart();
+    EXPECT_EQ(Users(Ask(RunRequest::Kind::kResumeWorkflow)), c.started) << c.mode;
+    Turn(Act(kRemovesRuns));
+  }
+}
+
+TEST_F(BellTest, AnEventOfADisabledWorkflowIsIgnoredWithAWord) {
+  Deploy(Bell(""));
+  Turn(Act(kRemovesStarts));
+  EXPECT_THAT(Said(Ring("Ann"), "ignored"), ElementsAre(HasSubstr("ignored: the workflow is disabled")));
+  EXPECT_EQ(Told("ignoredFirings"), "1");
+  EXPECT_THAT(Started(Turn(Act(kRemovesDisablement))), IsEmpty());
+}
+
+TEST_F(BellTest, AtMostSoManyFiringsWaitForTheResume) {
+  Deploy(Bell(""));
+  Ask(RunRequest::Kind::kPauseWorkflow);
+  std::vector<TermQuad> rings;
+  for (size_t i = 0; i <= kWorkflowLimits.firings_waiting; ++i) {
+    const std::string event = absl::StrCat("e", i);
+    rings.insert(rings.end(), {Fact(event, "a", "docent:Event"), Fact(event, "by", "Ann"),
+                               Fact(event, "docent:operation", Term::Literal("ring"))});
+  }
+  EXPECT_THAT(Said(Turn(Tell(rings)), "ignored"), ElementsAre(HasSubstr("firings_waiting")));
+  EXPECT_EQ(Started(Ask(RunRequest::Kind::kResumeWorkflow)).size(), kWorkflowLimits.firings_waiting);
+}
+
 TEST_F(ActivatorModesTest, ATurnThatIsRefusedCountsNothing) {
   Deploy(Text("ext:mode=\"single\""));
   Call("John", "a");

@@ -51,7 +51,7 @@ struct Model {
 
   // How many runs start.
   int Ring(const std::string& who) {
-    if (disabled) return 0;
+    if (disabled) return Ignore();
     Key& key = keys[who];
     const bool counts = mode.max > 0;
     if (mode.name == "single" && key.live > 0) return Ignore();
@@ -74,7 +74,14 @@ struct Model {
   int Enable() {
     disabled = false;
     int started = 0;
-    for (auto& [who, key] : keys) started += key.live == 0 ? Next(&key) : 0;
+    for (auto& [who, key] : keys) {
+      if (mode.name == "queued") {
+        started += key.live == 0 ? Next(&key) : 0;
+        continue;
+      }
+      for (int left = std::exchange(key.waiting, 0); left > 0; --left)
+        started += Ring(who);  // of another mode
+    }
     return started;
   }
 
