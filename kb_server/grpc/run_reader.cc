@@ -60,6 +60,19 @@ void ReadSteps(const GraphReader& graph, const std::string& iri, v1::Invocation*
   for (auto& [number, step] : steps) *out->add_steps() = std::move(step);
 }
 
+void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
+                google::protobuf::RepeatedPtrField<v1::NamedTerm>* out) {
+  for (const Term& variable : variables) {
+    const std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
+    if (values.empty()) continue;
+    const std::string name = graph.Object(variable.lexical, DocentIri("variableName"));
+    if (name.starts_with("_")) continue;  // the engine's own: the event that started it
+    v1::NamedTerm* named = out->Add();
+    named->set_name(name);
+    ToProto(values.front(), named->mutable_value());
+  }
+}
+
 void ReadInvocation(const GraphReader& graph, const std::string& iri, const std::string& wanted,
                     v1::Invocation* out) {
   out->set_operation(graph.Object(iri, DocentIri("operation")));
@@ -71,8 +84,13 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, const std:
   double progress = 0;
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
   ReadSteps(graph, iri, out);
+  ReadValues(graph, graph.Objects(iri, DocentIri("forValue")), out->mutable_values());
+  std::string own = wanted;
+  for (const v1::NamedTerm& value : out->values()) {
+    if (value.name() == "robot") own = value.value().iri();
+  }
   if (out->state() == "pending")
-    ReadAwaited(graph, wanted, graph.Object(iri, DocentIri("wantedCapability")), out);
+    ReadAwaited(graph, own, graph.Object(iri, DocentIri("wantedCapability")), out);
 }
 
 // 0: it is no number.
@@ -105,19 +123,6 @@ void ReadNode(const GraphReader& graph, const std::string& iri, const std::strin
   for (const std::string& invocation :
        Ordered(graph.Subjects(DocentIri("ofNode"), Term::Iri(iri)), NumberAtEnd)) {
     ReadInvocation(graph, invocation, wanted, out->add_invocations());
-  }
-}
-
-void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
-                google::protobuf::RepeatedPtrField<v1::NamedTerm>* out) {
-  for (const Term& variable : variables) {
-    const std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
-    if (values.empty()) continue;
-    const std::string name = graph.Object(variable.lexical, DocentIri("variableName"));
-    if (name.starts_with("_")) continue;  // the engine's own: the event that started it
-    v1::NamedTerm* named = out->Add();
-    named->set_name(name);
-    ToProto(values.front(), named->mutable_value());
   }
 }
 

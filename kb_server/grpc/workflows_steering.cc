@@ -1,7 +1,11 @@
 // Workflows: what steers runs. Cancel, pause and resume, incidents settled, variables set.
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
@@ -106,6 +110,15 @@ grpc::ServerUnaryReactor* WorkflowsService::Settle(grpc::CallbackServerContext* 
     v1::Term iri;
     iri.set_iri(request->robot());
     if (auto robot = FromProto(iri, "robot"); !robot.ok()) return FinishNow(context, ToGrpc(robot.status()));
+    const GraphVersionPtr version = ports_.queries->Newest();
+    const std::vector<Term> types =
+        GraphReader(*ports_.dictionary, *version).Objects(request->robot(), kRdfType);
+    if (std::find(types.begin(), types.end(), Term::Iri(DocentIri("Robot"))) == types.end()) {
+      return FinishNow(
+          context,
+          ToGrpc(absl::NotFoundError(absl::StrCat("there is no robot <", request->robot(),
+                                                  ">; docent robots lists those that have joined"))));
+    }
   }
   auto values = FromProto(request->values(), "values", ports_.limits);
   if (!values.ok()) return FinishNow(context, ToGrpc(values.status()));

@@ -21,8 +21,9 @@ engine::ConditionRequest WithoutQueries(engine::ConditionRequest request) {
 
 }  // namespace
 
-ConditionPort::ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing)
-    : dictionary_(dictionary), standing_(standing) {
+ConditionPort::ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing,
+                             const rules::RuleEngine* rules)
+    : dictionary_(dictionary), standing_(standing), rules_(rules) {
   standing_->LimitMatches(kRunLimits.condition_matches);
 }
 
@@ -233,6 +234,14 @@ absl::StatusOr<std::vector<engine::TermBinding>> ConditionPort::Solutions(engine
     if (bindings.size() >= limit) break;
   }
   return bindings;
+}
+
+bool ConditionPort::MayChange(engine::ConditionHandle handle, const TermQuad& written) const {
+  const auto it = conditions_.find(handle);
+  if (it == conditions_.end() || it->second.lasting) return true;
+  const Quad quad = {dictionary_->Intern(written.subject), dictionary_->Intern(written.predicate),
+                     dictionary_->Intern(written.object), dictionary_->Intern(written.graph)};
+  return standing_->MayChange(it->second.id, quad) || (rules_ != nullptr && rules_->Reads(quad));
 }
 
 std::string ConditionPort::Evidence(engine::ConditionHandle handle,

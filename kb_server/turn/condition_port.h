@@ -24,6 +24,7 @@
 #include "kb_server/turn/condition_evidence.h"
 #include "reasoner/conditions/lasting_condition.h"
 #include "reasoner/conditions/standing_conditions.h"
+#include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/state/ports.h"
 
 namespace docent::server {
@@ -39,8 +40,9 @@ struct LastingSince {
 
 class ConditionPort final : public engine::ConditionView {
  public:
-  // All must outlive the port.
-  ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing);
+  // All must outlive the port. `rules` (null: none) say what may follow from a fact.
+  ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing,
+                const rules::RuleEngine* rules = nullptr);
 
   // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
   // and the key bindings that are there already count as edges of the next round.
@@ -69,6 +71,7 @@ class ConditionPort final : public engine::ConditionView {
   absl::StatusOr<std::vector<engine::TermBinding>> Solutions(engine::ConditionHandle handle,
                                                              const engine::TermBinding& fixed,
                                                              size_t limit) const override;
+  bool MayChange(engine::ConditionHandle handle, const TermQuad& written) const override;
   std::string Evidence(engine::ConditionHandle handle, const engine::TermBinding& binding) const override;
 
   void Commit();
@@ -120,6 +123,7 @@ class ConditionPort final : public engine::ConditionView {
 
   Dictionary* dictionary_;
   conditions::StandingConditions* standing_;
+  const rules::RuleEngine* rules_;
   absl::flat_hash_map<engine::ConditionHandle, Condition> conditions_;
   absl::flat_hash_map<conditions::ConditionId, engine::ConditionHandle> handles_;
   absl::flat_hash_map<conditions::ConditionId, std::pair<engine::ConditionHandle, size_t>>

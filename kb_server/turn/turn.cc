@@ -65,8 +65,9 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   stages->applier.Announce(given, stages->writer.current());
   const std::optional<WriteBatch> named = stages->events.WithOwnNames(given, stages->applier, offset);
   const WriteBatch& batch = named ? *named : given;
-  for (const RunRequest& request : batch.run_requests) {
-    if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
+  const engine::RobotDirectory* robots = stages->cancellation != nullptr ? &stages->robots : nullptr;
+  for (const RunRequest& request : batch.run_requests) {  // what the log has was accepted
+    if (absl::Status status = stages->engine.CheckRequest(request, robots); !status.ok()) return status;
   }
 
   const auto allow_steps = [stages] {

@@ -46,7 +46,7 @@ struct Stages {
         events(dictionary_in),
         rules(*dictionary_in, limits_in, functions_in),
         standing_conditions(*dictionary_in, functions_in),
-        conditions(dictionary_in, &standing_conditions),
+        conditions(dictionary_in, &standing_conditions, &rules),
         robots(dictionary_in),
         ranking(*dictionary_in, functions, limits_in),
         engine(dictionary_in, limits_in) {}

@@ -306,6 +306,17 @@ QuadPattern Condition::ConstantsOf(const matching::Trigger& trigger) const {
   return kind_->borrows ? matching::Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
 }
 
+bool Condition::MayChange(const Quad& quad, std::optional<TermId> type) const {
+  if (kind_->body.is_volatile()) return true;
+  const std::vector<matching::Trigger>& triggers = kind_->body.triggers();
+  return std::any_of(triggers.begin(), triggers.end(), [&](const matching::Trigger& trigger) {
+    QuadPattern pattern = ConstantsOf(trigger);
+    if (quad.predicate != type) pattern.object = TermId();
+    pattern.graph = TermId();
+    return pattern.Matches(quad);
+  });
+}
+
 bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed,
                            const GraphVersion& version) const {
   const matching::Trigger& lost = kind_->body.triggers()[trigger];

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -56,6 +57,10 @@ class Condition {
   // The seed for body(): only the constants are bound.
   std::vector<TermId> Seed() const { return BeginSeed(); }
   std::vector<Key> Present() const;
+
+  // Whether a change of a quad with this subject and predicate may change the answer; `type`: rdf:type, of which the object
+  // counts, too.
+  bool MayChange(const Quad& quad, std::optional<TermId> type) const;
 
   // A change of a witness, for reports and for undo.
   struct Edit {

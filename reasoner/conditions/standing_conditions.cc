@@ -5,6 +5,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "reasoner/conditions/bindings.h"
@@ -268,6 +269,13 @@ bool StandingConditions::Holds(ConditionId id) const {
 
 void StandingConditions::LimitMatches(size_t most) {
   impl_->indexes.matches_allowed = most;
+}
+
+bool StandingConditions::MayChange(ConditionId id, const Quad& quad) const {
+  const auto follower = impl_->followers.find(id);
+  if (follower == impl_->followers.end()) return true;
+  const Impl::Shared& condition = impl_->conditions[follower->second.condition];
+  return condition.MayChange(quad, impl_->dictionary.FindIri(kRdfType));
 }
 
 bool StandingConditions::Overflowed(ConditionId id) const {

@@ -116,6 +116,9 @@ class StandingConditions {
   bool Holds(ConditionId id) const;
   // True if it has more key bindings than are kept (LimitMatches). It is not followed any more.
   bool Overflowed(ConditionId id) const;
+  // True if a change of a quad with this subject and predicate may change its answer (of types: with this object, too); whatever
+  // the object, since a property may have one value only. True for an unknown id.
+  bool MayChange(ConditionId id, const Quad& quad) const;
   // The key bindings at the last Update, in term order. A condition without keys that holds has one empty
   // binding.
   std::vector<Binding> Keys(ConditionId id) const;

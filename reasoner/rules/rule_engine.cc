@@ -157,6 +157,19 @@ void RuleEngine::Adopt() {
   Commit();
 }
 
+bool RuleEngine::Reads(const Quad& quad) const {
+  const RuleProgram* program = impl_->state.applied.get();
+  if (program == nullptr) return false;
+  if (impl_->state.wanted != impl_->state.applied || impl_->schema_of != program) return true;
+  const EqualityClasses& classes = impl_->classes;
+  bool reads = quad.predicate == program->equality.same_as || classes.Find(quad.subject) != nullptr ||
+               classes.Find(quad.object) != nullptr || classes.Find(quad.predicate) != nullptr;
+  const auto visit = [&reads](matching::PatternIndex::Reference) { reads = true; };
+  if (!reads) program->triggers.ForEachMatch(quad, visit);
+  if (!reads) impl_->schema.triggers().ForEachMatch(quad, visit);
+  return reads;
+}
+
 size_t RuleEngine::rule_count() const {
   return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size();
 }

@@ -69,6 +69,9 @@ class RuleEngine {
   // nothing is computed (start from a snapshot).
   void Adopt();
 
+  // Whether a rule may derive something else once this fact is told or withdrawn, as of the last Update.
+  bool Reads(const Quad& quad) const;
+
   size_t rule_count() const;
   // Number of rules in the set of that name; 0 if there is none.
   size_t rule_count(std::string_view name) const;

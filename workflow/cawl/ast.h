@@ -253,6 +253,8 @@ struct Invoke {
 // <ext:reserve robots="$robot expo:R02" lasting="10min" priority="5"/>   <ext:release/>
 //   Keeps robots for the run and those nested in it, all of them or none. It ends with the run that reserves, after a time, or
 //   by ext:release. Another ext:reserve replaces it.
+// <ext:release robots="$lift"/>
+//   Gives back robots that the run holds, with those that it is nested in. The reservation stays.
 //
 // `at`: "open", when the node opens and before its invokes; "done", when all its invokes are done.
 inline constexpr char kDefaultEventType[] = "org.w3id.docent.notification";
@@ -262,7 +264,7 @@ struct Action {
   Kind kind = Kind::kTell;
   bool when_done = false;
   std::vector<Constraint>
-      facts;  // without comparisons and types. kReserve: ROBOT docent:reservedBy docent:Reservation
+      facts;  // without comparisons and types. kReserve, kRelease: ROBOT docent:reservedBy docent:Reservation
   std::optional<int64_t> lifetime_ms;
   bool until_run_ends = false;  // lifetime="run"
   bool any_source = false;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "workflow/engine/engine.h"
 #include "workflow/engine/engine_core.h"
 #include "workflow/engine/run_steering.h"
@@ -107,6 +108,16 @@ bool Engine::SetEnabled(const std::string& workflow, bool enabled) {
 bool Engine::IsEnabled(const std::string& workflow) const {
   const auto deployed = core_->deployments.find(workflow);
   return deployed != core_->deployments.end() && !deployed->second.disabled;
+}
+
+std::string Engine::PlaceOf(ConditionHandle handle) const {
+  const auto owner = core_->owners.find(handle);
+  if (owner == core_->owners.end()) return "";
+  if (owner->second.run.empty()) return absl::StrCat("activator of ", owner->second.workflow);
+  const auto run = core_->runs.find(owner->second.run);
+  if (run == core_->runs.end()) return "";
+  return absl::StrCat("run ", run->first.value(), ", node ",
+                      run->second.Flow().nodes[owner->second.node].name.value);
 }
 
 }  // namespace docent::engine

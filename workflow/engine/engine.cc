@@ -412,6 +412,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
     core_->touched.insert(due->second);
   }
   TakeEdges(core_.get());
+  core_->LetOwnGuardsGo();
+  core_->TouchAsking();
   for (const std::string& workflow : std::exchange(core_->deploy_enabled, {}))
     StartHeldBack(core_.get(), workflow);
   if (input.robots->changed() || core_->services_changed) ReconsiderWaiting(core_.get());
@@ -419,6 +421,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
   AdvanceAll(core_.get());
   TellChanges(core_.get());
   output.refused.Update(core_->TellMissed());
+  output.asks_again = !core_->asking.empty();
   std::erase_if(output.arm,
                 [this](const ConditionRequest& request) { return !core_->owners.contains(request.handle); });
   core_->activations.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
@@ -429,16 +432,6 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->input = nullptr;
   core_->output = nullptr;
   return output;
-}
-
-std::string Engine::PlaceOf(ConditionHandle handle) const {
-  const auto owner = core_->owners.find(handle);
-  if (owner == core_->owners.end()) return "";
-  if (owner->second.run.empty()) return absl::StrCat("activator of ", owner->second.workflow);
-  const auto run = core_->runs.find(owner->second.run);
-  if (run == core_->runs.end()) return "";
-  return absl::StrCat("run ", run->first.value(), ", node ",
-                      run->second.Flow().nodes[owner->second.node].name.value);
 }
 
 void Engine::Commit() {
@@ -503,6 +496,8 @@ void Engine::Rollback() {
   core_->deploy_enabled.clear();
   core_->deploy_cancel.clear();
   core_->deploy_remove.clear();
+  core_->wrote_at_open.clear();
+  core_->asking.clear();
   core_->awaiting.clear();
   core_->kept.erase(core_->kept.end() - core_->kept_new, core_->kept.end());
   core_->kept.insert(core_->kept.begin(), core_->undo_kept.begin(), core_->undo_kept.end());

@@ -81,7 +81,8 @@ class Engine {
 
   // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT,
   // RESOURCE_EXHAUSTED.
-  absl::Status CheckRequest(const RunRequest& request) const;
+  // `robots` (null: nothing is asked of them): refuses a robot that does not offer what it is to do.
+  absl::Status CheckRequest(const RunRequest& request, const RobotDirectory* robots = nullptr) const;
 
   // One round. Deterministic.
   EngineOutput Step(const EngineInput& input);

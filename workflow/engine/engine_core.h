@@ -144,17 +144,19 @@ struct Engine::Core {
   std::set<RobotId> changed_robots;  // robots whose facts are to be told at the end of the Step
   std::set<RobotId> coveted;         // that more urgent runs wait for: looked at for pre-emption
   std::set<RobotId> preempted;       // in this Step: at most once each
-  std::set<RunId> awaiting;          // runs that armed a `while` condition in the round before
-  std::map<RunId, int> rounds;       // of this turn in which a run changed
-  std::set<RunId> unfinished;        // runs that this Step does no more for
-  std::set<RunId> resumed;           // runs that it does something for
-  std::set<RunId> ended;             // runs whose end nothing has followed from yet
-  TurnBounds bounds;                 // of the turn
-  bool services_changed = false;     // since the last Step
-  int turn_round = 0;                // of this turn, from 0
-  size_t facts_written = 0;          // by runs in this turn
-  std::map<RunId, std::vector<size_t>> written;  // in this round: index in output->writes
-  std::set<RunId> writing_trees;                 // of these, the outermost runs
+  std::set<std::pair<uint64_t, RunId>> asking;  // runs that ask a condition again in a round to come, by rank
+  std::set<RunId> awaiting;                     // runs that armed a `while` condition in the round before
+  std::map<RunId, int> rounds;                  // of this turn in which a run changed
+  std::set<RunId> unfinished;                   // runs that this Step does no more for
+  std::set<RunId> resumed;                      // runs that it does something for
+  std::set<RunId> ended;                        // runs whose end nothing has followed from yet
+  TurnBounds bounds;                            // of the turn
+  bool services_changed = false;                // since the last Step
+  int turn_round = 0;                           // of this turn, from 0
+  size_t facts_written = 0;                     // by runs in this turn
+  std::map<RunId, std::vector<size_t>> written;      // in this round: index in output->writes
+  std::set<RunId> writing_trees;                     // of these, the outermost runs
+  std::set<std::pair<RunId, size_t>> wrote_at_open;  // of these, nodes whose invocations come after that
   // Output of Deploy and Undeploy, told with the next Step.
   std::vector<ConditionRequest> deploy_arm;
   std::vector<ConditionHandle> deploy_disarm;
@@ -249,6 +251,11 @@ struct Engine::Core {
   void EndReservations(const RunId& root);
   // The told facts of a reservation, in whatever graph; with what the run tree `root` has written in this round.
   std::vector<TermQuad> ReservationFacts(const std::string& reservation, const RunId& root) const;
+  // Whether something that was written in this round may change the condition's answer.
+  bool MayHaveChanged(ConditionHandle handle) const;
+  void LetOwnGuardsGo();
+  // Takes runs that ask again into `touched`: some each round, since mostly one of them gets what all ask for.
+  void TouchAsking();
   // run_preemption.cc
   void InheritPriority(Run* run) const;
   uint64_t RankOf(const Run& run) const;

@@ -45,6 +45,14 @@ bool Agrees(const cawl::Constraint& fact, const TermQuad& quad) {
   return true;
 }
 
+bool SameValues(const std::vector<std::string>& names, const TermBinding& a, const TermBinding& b) {
+  return std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+    const auto one = a.find(name), other = b.find(name);
+    return one == a.end() || other == b.end() ? one == a.end() && other == b.end()
+                                              : one->second == other->second;
+  });
+}
+
 bool Matches(const FactPattern& pattern, const TermQuad& quad) {
   return (!pattern.subject || *pattern.subject == quad.subject) &&
          (!pattern.predicate || *pattern.predicate == quad.predicate) &&
@@ -73,6 +81,7 @@ bool RunStepper::GoOnOpening(size_t index, bool at_once) {
     return true;
   }
   for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) {
+    if (run_.nodes[index].invocations[i].state != WorkState::kPending) continue;  // done before
     TryDispatch(index, i, at_once && !WroteInThisRound());
     if (!GoesOn() || run_.nodes[index].state != WorkState::kRunning) return true;
   }
@@ -116,15 +125,55 @@ std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index
   return all;
 }
 
+// Of what has not been done for a value before the node began again.
 std::vector<TermBinding> RunStepper::BindingsOf(size_t index) const {
   std::vector<TermBinding> bindings;
-  for (auto& [match, binding] : EachBinding(index)) bindings.push_back(std::move(binding));
+  for (auto& [match, binding] : EachBinding(index)) {
+    const bool was_done = !run_.nodes[index].actions.begun && !flow_.nodes[index].invokes.empty() &&
+                          DoneFor(index, binding, 0) != nullptr;
+    if (!was_done) bindings.push_back(std::move(binding));
+  }
   return bindings;
+}
+
+// The invocation for the binding's values of forEach that is done from before the node began again; null: none.
+const InvocationState* RunStepper::DoneFor(size_t index, const TermBinding& binding, size_t invoke) const {
+  for (const InvocationState& old : run_.nodes[index].invocations) {
+    if (old.state == WorkState::kDone && old.invoke == invoke &&
+        SameValues(flow_.nodes[index].for_each, old.binding, binding))
+      return &old;
+  }
+  return nullptr;
+}
+
+// The matches, with those of values that are done and match no longer.
+std::vector<TermBinding> RunStepper::WithDoneValues(size_t index, std::vector<TermBinding> matches) const {
+  const std::vector<std::string>& names = flow_.nodes[index].for_each;
+  const std::vector<InvocationState>& done = run_.nodes[index].invocations;
+  if (done.empty() || matches.empty()) return matches;
+  const bool matched = std::all_of(names.begin(), names.end(),
+                                   [&](const std::string& name) { return matches.front().contains(name); });
+  if (!matched) return matches;
+  const auto find = [&names](std::vector<TermBinding>& in, const TermBinding& value) {
+    return std::find_if(in.begin(), in.end(),
+                        [&](const TermBinding& other) { return SameValues(names, other, value); });
+  };
+  std::vector<TermBinding> all;
+  for (const InvocationState& old : done) {
+    if (find(all, old.binding) != all.end()) continue;
+    const auto still = find(matches, old.binding);
+    all.push_back(still == matches.end() ? old.binding : *still);
+  }
+  for (const TermBinding& match : matches) {
+    if (find(all, match) == all.end()) all.push_back(match);
+  }
+  return all;
 }
 
 absl::Status RunStepper::MakeInvocations(size_t index) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
+  std::vector<InvocationState> invocations;
   node.actions.begun = true;
   auto bindings = EachBinding(index);
   const size_t count = bindings.size() * syntax.invokes.size();
@@ -142,6 +191,10 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
   core_.bounds.Worked(count);
   for (auto& [match, binding] : bindings) {
     for (size_t i = 0; i < syntax.invokes.size(); ++i) {
+      if (const InvocationState* done = DoneFor(index, binding, i)) {
+        invocations.push_back(*done);
+        continue;
+      }
       InvocationState invocation;
       invocation.invoke = i;
       invocation.binding = binding;
@@ -149,9 +202,10 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
       invocation.attempt = node.first_attempt;
       if (node.guard && match < node.actions.bindings.size())
         invocation.match = MatchOf(node.guard->armed.ask, node.actions.bindings[match]);
-      node.invocations.push_back(std::move(invocation));
+      invocations.push_back(std::move(invocation));
     }
   }
+  node.invocations = std::move(invocations);
   if (syntax.actions.empty() || syntax.for_each.empty()) node.actions.bindings.clear();
   return absl::OkStatus();
 }
@@ -258,6 +312,7 @@ absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
   if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
   core_.Say(Subject(index), "running", "running", Summary("told", facts));
   for (TermQuad& fact : facts) Write(true, std::move(fact), &action);
+  if (!facts.empty() && !action.when_done) WritesAtOpen(index);
   return absl::OkStatus();
 }
 
@@ -290,6 +345,7 @@ absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
     absl::StrAppend(&said, ": what matches was told by others, and source=\"any\" would take it away");
   core_.Say(Subject(index), "running", "running", std::move(said));
   for (TermQuad& fact : facts) Write(false, std::move(fact), &action);
+  if (!facts.empty() && !action.when_done) WritesAtOpen(index);
   return absl::OkStatus();
 }
 

@@ -86,6 +86,7 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
     return SettleHandler(node, index);  // too late, but done: it is not done twice
   }
   if (invocation.once) return SetInvocation(node, index, WorkState::kFailed, reason);
+  if (IsInterrupted(node)) return SetInvocation(node, index, WorkState::kCancelled, reason);
   core_.Say(Subject(node, index), ToString(invocation.state), "pending",
             absl::StrCat("attempt ", invocation.attempt + 1, " after: ", reason));
   LeaveRobot(node, index);
@@ -137,6 +138,10 @@ bool RunStepper::CheckOverdue(size_t node, size_t index) {
   if (IsFinal(invocation.state)) return false;
   const TimeMicros now = core_.input->now_us;
   if (!run_.paused() && invocation.deadline_us && *invocation.deadline_us <= now) {
+    if (!invocation.overdue.empty() && IsInterrupted(node)) {
+      CancelInvocation(node, index, std::string(invocation.overdue));
+      return true;
+    }
     if (!invocation.overdue.empty()) {
       invocation.once = true;
       InvocationFailed(node, index, absl::StrCat(invocation.overdue, "; ", ToAbsl(kAttemptNotEnded)));

@@ -110,6 +110,16 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   if (invocation.state == WorkState::kRunning)
     out->SayTerm(RunTerm::kProgress, Decimal(ProgressOf(invocation)));
   out->SayText(RunTerm::kReason, invocation.reason);
+  for (const std::string& name : node.for_each) {
+    const auto value = invocation.binding.find(name);
+    if (value == invocation.binding.end()) continue;
+    const TermId variable = out->Iri(absl::StrCat(iri, "/$", IriSegment(name)));
+    out->About(out->Iri(iri));
+    out->Say(RunTerm::kForValue, variable);
+    out->About(variable);
+    out->SayText(RunTerm::kVariableName, name);
+    out->SayTerm(RunTerm::kVariableValue, value->second);
+  }
 }
 
 void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index, Writer* out) {

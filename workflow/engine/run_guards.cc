@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/state/flow_graph.h"
 
@@ -19,6 +20,10 @@ RunStepper::Answer RunStepper::Ask(const Guard& guard, const TermBinding& match)
     return Answer::kUnknown;
   }
   if (guard.armed.handle == 0) return Answer::kYes;  // it is only asked for when something waits
+  if (core_.MayHaveChanged(guard.armed.handle)) {
+    AskAgain();
+    return Answer::kUnknown;
+  }
   if (!IsKnown(guard.armed.handle)) {
     core_.awaiting.insert(run_.id);  // its level comes with the next round
     return Answer::kUnknown;
@@ -94,6 +99,32 @@ void RunStepper::DisarmGuard(std::optional<Guard>* guard) {
   guard->reset();
 }
 
+// The node writes before its invocations begin: that does not close its own guard.
+void RunStepper::WritesAtOpen(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (!node.guard || flow_.nodes[index].invokes.empty()) return;
+  if (node.guard->armed.handle == 0) ArmGuard(index, flow_.nodes[index].holds_condition);
+  core_.wrote_at_open.emplace(run_.id, index);
+}
+
+void Engine::Core::LetOwnGuardsGo() {
+  for (const auto& [id, node] : std::exchange(wrote_at_open, {})) {
+    if (Run* run = Mutable(id)) RunStepper(this, run).LetOwnGuardGo(node);
+  }
+}
+
+void RunStepper::LetOwnGuardGo(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (node.state != WorkState::kRunning || !node.guard || node.guard->armed.handle == 0) return;
+  const Guard& guard = *node.guard;
+  std::vector<TermBinding> matches;
+  for (const TermBinding& match : node.actions.bindings) matches.push_back(MatchOf(guard.armed.ask, match));
+  for (const InvocationState& invocation : node.invocations) matches.push_back(invocation.match);
+  const bool fell = std::any_of(matches.begin(), matches.end(),
+                                [&](const TermBinding& match) { return Ask(guard, match) == Answer::kNo; });
+  if (fell) DisarmGuard(&node.guard);
+}
+
 // What has to hold while the node runs, with the values that it has now.
 absl::Status RunStepper::ArmHold(size_t index) {
   const cawl::Node& syntax = flow_.nodes[index];
@@ -161,21 +192,69 @@ bool RunStepper::CheckHold(size_t index) {
   return false;
 }
 
-// What the node does is cancelled; it takes its links with onInterrupt, or waits again.
+// What the node does is cancelled. The end of its commands is waited for: what succeeds all the same is done.
 void RunStepper::Interrupt(size_t index, const std::string& why) {
   NodeState& node = run_.nodes[index];
-  for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, why);
-  std::vector<size_t> taken;
-  for (size_t link : graph_.LinksFrom(index)) {
-    if (flow_.links[link].on_interrupt) taken.push_back(link);
+  const TimeMicros until_us = core_.input->now_us + core_.limits.default_step_timeout_ms * int64_t{1000};
+  for (size_t i = 0; i < node.invocations.size(); ++i) {
+    InvocationState& invocation = node.invocations[i];
+    if (IsFinal(invocation.state)) continue;
+    if (invocation.commands.empty()) {
+      CancelInvocation(index, i, why);
+      continue;
+    }
+    for (OpenCommand& open : invocation.commands) {
+      if (!open.overdue_until_us) core_.output->cancels.push_back(open.command.id);
+      open.overdue_until_us = until_us;
+    }
+    invocation.lost.clear();
+    invocation.overdue = why;
+    invocation.deadline_us = until_us;
+    invocation.reason = absl::StrCat(why, "; how its command ends is not known yet");
+    node.reason = Concat(kInterrupted, why);
   }
+  if (!IsInterrupted(index)) return Interrupted(index, why);
+  core_.Say(Subject(index), "running", "running", node.reason);
+}
+
+// True if the end of what was cancelled is known, and the node is done, was interrupted, or failed.
+bool RunStepper::SettleInterrupt(size_t index) {
+  NodeState& node = run_.nodes[index];
+  const auto has = [&node](auto&& is) {
+    return std::any_of(node.invocations.begin(), node.invocations.end(), is);
+  };
+  if (has([](const InvocationState& invocation) { return !IsFinal(invocation.state); })) return false;
+  const std::string why = std::exchange(node.reason, "").substr(kInterrupted.size());
+  if (!has([](const InvocationState& invocation) { return invocation.state != WorkState::kDone; })) {
+    CheckNode(index);
+  } else if (has([](const InvocationState& invocation) { return invocation.once; }) &&
+             InterruptLinks(index).empty()) {
+    NodeFailed(index,
+               absl::StrCat(why, "; how its command ended is unknown, and the operation is not idempotent"));
+  } else {
+    Interrupted(index, why);
+  }
+  return true;
+}
+
+std::vector<size_t> RunStepper::InterruptLinks(size_t index) const {
+  std::vector<size_t> links;
+  for (size_t link : graph_.LinksFrom(index)) {
+    if (flow_.links[link].on_interrupt) links.push_back(link);
+  }
+  return links;
+}
+
+// It takes its links with onInterrupt, or waits again.
+void RunStepper::Interrupted(size_t index, const std::string& why) {
+  const std::vector<size_t> taken = InterruptLinks(index);
   if (taken.empty()) return WaitAgain(index, why);
   SetNode(index, WorkState::kCancelled, why);
   FollowLinks(index, taken);
 }
 
 // Back to waiting for the condition, as before the match that opened the node.
-void RunStepper::WaitAgain(size_t index, const std::string& why) {
+void RunStepper::WaitAgain(size_t index, const std::string& why, std::vector<InvocationState> kept) {
   NodeState& node = run_.nodes[index];
   for (size_t i = 0; i < node.invocations.size(); ++i) {
     const InvocationState& invocation = node.invocations[i];
@@ -183,7 +262,7 @@ void RunStepper::WaitAgain(size_t index, const std::string& why) {
     const bool sent = invocation.attempt > 1 || !invocation.robot.empty() || invocation.sent;
     node.first_attempt = std::max(node.first_attempt, invocation.attempt + (sent ? 1 : 0));
   }
-  node.invocations.clear();
+  node.invocations = std::move(kept);
   node.fired_because.clear();
   node.fired_us = 0;
   const std::map<std::string, ReplacedValue> replaced = std::exchange(node.replaced, {});

@@ -71,18 +71,48 @@ void RunStepper::LetRobotsGo(size_t index) {
   }
 }
 
+bool MaySettle(const NodeState& node) {
+  if (node.state == WorkState::kIncident) return true;
+  const bool retried = node.first_attempt > 1 || !node.wanted_robot.empty();
+  if (!retried || !node.pending_links.empty()) return false;
+  return node.state == WorkState::kWaiting ||
+         (node.state == WorkState::kRunning && node.actions.begun &&
+          std::all_of(node.invocations.begin(), node.invocations.end(), [](const InvocationState& each) {
+            return each.state == WorkState::kPending || each.state == WorkState::kDone;
+          }));
+}
+
+// What has begun nothing since an operator had the node begin again.
+void RunStepper::TakeBackRetry(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (node.state == WorkState::kIncident) return;
+  DisarmNode(index);
+  DisarmGuard(&node.guard);
+  DisarmGuard(&node.hold);
+  for (size_t i = 0; i < node.invocations.size(); ++i)
+    CancelInvocation(index, i, "an operator takes it back");
+}
+
 void RunStepper::RetryNode(size_t index, const RobotId& robot, const std::string& reason) {
   NodeState& node = run_.nodes[index];
-  if (node.state != WorkState::kIncident) return;
+  if (!MaySettle(node)) return;
+  TakeBackRetry(index);
   node.wanted_robot = robot;
   node.attempt = 1;
   node.reason = reason.empty() ? "" : ByOperator("has it begin again", reason);
-  WaitAgain(index, ByOperator("has it begin again", reason));
+  std::vector<InvocationState> done;  // for values of forEach
+  if (!flow_.nodes[index].for_each.empty()) {
+    for (const InvocationState& invocation : node.invocations) {
+      if (invocation.state == WorkState::kDone) done.push_back(invocation);
+    }
+  }
+  WaitAgain(index, ByOperator("has it begin again", reason), std::move(done));
 }
 
 void RunStepper::SkipNode(size_t index, const TermBinding& values, const std::string& reason) {
   NodeState& node = run_.nodes[index];
-  if (node.state != WorkState::kIncident) return;
+  if (!MaySettle(node)) return;
+  TakeBackRetry(index);
   // Nothing is left to do in it: it is done as the run advances.
   for (const InvocationState& invocation : node.invocations)
     node.first_attempt = std::max(node.first_attempt, invocation.attempt + 1);
@@ -95,8 +125,11 @@ void RunStepper::SkipNode(size_t index, const TermBinding& values, const std::st
 }
 
 void RunStepper::FailNode(size_t index, const std::string& reason) {
-  if (run_.nodes[index].state != WorkState::kIncident) return;
-  NodeFailedForGood(index, absl::StrCat(run_.nodes[index].reason, "; ", ByOperator("let it fail", reason)));
+  if (!MaySettle(run_.nodes[index])) return;
+  TakeBackRetry(index);
+  NodeFailedForGood(index,
+                    absl::StrCat(run_.nodes[index].reason, run_.nodes[index].reason.empty() ? "" : "; ",
+                                 ByOperator("let it fail", reason)));
 }
 
 void RunStepper::SetVariable(const std::string& name, const Term& value) {

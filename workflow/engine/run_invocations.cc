@@ -6,7 +6,6 @@
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
-#include "workflow/cawl/robot_choice.h"
 #include "workflow/engine/run_results.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/rsel/type_checks.h"
@@ -55,13 +54,18 @@ std::vector<std::string> RunStepper::InputsOf(size_t node, size_t index) const {
   const RobotOffer* offer = core_.OfferFor(syntax.invokes[invocation.invoke].operation.value,
                                            invocation.robot, {run_.id, node, index});
   if (offer != nullptr && offer->inputs) return *offer->inputs;
+  return PartsWithValue(node, invocation.binding);
+}
+
+std::vector<std::string> RunStepper::PartsWithValue(size_t node, const TermBinding& given) const {
+  const cawl::Node& syntax = flow_.nodes[node];
   std::vector<std::string> inputs;
   for (const std::vector<cawl::Message>* messages :
        {&syntax.messages, &flow_.messages, &run_.document->messages}) {
     for (const cawl::Message& message : *messages) {
       for (const cawl::Part& part : message.parts) {
         const std::string& name = part.name.value;
-        if (std::find(inputs.begin(), inputs.end(), name) == inputs.end() && Value(name, &invocation.binding))
+        if (std::find(inputs.begin(), inputs.end(), name) == inputs.end() && Value(name, &given))
           inputs.push_back(name);
       }
     }
@@ -88,12 +92,13 @@ void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
 
 // ext:sequential: whether an invocation for a binding before its own has not been done.
 bool RunStepper::ComesLater(size_t node, size_t index) const {
-  const cawl::Node& syntax = flow_.nodes[node];
-  if (!syntax.sequential) return false;
+  if (!flow_.nodes[node].sequential) return false;
   const std::vector<InvocationState>& invocations = run_.nodes[node].invocations;
-  const auto first_of_own = invocations.begin() + (index - index % syntax.invokes.size());
-  return std::any_of(invocations.begin(), first_of_own,
-                     [](const InvocationState& invocation) { return invocation.state != WorkState::kDone; });
+  const TermBinding& own = invocations[index].binding;
+  return std::any_of(invocations.begin(), invocations.begin() + static_cast<std::ptrdiff_t>(index),
+                     [&own](const InvocationState& other) {
+                       return other.state != WorkState::kDone && other.binding != own;
+                     });
 }
 
 // What can go on now of an invocation that has not ended. True if something changed.
@@ -196,25 +201,12 @@ RobotId RunStepper::Preferred(size_t node, size_t index, const std::vector<std::
                               std::vector<RobotId> able) const {
   if (able.size() < 2 || core_.input->ranking == nullptr) return able.front();
   const InvocationState& invocation = run_.nodes[node].invocations[index];
-  const std::string& own = flow_.nodes[node].invokes[invocation.invoke].choose;
-  TermBinding values;
-  if (!own.empty()) {  // the names of the default query are its own
-    values = run_.variables;
-    for (const auto& [name, value] : invocation.binding) values.insert_or_assign(name, value);
-  }
-  // The goal is the first input that is a resource; a robot's own operation says itself what it takes.
+  const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
+  // a robot's own operation says itself what it takes
   std::vector<std::string> names = inputs;
-  const RobotOffer* offer = core_.OfferFor(flow_.nodes[node].invokes[invocation.invoke].operation.value,
-                                           able.front(), {run_.id, node, index});
+  const RobotOffer* offer = core_.OfferFor(invoke.operation.value, able.front(), {run_.id, node, index});
   if (names.empty()) names = offer != nullptr && offer->inputs ? *offer->inputs : InputsOf(node, index);
-  for (const std::string& name : names) {
-    const std::optional<Term> value = Value(name, &invocation.binding);
-    if (value && value->IsIri() && values.emplace("goal", *value).second) break;
-  }
-  // Without a goal, one that has no place: an open ?goal would be every thing that has one.
-  if (own.empty()) values.emplace("goal", Term::Iri(std::string(kRdfType)));
-  const std::string query = own.empty() ? std::string(cawl::DefaultRobotChoice()) : own;
-  return core_.input->ranking->Order(query, std::move(able), values).front();
+  return BestOf(invoke.choose, names, invocation.binding, std::move(able));
 }
 
 bool RunStepper::StartSubflow(size_t node, size_t index) {

@@ -164,7 +164,29 @@ void ResumeWorkflow(Engine::Core* core, const std::string& name) {
   }
 }
 
-absl::Status CheckNode(const Run& run, const RunRequest& request) {
+// Whether the robot that a node is to use offers what the node invokes.
+absl::Status CheckRobot(const Engine::Core& core, const cawl::Node& node, const RunRequest& request,
+                        const RobotDirectory& robots) {
+  for (const cawl::Invoke& invoke : node.invokes) {
+    if (invoke.operation.value.empty()) continue;
+    for (const rsel::PlanStep& step : core.PlanOf(invoke.operation.value)->steps) {
+      const std::vector<RobotOffer>& offers = robots.Offers(step.operation);
+      const bool is_one = std::any_of(offers.begin(), offers.end(), [&](const RobotOffer& offer) {
+        return offer.robot.value() == request.robot;
+      });
+      if (is_one) continue;
+      const auto capability = CapabilityOf(step.operation);
+      return absl::FailedPreconditionError(absl::StrCat(
+          ToDisplay(Term::Iri(request.robot)), " does not offer ",
+          capability ? absl::StrCat("an operation of class ", ToAbsl(step.operation)) : step.operation,
+          ", which node ", request.node, " needs; docent robots lists what robots offer"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckNode(const Engine::Core& core, const Run& run, const RunRequest& request,
+                       const RobotDirectory* robots) {
   const cawl::Flow& flow = run.Flow();
   const size_t index = NodeIndex(flow, request.node);
   if (index == flow.nodes.size()) {
@@ -174,7 +196,11 @@ absl::Status CheckNode(const Run& run, const RunRequest& request) {
     return absl::NotFoundError(absl::StrCat("run ", run.id.value(), " has no node \"", request.node, "\"",
                                             near.empty() ? "" : absl::StrCat("; did you mean ", near, "?")));
   }
-  if (run.nodes[index].state != WorkState::kIncident) {
+  if (!request.robot.empty() && robots != nullptr) {
+    if (absl::Status status = CheckRobot(core, flow.nodes[index], request, *robots); !status.ok())
+      return status;
+  }
+  if (!MaySettle(run.nodes[index])) {
     return absl::FailedPreconditionError(absl::StrCat("node ", request.node, " of run ", run.id.value(),
                                                       " has no incident; it is ",
                                                       ToAbsl(ToString(run.nodes[index].state))));
@@ -187,7 +213,8 @@ absl::Status CheckNode(const Run& run, const RunRequest& request) {
 
 }  // namespace
 
-absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request) {
+absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request,
+                           const RobotDirectory* robots) {
   switch (request.kind) {
     case Kind::kStart:
     case Kind::kInvokeService:
@@ -215,7 +242,7 @@ absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request) 
     case Kind::kRetryNode:
     case Kind::kSkipNode:
     case Kind::kFailNode:
-      return CheckNode(run, request);
+      return CheckNode(core, run, request, robots);
     case Kind::kSetVariable:
       for (const auto& [name, value] : request.arguments) {
         if (absl::Status status = CheckValue(run, name, value); !status.ok()) return status;
@@ -226,7 +253,7 @@ absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request) 
   }
 }
 
-absl::Status Engine::CheckRequest(const RunRequest& request) const {
+absl::Status Engine::CheckRequest(const RunRequest& request, const RobotDirectory* robots) const {
   const bool starts =
       request.kind == RunRequest::Kind::kStart || request.kind == RunRequest::Kind::kInvokeService;
   if (starts) {
@@ -262,7 +289,7 @@ absl::Status Engine::CheckRequest(const RunRequest& request) const {
           .status();
     }
     default:
-      return CheckSteering(*core_, request);
+      return CheckSteering(*core_, request, robots);
   }
 }
 

@@ -21,7 +21,7 @@ namespace docent::engine {
 
 // NOT_FOUND: no such run, workflow or node. FAILED_PRECONDITION: it is not in the state for that. INVALID_ARGUMENT: a value
 // that the variable cannot have. Requests that start runs are not looked at.
-absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request);
+absl::Status CheckSteering(const Engine::Core& core, const RunRequest& request, const RobotDirectory* robots);
 
 // Does it; what its kind needs not hold any more is left as it is.
 void Steer(Engine::Core* core, const RunRequest& request);

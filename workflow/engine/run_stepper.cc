@@ -13,16 +13,6 @@
 #include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
-namespace {
-
-std::string ShowBinding(const TermBinding& binding) {
-  return absl::StrJoin(binding, ", ", [](std::string* out, const auto& pair) {
-    absl::StrAppend(out, pair.first, " = ", ToDisplay(pair.second));
-  });
-}
-
-}  // namespace
-
 RunStepper::RunStepper(Engine::Core* core, Run* run)
     : core_(*core),
       run_(*run),
@@ -182,6 +172,10 @@ bool RunStepper::TryOpen(size_t index) {
     ArmedCondition& armed = run_.nodes[index].armed[i];
     TakeEvents(&armed);
     if (const auto opens = OpensAt(index, i); opens && *opens > core_.input->now_us) continue;
+    if (HasToAskAgain(armed)) {
+      AskAgain();
+      return false;
+    }
     if (TryOpenWith(index, armed, &busy)) return true;  // `armed` may be gone
   }
   if (busy != run_.nodes[index].busy_robots) {
@@ -200,84 +194,6 @@ std::optional<TimeMicros> RunStepper::OpensAt(size_t index, size_t alternative) 
   return run_.nodes[index].since_us + delays[alternative] * 1000;
 }
 
-// Those that do not open the node now wait: for a robot that can take them, or until they are gone.
-void RunStepper::TakeEvents(ArmedCondition* armed) {
-  auto edge = core_.edges.find(armed->handle);
-  if (!armed->ask.by_event() || edge == core_.edges.end()) return;
-  for (const TermBinding& gone : edge->second->disappeared) armed->waiting_events.erase(gone);
-  armed->waiting_events.insert(edge->second->appeared.begin(), edge->second->appeared.end());
-  core_.event_waits.SetHolds(armed->handle, !armed->waiting_events.empty());
-}
-
-// The solutions with which a condition can open its node now.
-absl::StatusOr<std::vector<TermBinding>> RunStepper::Solutions(const ArmedCondition& armed) const {
-  std::vector<TermBinding> all;
-  std::vector<TermBinding> fixed;
-  if (!armed.ask.by_event()) {
-    if (core_.input->conditions->Holds(armed.handle)) fixed.emplace_back();
-  } else {
-    fixed.assign(armed.waiting_events.begin(), armed.waiting_events.end());
-  }
-  for (const TermBinding& binding : fixed) {
-    auto solutions = core_.input->conditions->Solutions(armed.handle, binding, kSolutionLimit);
-    if (absl::IsResourceExhausted(solutions.status())) return solutions.status();
-    if (solutions.ok()) std::move(solutions->begin(), solutions->end(), std::back_inserter(all));
-    if (all.size() >= kSolutionLimit) break;
-  }
-  if (all.size() > kSolutionLimit) all.resize(kSolutionLimit);
-  return all;
-}
-
-// Whether the robot serves no other run and takes commands. A node without operations needs only the former.
-bool RunStepper::CanServe(size_t index, const RobotId& robot, const RunId& root) const {
-  if (!core_.ledger.IsFree(robot, root)) return false;
-  for (const cawl::Invoke& invoke : flow_.nodes[index].invokes) {
-    if (invoke.operation.value.empty()) continue;
-    const rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value);
-    const RobotOffer* offer = core_.OfferOf(plan->steps[0].operation, robot);
-    // one that is offline or does not offer it is waited for by the invocation
-    if (offer != nullptr && !offer->offline && !core_.OutOfService(*offer).empty()) return false;
-    if (core_.Bars(robot, root) != nullptr) return false;
-  }
-  return true;
-}
-
-// Robots of solutions that cannot be used, because they serve other runs or take no commands, are added to `busy`.
-bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy) {
-  const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
-  RunId root = core_.RootOf(run_);
-  std::vector<TermBinding> chosen;
-  std::set<std::string> seen;
-  absl::StatusOr<std::vector<TermBinding>> solutions = Solutions(armed);
-  if (!solutions.ok()) {
-    GiveUp(index, solutions.status());
-    return true;
-  }
-  for (TermBinding& solution : *solutions) {
-    auto robot = solution.find("robot");
-    const RobotId& wanted = run_.nodes[index].wanted_robot;
-    if (robot != solution.end() && !wanted.empty() && robot->second.lexical != wanted.value()) continue;
-    if (robot != solution.end() && !CanServe(index, RobotId(robot->second.lexical), root)) {
-      busy->insert(RobotId(robot->second.lexical));
-      continue;
-    }
-    std::string key;
-    for (const std::string& name : for_each) {
-      auto value = solution.find(name);
-      absl::StrAppend(&key, value == solution.end() ? "UNDEF" : ToNTriples(value->second), " ");
-    }
-    if (!seen.insert(key).second) continue;
-    chosen.push_back(std::move(solution));
-    if (for_each.empty()) break;
-  }
-  if (chosen.empty()) return false;
-  std::string evidence = core_.input->conditions->Evidence(armed.handle, chosen.front());
-  std::string cause = absl::StrCat("condition ", armed.ask.name, " holds");
-  if (!chosen.front().empty()) absl::StrAppend(&cause, " with ", ShowBinding(chosen.front()));
-  Open(index, chosen, std::move(evidence), cause, &armed);
-  return true;
-}
-
 void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
                       const std::string& cause, const ArmedCondition* by) {
   const cawl::Node& syntax = flow_.nodes[index];
@@ -291,7 +207,7 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   node.fired_because = std::move(evidence);
   node.fired_us = core_.input->now_us;
   if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
-  node.invocations.clear();
+  std::erase_if(node.invocations, [](const InvocationState& old) { return old.state != WorkState::kDone; });
   node.actions = {};
   if (!guarded.ok()) return NodeImpossible(index, guarded);
   for (const TermBinding& binding : bindings) {
@@ -311,7 +227,7 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   // new values can make another node's condition impossible, and that may end the run or begin a loop again
   if (!GoesOn() || node.state != WorkState::kRunning) return;
   if (absl::Status held = ArmHold(index); !held.ok()) return NodeImpossible(index, held);
-  run_.nodes[index].actions.bindings = bindings;
+  run_.nodes[index].actions.bindings = WithDoneValues(index, bindings);
   GoOnOpening(index, true);
 }
 
@@ -354,6 +270,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
               absl::StrCat("attempt ", node.attempt, " after: ", reason));
     if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
     for (InvocationState& old : node.invocations) {
+      if (!syntax.for_each.empty() && old.state == WorkState::kDone) continue;
       InvocationState fresh;
       fresh.invoke = old.invoke;
       fresh.binding = old.binding;
@@ -452,6 +369,10 @@ void RunStepper::Advance() {
           }
           if (IsOpening(i)) {
             changed = GoOnOpening(i, false) || CheckDeadlines(i) || changed;
+            break;
+          }
+          if (IsInterrupted(i)) {
+            changed = SettleInterrupt(i) || CheckDeadlines(i) || changed;
             break;
           }
           if (CheckHold(i)) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "workflow/engine/engine_core.h"
@@ -18,8 +19,14 @@ std::string TimeText(int64_t ms);
 // Solutions looked at to find one whose robot is free, and the most that forEach takes.
 inline constexpr size_t kSolutionLimit = 1000;
 
+// The reason of a running node begins so while what interrupted it ends.
+inline constexpr std::string_view kInterrupted = "interrupted: ";
+
 // The key variables with which a node's condition is armed. `every`: a change of any binding is to be noticed.
 std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every);
+
+// Whether an operator may say what becomes of the node: it has an incident, or was retried after one and has begun nothing.
+bool MaySettle(const NodeState& node);
 
 class RunStepper {
  public:
@@ -45,11 +52,14 @@ class RunStepper {
   // Ends the run when what its done nodes did is undone (run_compensation.cc).
   void EndAndUndo(WorkState outcome, const std::string& reason);
 
+  // In the round after the node wrote at="open": a guard that this made fall is not asked again.
+  void LetOwnGuardGo(size_t index);
+
   // Steering (run_incidents.cc). Each `reason` is an operator's, and may be empty.
   void SetVariable(const std::string& name, const Term& value);
   // Cancels what is under way; it begins again when it may, or an operator is asked. `robot`: of this one only.
   void StopCommands(Stopped why, const RobotId* robot);
-  // Of a node that has an incident.
+  // Of a node that may be settled (MaySettle).
   void RetryNode(size_t index, const RobotId& robot, const std::string& reason);
   void SkipNode(size_t index, const TermBinding& values, const std::string& reason);
   void FailNode(size_t index, const std::string& reason);
@@ -67,10 +77,6 @@ class RunStepper {
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
   std::optional<TimeMicros> OpensAt(size_t index, size_t alternative) const;
-  void TakeEvents(ArmedCondition* armed);
-  absl::StatusOr<std::vector<TermBinding>> Solutions(const ArmedCondition& armed) const;
-  bool CanServe(size_t index, const RobotId& robot, const RunId& root) const;
-  bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
   // `by`: the condition that opens it; null: it has none.
   void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
             const std::string& cause, const ArmedCondition* by);
@@ -86,6 +92,27 @@ class RunStepper {
   bool CheckEnd();
   void SetVariables(const TermBinding& binding);
   void RearmWaiting(const std::set<std::string>& changed);
+
+  // run_matches.cc: the matches that open a node, and their robots
+  void TakeEvents(ArmedCondition* armed);
+  absl::StatusOr<std::vector<TermBinding>> Solutions(const ArmedCondition& armed) const;
+  bool HasToAskAgain(const ArmedCondition& armed) const;
+  void AskAgain();
+  // Better ones first. kOffersNot: it is offline or does not offer it, and its invocation waits until it does.
+  enum class Fitness { kFree, kServesOthers, kOffersNot };
+  struct Choice {
+    Fitness fitness = Fitness::kFree;
+    TermBinding match;
+  };
+  Fitness FitnessOf(size_t index, const RobotId& robot, const RunId& root) const;
+  RobotId BestOf(const std::string& choose, const std::vector<std::string>& inputs, const TermBinding& given,
+                 std::vector<RobotId> able) const;
+  RobotId BestFor(size_t index, const TermBinding& given, std::vector<RobotId> able) const;
+  Choice ChooseMatch(size_t index, const std::vector<TermBinding>& matches,
+                     const std::set<RobotId>& taken) const;
+  std::vector<TermBinding> ChooseMatches(size_t index, const ArmedCondition& armed,
+                                         std::vector<TermBinding> solutions, std::set<RobotId>* busy) const;
+  bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
 
   // run_links.cc: links
   void Arrive(const std::string& from, const std::string& to, bool closes_cycle);
@@ -105,6 +132,8 @@ class RunStepper {
   absl::Status DoAction(size_t index, const cawl::Action& action);
   std::vector<std::pair<size_t, TermBinding>> EachBinding(size_t index) const;
   std::vector<TermBinding> BindingsOf(size_t index) const;
+  std::vector<TermBinding> WithDoneValues(size_t index, std::vector<TermBinding> matches) const;
+  const InvocationState* DoneFor(size_t index, const TermBinding& binding, size_t invoke) const;
   absl::Status MakeInvocations(size_t index);
   absl::Status Assign(size_t index, const cawl::Action& action);
   absl::Status CheckAssigned(size_t index, const TermBinding& values) const;
@@ -127,6 +156,7 @@ class RunStepper {
   void WithdrawUntilEnd();
   // run_reservations.cc
   absl::Status Reserve(size_t index, const cawl::Action& action);
+  absl::Status GiveBack(size_t index, const cawl::Action& action);
   absl::Status ReleaseReservation(size_t index, const cawl::Action& action);
   // run_compensation.cc: ext:compensate
   bool GoesOn() const { return run_.state == WorkState::kRunning && !run_.undoing; }
@@ -141,6 +171,7 @@ class RunStepper {
   bool WaitsForOperator(size_t index) const;
   void BeginIncident(size_t index, const std::string& reason);
   void LetRobotsGo(size_t index);
+  void TakeBackRetry(size_t index);
   void CommandStopped(const CommandOwner& owner, OpenCommand stopped, const std::string& reason);
   // run_retries.cc: ext:retry-delay and the like
   void DelayAttempt(const cawl::RetryPolicy& policy, int retries, const InvocationState& before,
@@ -159,12 +190,22 @@ class RunStepper {
   void SettleGuard(size_t index);
   void ArmGuard(size_t index, bool every);
   void DisarmGuard(std::optional<Guard>* guard);
+  void WritesAtOpen(size_t index);
   absl::Status ArmHold(size_t index);
   bool NothingBegun(size_t index) const;
   bool MayBegin(size_t node, size_t invocation, bool* changed);
   bool CheckHold(size_t index);
   void Interrupt(size_t index, const std::string& why);
-  void WaitAgain(size_t index, const std::string& why);
+  // What the node did was cancelled, and how that ended is not known yet.
+  bool IsInterrupted(size_t index) const {
+    return run_.nodes[index].state == WorkState::kRunning &&
+           run_.nodes[index].reason.starts_with(kInterrupted);
+  }
+  bool SettleInterrupt(size_t index);
+  std::vector<size_t> InterruptLinks(size_t index) const;
+  void Interrupted(size_t index, const std::string& why);
+  // `kept`: invocations that are done, and are not done again.
+  void WaitAgain(size_t index, const std::string& why, std::vector<InvocationState> kept = {});
   void PutBack(const std::map<std::string, ReplacedValue>& replaced);
 
   // run_invocations.cc, run_attempts.cc: invocations
@@ -185,6 +226,7 @@ class RunStepper {
   std::optional<TimeMicros> StepDeadline(size_t node, size_t invocation,
                                          std::optional<int64_t> timeout_ms) const;
   std::vector<std::string> InputsOf(size_t node, size_t invocation) const;
+  std::vector<std::string> PartsWithValue(size_t node, const TermBinding& given) const;
   RobotId Preferred(size_t node, size_t invocation, const std::vector<std::string>& inputs,
                     std::vector<RobotId> able) const;
   bool StartSubflow(size_t node, size_t invocation);

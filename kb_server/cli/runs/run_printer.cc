@@ -28,7 +28,10 @@ void PrintNode(const v1::Node& node, const Presenter& presenter) {
   PrintLines("waits for", node.waits_for(), presenter);
   PrintLines("fired because", node.fired_because(), presenter);
   for (const v1::Invocation& invocation : node.invocations()) {
-    std::cout << "    " << invocation.operation() << "  " << presenter.State(invocation.state());
+    std::cout << "    " << invocation.operation();
+    for (const v1::NamedTerm& value : invocation.values())
+      std::cout << "  for " << value.name() << " = " << presenter.Of(value.value());
+    std::cout << "  " << presenter.State(invocation.state());
     if (!invocation.robot().empty()) std::cout << "  on " << presenter.Iri(invocation.robot());
     if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
     if (invocation.state() == "running")

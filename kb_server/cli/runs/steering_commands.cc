@@ -141,11 +141,13 @@ grpc::Status FindIncident(v1::Workflows::Stub* stub, v1::SettleRequest* request)
     request->set_node(incidents[0]);
     return grpc::Status::OK;
   }
-  return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION,
-                      incidents.empty()
-                          ? absl::StrCat("run ", request->run(), " has no incident")
-                          : absl::StrCat("run ", request->run(), " has several incidents; name one of ",
-                                         absl::StrJoin(incidents, ", ")));
+  return grpc::Status(
+      grpc::StatusCode::FAILED_PRECONDITION,
+      incidents.empty()
+          ? absl::StrCat("run ", request->run(),
+                         " has no incident; name the node, if it was retried and has begun nothing")
+          : absl::StrCat("run ", request->run(), " has several incidents; name one of ",
+                         absl::StrJoin(incidents, ", ")));
 }
 
 int Settle(const SteeringArguments& arguments, v1::SettleRequest::How how) {

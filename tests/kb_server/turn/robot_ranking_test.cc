@@ -38,13 +38,13 @@ class RobotRankingTest : public testing::Test {
     return result.ok() ? *std::move(result) : TurnResult();
   }
   static Term Number(const char* text) { return Term::Literal(text, std::string(kXsdDecimal)); }
-  void Deploy(const std::string& invoke) {
+  void Deploy(const std::string& invoke, const std::string& condition = "") {
     Turn(Put(Document::Kind::kCawl, "t.xml",
              "<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\" xmlns:w=\"urn:w:\"><message "
              "name=\"M\">"
              "<part name=\"place\"/></message><flow name=\"F\"><variable name=\"place\"/><source name=\"s\"/>"
-             "<node name=\"N\"><invoke operation=\"drive\" " +
-                 invoke +
+             "<node name=\"N\">" +
+                 condition + "<invoke operation=\"drive\" " + invoke +
                  "/></node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" "
                  "to=\"e\"/></flow></CAWL>"));
   }
@@ -73,6 +73,42 @@ TEST_F(RobotRankingTest, RobotsThatAreEqualTakeTurns) {
   EXPECT_EQ(Chosen(), "urn:w:R1");
   EXPECT_EQ(Chosen(), "urn:w:R2");
   EXPECT_EQ(Chosen(), "urn:w:R3");
+  EXPECT_EQ(Chosen(), "urn:w:R1");
+}
+
+// ?robot of a condition: what it matches are the candidates.
+constexpr char kAnyRobot[] =
+    "<condition><context name=\"c\"><rule><constraint><subject>?robot</subject><verb>docent:offers</verb>"
+    "<object>&lt;urn:docent:operation:drive&gt;</object></constraint></rule></context></condition>";
+
+TEST_F(RobotRankingTest, OfRobotsThatAConditionMatchesTheOneWithTheMostChargeIsPreferred) {
+  Deploy("", kAnyRobot);
+  Turn(Tell({Fact("R1", "docent:battery", Number("20")), Fact("R2", "docent:battery", Number("90")),
+             Fact("R3", "docent:battery", Number("50"))}));
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+  EXPECT_EQ(Chosen(), "urn:w:R2") << "the same graph gives the same robot";
+}
+
+TEST_F(RobotRankingTest, OfRobotsThatAConditionMatchesTheDocumentsOwnOrderIsTaken) {
+  Deploy("ext:choose=\"SELECT ?robot { ?robot docent:battery ?b } ORDER BY ?b\"", kAnyRobot);
+  Turn(Tell({Fact("R1", "docent:battery", Number("40")), Fact("R2", "docent:battery", Number("30")),
+             Fact("R3", "docent:battery", Number("50"))}));
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+}
+
+TEST_F(RobotRankingTest, RobotsThatAConditionMatchesTakeTurns) {
+  Deploy("", kAnyRobot);
+  EXPECT_EQ(Chosen(), "urn:w:R1");
+  EXPECT_EQ(Chosen(), "urn:w:R2");
+  EXPECT_EQ(Chosen(), "urn:w:R3");
+}
+
+TEST_F(RobotRankingTest, OneThatDoesNotOfferTheOperationIsPassedOver) {
+  std::string condition = kAnyRobot;
+  condition.replace(condition.find("docent:offers"), 13, "a");
+  condition.replace(condition.find("&lt;urn:docent:operation:drive&gt;"), 34, "docent:Robot");
+  Deploy("", condition);
+  Turn(Tell({Fact("A", "a", "docent:Robot"), Fact("A", "docent:status", "docent:Standby")}));
   EXPECT_EQ(Chosen(), "urn:w:R1");
 }
 

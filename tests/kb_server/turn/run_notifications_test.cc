@@ -89,9 +89,13 @@ TEST_F(RunNotifications, ANodeThatIsSkippedBeforeItsInvocationsMakesNone) {
 
 TEST_F(RunNotifications, ANodeThatOpensTwiceInOneTurnNotifiesTwice) {
   Must(test::Tell({Fact("a", "is", "here"), Fact("b", "is", "here")}));
-  DeployOne(When("?z", "w:is", "w:here") +
-            "<invoke operation=\"greet\"/><ext:withdraw source=\"any\">?z w:is w:here</ext:withdraw>"
-            "<ext:notify to=\"http://h/x\"/>");
+  Deploy(
+      "<node name=\"A\">" + When("?z", "w:is", "w:here") +
+          "<ext:withdraw source=\"any\">?z w:is w:here</ext:withdraw><ext:notify to=\"http://h/x\"/></node>"
+          "<node name=\"B\"/>",
+      {}, "",
+      "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"B\"/><link from=\"B\" to=\"e\"/>"
+      "<link from=\"B\" to=\"A\" ext:while=\"?other w:is w:here\"/>");
   const TurnResult turn = Run();
   ASSERT_EQ(turn.notifications.size(), 2u);
   EXPECT_NE(turn.notifications[0].id, turn.notifications[1].id);

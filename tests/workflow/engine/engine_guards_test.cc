@@ -5,6 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
+#include "workflow/rsel/parser.h"
 
 namespace docent::engine {
 namespace {
@@ -153,13 +154,68 @@ TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeTakesItsInterruptLink) {
   conditions_.Set("urn:safe", {});
   Turn();
   EXPECT_THAT(cancels_, ElementsAre(first));
-  EXPECT_TRUE(Says("F-1/A running>cancelled"));
   EXPECT_THAT(commands_, IsEmpty()) << "the robot still brakes";
   Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_TRUE(Says("F-1/A running>cancelled"));
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_EQ(commands_[0].operation, "stop");
   Turn({Done(commands_[0].id)});
   EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineGuardsTest, WhatSucceedsAllTheSameIsDoneAndNotInterrupted) {
+  for (const bool link : {false, true}) {
+    conditions_.Set("urn:safe", {{}});
+    Deploy(
+        Flow("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>" +
+             Node("Stop", "", "<invoke operation=\"stop\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+             Link("A", "t") +
+             Link("A", "Stop", link ? "ext:onInterrupt=\"true\"" : "ext:while=\"?r &lt;urn:never&gt; ?z\"") +
+             Link("Stop", "t")));
+    Start();
+    ASSERT_EQ(commands_.size(), 1u);
+    const CommandId first = commands_[0].id;
+    conditions_.Set("urn:safe", {});
+    Turn();
+    EXPECT_THAT(cancels_, ElementsAre(first));
+    const std::string run = link ? "F-2" : "F-1";
+    EXPECT_EQ(Fact("urn:docent:run:" + run + "/A", "nodeState"), "running") << "how it ends is not known";
+    Turn({Done(first)});
+    EXPECT_TRUE(Says(run + "/A running>done"));
+    EXPECT_TRUE(Says(run + " running>done"));
+    EXPECT_THAT(commands_, IsEmpty());
+  }
+}
+
+TEST_F(EngineGuardsTest, OfAServiceThatIsInterruptedNoFurtherStepIsSent) {
+  rsel::ParsedRsel parsed = rsel::ParseRsel(
+      "<rsel name=\"S\"><process name=\"trip\"><invoke operation=\"go\"/><invoke "
+      "operation=\"back\"/></process></rsel>",
+      "s.xml");
+  ASSERT_FALSE(HasErrors(engine_.PutServices(parsed.document)));
+  conditions_.Set("urn:safe", {{}});
+  DeployNode(
+      "<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"trip\"/></node>");
+  Start();
+  const CommandId first = commands_[0].id;
+  conditions_.Set("urn:safe", {});
+  Turn();
+  Turn({Done(first)});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_TRUE(Says("F-1/A running>waiting"));
+}
+
+TEST_F(EngineGuardsTest, ACommandWhoseEndIsNeverKnownDoesNotKeepAnInterruptForEver) {
+  conditions_.Set("urn:safe", {{}});
+  DeployNode("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>",
+             Node("Stop", "", "") + Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t"));
+  Start();
+  conditions_.Set("urn:safe", {});
+  Turn();
+  now_us_ += Limits{}.default_step_timeout_ms * int64_t{1000};
+  Turn();
+  EXPECT_TRUE(Says("F-1/A running>cancelled"));
+  EXPECT_TRUE(Says("F-1/Stop running>done"));
 }
 
 TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeWaitsAgain) {
@@ -172,9 +228,9 @@ TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeWaitsAgain) {
   conditions_.Set("urn:near", {Match("urn:mary")});  // still true, but not for John
   Turn();
   EXPECT_THAT(cancels_, ElementsAre(first));
-  EXPECT_TRUE(Says("F-1/A running>waiting"));
   EXPECT_THAT(commands_, IsEmpty());
   Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_TRUE(Says("F-1/A running>waiting"));
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_EQ(Fact("urn:docent:run:F-1/$s", "variableValue"), "urn:mary");
   Turn({Done(commands_[0].id)});

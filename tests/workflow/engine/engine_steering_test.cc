@@ -242,11 +242,12 @@ TEST_F(EngineSteeringTest, WhatHasToHoldFallsDuringAPauseAndTheCommandIsCancelle
                Node("B", "", "")));
   Start();
   ASSERT_EQ(commands_.size(), 1u);
+  const CommandId first = commands_[0].id;
   Ask(Kind::kPause, "F-1");
-  const CommandId first = commands_.empty() ? CommandId() : commands_[0].id;
   conditions_.Set("urn:safe", {});
   Turn();
   EXPECT_EQ(cancels_.size(), 1u) << first.value();
+  Turn({{first, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
   EXPECT_EQ(State("A"), "waiting");
   conditions_.Set("urn:safe", {{}});
   Turn();

@@ -17,10 +17,10 @@ namespace docent::cawl {
 namespace {
 
 // Words of ontology/run.ttl that stand in facts of runs alone.
-constexpr std::array<std::string_view, 16> kOfRuns = {
-    "runState", "nodeState", "invocationState", "ofRun",        "ofNode",    "workflow",
-    "nodeName", "waitsFor",  "firedBecause",    "firedAt",      "usesRobot", "hasVariable",
-    "childRun", "parentRun", "variableName",    "variableValue"};
+constexpr std::array<std::string_view, 17> kOfRuns = {
+    "runState", "nodeState", "invocationState", "ofRun",        "ofNode",       "workflow",
+    "nodeName", "waitsFor",  "firedBecause",    "firedAt",      "usesRobot",    "hasVariable",
+    "forValue", "childRun",  "parentRun",       "variableName", "variableValue"};
 constexpr std::array<std::string_view, 3> kTypes = {"Run", "NodeInstance", "Invocation"};
 
 std::string_view DocentName(const Term& term) {

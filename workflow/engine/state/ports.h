@@ -80,6 +80,8 @@ class ConditionView {
   // Solutions in term order, `fixed` variables bound beforehand; at most `limit`.
   virtual absl::StatusOr<std::vector<TermBinding>> Solutions(ConditionHandle handle, const TermBinding& fixed,
                                                              size_t limit) const = 0;
+  // Whether the answer may be another one once this fact is told or withdrawn. True where that is not known.
+  virtual bool MayChange(ConditionHandle, const TermQuad&) const { return true; }
   // The told and inferred facts that make the condition hold under `binding`, as N-Triples, one a line.
   virtual std::string Evidence(ConditionHandle handle, const TermBinding& binding) const = 0;
 };
@@ -206,11 +208,12 @@ struct EngineOutput {
   std::vector<RunId> started;     // by this turn's RunRequests, in their order
   std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
   std::vector<RunId> steered;     // that RunRequests paused or resumed, without those that are nested in them
+  bool asks_again = false;        // runs are left that go on in the next round
   absl::Status refused;           // an error: the turn cannot be, and the caller rolls it back
 
   bool quiet() const {
-    return add.empty() && remove.empty() && writes.empty() && notifications.empty() && arm.empty() &&
-           transitions.empty() && commands.empty() && cancels.empty();
+    return !asks_again && add.empty() && remove.empty() && writes.empty() && notifications.empty() &&
+           arm.empty() && transitions.empty() && commands.empty() && cancels.empty();
   }
 };
 

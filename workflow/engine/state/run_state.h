@@ -146,7 +146,8 @@ struct NodeState {
   std::string waits_for;                          // the ASK, while waiting
   std::string fired_because;                      // N-Triples, since it opened
   TimeMicros fired_us = 0;
-  std::string reason;    // failed, skipped, cancelled, incident: why
+  std::string
+      reason;  // failed, skipped, cancelled, incident: why; running: what interrupted it, while it ends
   RobotId wanted_robot;  // that an operator chose for it; empty: as the document says
 };
 
