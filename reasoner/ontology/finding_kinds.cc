@@ -90,6 +90,9 @@ const std::vector<FindingKind>& FindingKinds() {
        "The value of a fact is not known to be in the range of the property. Rules of OWL would infer that "
        "it is.",
        "Add the type, or use another property."},
+      {"release-before-use", "warning", "CAWL",
+       "A node gives back its robot when it opens, before its invoke takes the robot again.",
+       "Write at=\"done\": it is given back when the node is done."},
       {"robot-race", "warning", "CAWL, RSEL",
        "Two nodes that may be active at the same time, or two invocations that start together, command the "
        "same robot.",
@@ -144,6 +147,12 @@ const std::vector<FindingKind>& FindingKinds() {
        "comparisons with it "
        "are errors.",
        "Write a value that can be computed with, if it is to be compared."},
+      {"while-holds-without-effect", "warning", "CAWL",
+       "A node with ext:while-holds=\"true\" makes its own condition fall by what it tells or withdraws when "
+       "it opens. What a "
+       "node does itself does not stop it: the condition is not asked again.",
+       "Leave what the node itself tells out of its condition, or write what has to hold as a pattern of its "
+       "own."},
       {"workflow", "error or warning", "CAWL",
        "A workflow is not valid: an unknown word, a condition that does not compile.",
        "See the hint of the finding, and the reference of CAWL."},

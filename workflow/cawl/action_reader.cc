@@ -167,7 +167,7 @@ void ReadNotification(const xml::Element& element, xml::ElementReader* reader, A
 }
 
 // Each robot as a fact about it, so that its word is checked and has a value as in other facts.
-void ReadRobots(const xml::Element& element, xml::ElementReader* reader, Action* out) {
+void ReadRobots(const xml::Element& element, const char* name, xml::ElementReader* reader, Action* out) {
   const Text robots = Attribute(element, "robots", reader);
   for (size_t at = 0; at < robots.value.size();) {
     const size_t end = std::min(robots.value.find(' ', at), robots.value.size());
@@ -184,15 +184,15 @@ void ReadRobots(const xml::Element& element, xml::ElementReader* reader, Action*
     at = end + 1;
   }
   if (!robots.given() || robots.value.find_first_not_of(' ') == std::string::npos) {
-    reader->Error(robots.given() ? robots.span : element.name_span, "<reserve> names no robot",
+    reader->Error(robots.given() ? robots.span : element.name_span, Concat("<", name, "> names no robot"),
                   "write robots=\"$robot\", or several, separated by blanks");
   }
   if (out->facts.size() > kWorkflowLimits.reserved_robots) {
     reader->Error(
         robots.span,
-        Concat("it reserves ", std::to_string(out->facts.size()), " robots; the limit is reserved_robots, ",
+        Concat("it names ", std::to_string(out->facts.size()), " robots; the limit is reserved_robots, ",
                std::to_string(kWorkflowLimits.reserved_robots)),
-        "reserve those that the run needs at the same time");
+        "name those that the run needs at the same time");
   }
 }
 
@@ -200,7 +200,7 @@ void ReadReservation(const xml::Element& element, xml::ElementReader* reader, Ac
   const std::vector<std::string> known = {"at", "robots", "lasting", "priority"};
   reader->CheckAttributes(element, known, known);
   reader->ReadChildren(element, {});
-  ReadRobots(element, reader, out);
+  ReadRobots(element, "reserve", reader, out);
   out->until_run_ends = true;
   if (const Text lasting = Attribute(element, "lasting", reader); lasting.given()) {
     int64_t ms = 0;
@@ -242,8 +242,9 @@ Action ReadAction(const xml::Element& element, Action::Kind kind, const Limits& 
       ReadReservation(element, reader, &out);
       break;
     case Action::Kind::kRelease:
-      reader->CheckAttributes(element, {"at"}, {"at"});
+      reader->CheckAttributes(element, {"at", "robots"}, {"at", "robots"});
       reader->ReadChildren(element, {});
+      if (Attribute(element, "robots", reader).given()) ReadRobots(element, "release", reader, &out);
       break;
     case Action::Kind::kTell:
     case Action::Kind::kWithdraw:

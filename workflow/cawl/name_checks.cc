@@ -185,7 +185,9 @@ class NameChecker {
     for (const Text& output : action.outputs) CheckUse(scope, output.value, output.span);
     for (const Constraint& fact : action.facts) {
       CheckConstraint(scope, fact);
-      if (action.kind != Action::Kind::kTell && action.kind != Action::Kind::kReserve) continue;
+      if (action.kind != Action::Kind::kTell && action.kind != Action::Kind::kReserve &&
+          action.kind != Action::Kind::kRelease)
+        continue;
       for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
         if (word->kind != Word::Kind::kFree ||
             std::find(bound.begin(), bound.end(), word->name) != bound.end())

@@ -11,6 +11,7 @@ inline constexpr char kAlwaysTrue[] = "always-true-condition";
 inline constexpr char kLoopWithoutWait[] = "loop-without-wait";
 inline constexpr char kMaxWithoutEffect[] = "max-without-effect";
 inline constexpr char kNoWayToSink[] = "no-way-to-sink";
+inline constexpr char kReleaseBeforeUse[] = "release-before-use";
 inline constexpr char kRobotRace[] = "robot-race";
 inline constexpr char kTimeoutWithoutEffect[] = "timeout-without-effect";
 inline constexpr char kTypeClash[] = "type-clash";
@@ -19,6 +20,7 @@ inline constexpr char kUnknownOperation[] = "unknown-operation";
 inline constexpr char kUnreachableNode[] = "unreachable-node";
 inline constexpr char kUnsatisfiable[] = "unsatisfiable-condition";
 inline constexpr char kUnsetVariable[] = "unset-variable";
+inline constexpr char kWhileHoldsWithoutEffect[] = "while-holds-without-effect";
 
 }  // namespace docent::cawl
 

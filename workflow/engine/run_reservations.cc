@@ -162,7 +162,41 @@ absl::Status RunStepper::Reserve(size_t index, const cawl::Action& action) {
   return absl::OkStatus();
 }
 
+// Robots that the run holds, and no step of it works with: other runs get them, once their commands have ended.
+absl::Status RunStepper::GiveBack(size_t index, const cawl::Action& action) {
+  const RunId root = core_.RootOf(run_);
+  std::set<Term> robots;
+  for (const TermBinding& binding : BindingsOf(index)) {
+    for (const cawl::Constraint& fact : action.facts) {
+      absl::StatusOr<Term> robot = ValueOf(fact.subject, &binding);
+      if (!robot.ok())
+        return WithMessage(robot.status(), absl::StrCat("it cannot release: ", robot.status().message()));
+      robots.insert(*std::move(robot));
+    }
+  }
+  for (const Term& term : robots) {
+    const RobotId robot(term.lexical);
+    const RunId* holder = core_.ledger.Holder(robot);
+    std::string said = absl::StrCat("gave back ", ToDisplay(term));
+    if (holder == nullptr || *holder != root) {
+      said = absl::StrCat(ToDisplay(term), " is not held by this run");
+    } else if (!core_.ledger.Tasks(robot).empty()) {
+      said = absl::StrCat(ToDisplay(term), " is not given back: another step of the run works with it");
+    } else {
+      const std::set<RunId> tree = core_.trees.at(root);
+      for (const RunId& id : tree) {
+        if (Run* run = core_.Mutable(id)) run->robots.erase(robot);
+      }
+      core_.released.insert(robot);
+      core_.changed_robots.insert(robot);
+    }
+    core_.Say(Subject(index), "running", "running", std::move(said));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status RunStepper::ReleaseReservation(size_t index, const cawl::Action& action) {
+  if (!action.facts.empty()) return GiveBack(index, action);
   if (core_.input->facts == nullptr) return absl::FailedPreconditionError("there is no graph");
   const RunId root = core_.RootOf(run_);
   std::vector<TermQuad> facts = core_.ReservationFacts(ReservationIri(root.value()), root);

@@ -335,6 +335,37 @@ TEST_F(EngineRobotsTest, ForEachUsesTheRobotsThatAreIdleAndQueuesForThem) {
   EXPECT_EQ(commands_[0].robot.value(), "urn:r2");
 }
 
+TEST_F(EngineRobotsTest, ARobotThatARunGivesBackServesOthersBeforeTheRunEnds) {
+  const std::string lift = "<node name=\"A\"><invoke subflow=\"G\"/></node>" + Node("B", "later", "") +
+                           "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") + Link("B", "t");
+  Deploy(Flow(lift) +
+         "<flow name=\"G\"><source name=\"s\"/><node name=\"R\"><invoke operation=\"ride\"/>"
+         "<ext:release at=\"done\" robots=\"&lt;urn:r1&gt;\"/></node><sink name=\"t\"/>" +
+         Link("s", "R") + Link("R", "t") + "</flow>");
+  Start();
+  Start();
+  ASSERT_EQ(commands_.size(), 0u);
+  EXPECT_EQ(engine_.HolderOf(RobotId("urn:r1"))->value(), "F-1");
+  Turn({Done(engine_.OpenCommands().at(0).command.id)});
+  ASSERT_EQ(commands_.size(), 1u) << "the first run is live, and the second rides";
+  EXPECT_EQ(engine_.HolderOf(RobotId("urn:r1"))->value(), "F-3");
+  Turn({Done(commands_[0].id)});
+  EXPECT_EQ(engine_.HolderOf(RobotId("urn:r1")), nullptr);
+  EXPECT_EQ(Fact("urn:docent:run:F-1", "runState"), "running");
+}
+
+TEST_F(EngineRobotsTest, ARobotThatAnotherStepWorksWithIsNotGivenBack) {
+  robots_.by_operation = {{"a", {"base"}}, {"b", {"screen"}}};
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") +
+              Node("B", "", "<invoke operation=\"b\"/><ext:release at=\"done\" robots=\"&lt;urn:r1&gt;\"/>") +
+              Node("C", "later", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("s", "B") +
+              Link("A", "C") + Link("B", "C") + Link("C", "t")));
+  Start();
+  ASSERT_EQ(commands_.size(), 2u);
+  Turn({Done(commands_[1].id)});
+  ASSERT_NE(engine_.HolderOf(RobotId("urn:r1")), nullptr);
+}
+
 TEST_F(EngineRobotsTest, SequentialForEachDoesOneAfterTheOther) {
   robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
   Deploy(Flow("<node name=\"A\" ext:forEach=\"?o\" ext:sequential=\"true\">" + Condition("booths") +

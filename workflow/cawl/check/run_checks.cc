@@ -203,8 +203,84 @@ class RunChecker {
 
 }  // namespace
 
+namespace {
+
+// Constraints that the rule has without `not`, or under it.
+std::vector<const Constraint*> ConstraintsOf(const Rule& rule, bool negated) {
+  std::vector<const Constraint*> all;
+  const auto visit = [&](const auto& self, const Expression& e, bool under_not) -> void {
+    for (const Expression& child : e.children)
+      self(self, child, under_not != (e.kind == Expression::Kind::kNot));
+    if (e.kind != Expression::Kind::kName || under_not != negated) return;
+    for (const Constraint& constraint : rule.constraints) {
+      if (constraint.name.value == e.name) all.push_back(&constraint);
+    }
+  };
+  if (rule.expression) {
+    visit(visit, *rule.expression, false);
+  } else if (!negated) {
+    for (const Constraint& constraint : rule.constraints) all.push_back(&constraint);
+  }
+  return all;
+}
+
+bool MayBeTheSame(const Word& a, const Word& b) {
+  const bool terms = a.kind == Word::Kind::kTerm && b.kind == Word::Kind::kTerm;
+  return a.comparison == Word::Comparison::kNone && b.comparison == Word::Comparison::kNone &&
+         (!terms || a.term == b.term);
+}
+
+// Whether the fact, told or withdrawn, makes the condition fall that opened its node.
+bool Closes(const Condition& condition, const Constraint& fact, bool tells) {
+  for (const Context& context : condition.contexts) {
+    for (const Rule& rule : context.rules) {
+      for (const Constraint* constraint : ConstraintsOf(rule, tells)) {
+        if (constraint->verb.kind == Word::Kind::kTerm && MayBeTheSame(constraint->verb, fact.verb) &&
+            MayBeTheSame(constraint->subject, fact.subject) && MayBeTheSame(constraint->object, fact.object))
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
+void CheckOpening(const Node& node, xml::ElementReader* reader) {
+  const bool commands = std::any_of(node.invokes.begin(), node.invokes.end(),
+                                    [](const Invoke& invoke) { return !invoke.operation.value.empty(); });
+  for (const Action& action : node.actions) {
+    if (action.when_done) continue;
+    for (const Constraint& fact : action.facts) {
+      const bool releases = action.kind == Action::Kind::kRelease;
+      if (releases && commands && fact.subject.name == "robot") {
+        reader
+            ->Warning(fact.subject.span,
+                      "the robot is given back before the node uses it, and is then taken again",
+                      "write at=\"done\"")
+            .rule = kReleaseBeforeUse;
+      }
+      const bool writes = action.kind == Action::Kind::kTell || action.kind == Action::Kind::kWithdraw;
+      if (!writes || !node.holds_condition || !node.condition) continue;
+      if (!Closes(*node.condition, fact, action.kind == Action::Kind::kTell)) continue;
+      reader
+          ->Warning(
+              node.hold_text.span,
+              Concat("while-holds has no effect: node ", node.name.value,
+                     " makes its condition fall itself when it opens, and that is then not asked again"),
+              "leave out of the condition what the node itself tells (object != $name), or write what has to "
+              "hold")
+          .rule = kWhileHoldsWithoutEffect;
+      return;
+    }
+  }
+}
+
+}  // namespace
+
 void CheckRuns(const Document& document, xml::ElementReader* reader) {
-  for (const Flow& flow : document.flows) RunChecker(document, flow, reader).Check();
+  for (const Flow& flow : document.flows) {
+    RunChecker(document, flow, reader).Check();
+    for (const Node& node : flow.nodes) CheckOpening(node, reader);
+  }
 }
 
 }  // namespace docent::cawl

@@ -21,7 +21,8 @@ void CheckConditions(const Document& document, const Environment* environment, x
 // Activators that the facts of their own runs start again.
 void CheckFeedback(const Document& document, xml::ElementReader* reader);
 
-// Flows: nodes that may command one robot at the same time, loops that nothing slows down.
+// Flows: nodes that may command one robot at the same time, loops that nothing slows down, what a node does when it opens and
+// undoes at once.
 void CheckRuns(const Document& document, xml::ElementReader* reader);
 
 // Variables that are used where they can have no value. `environment` null: what an invoked operation gives and takes is not
