@@ -192,6 +192,14 @@ bool RunStepper::CheckHold(size_t index) {
   return false;
 }
 
+// Whether nothing can be heard now of how its commands end.
+bool RunStepper::IsOutOfReach(const InvocationState& invocation) const {
+  return std::all_of(invocation.commands.begin(), invocation.commands.end(), [this](const OpenCommand& open) {
+    const RobotOffer* offer = core_.OfferOf(open.command.operation, open.command.robot);
+    return offer == nullptr || offer->offline;
+  });
+}
+
 // What the node does is cancelled. The end of its commands is waited for: what succeeds all the same is done.
 void RunStepper::Interrupt(size_t index, const std::string& why) {
   NodeState& node = run_.nodes[index];
@@ -199,7 +207,7 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
   for (size_t i = 0; i < node.invocations.size(); ++i) {
     InvocationState& invocation = node.invocations[i];
     if (IsFinal(invocation.state)) continue;
-    if (invocation.commands.empty()) {
+    if (invocation.commands.empty() || IsOutOfReach(invocation)) {
       CancelInvocation(index, i, why);
       continue;
     }
@@ -220,6 +228,10 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
 // True if the end of what was cancelled is known, and the node is done, was interrupted, or failed.
 bool RunStepper::SettleInterrupt(size_t index) {
   NodeState& node = run_.nodes[index];
+  for (size_t i = 0; i < node.invocations.size(); ++i) {
+    if (!IsFinal(node.invocations[i].state) && IsOutOfReach(node.invocations[i]))
+      CancelInvocation(index, i, std::string(node.invocations[i].overdue));
+  }
   const auto has = [&node](auto&& is) {
     return std::any_of(node.invocations.begin(), node.invocations.end(), is);
   };

@@ -415,7 +415,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
                          : report.outcome == Outcome::kCancelled ? "cancelled at the robot"
                                                                  : "the robot gave no reason";
     if (report.outcome == Outcome::kUnknown)
-      reason = absl::StrCat("how it ended is unknown", unknown ? ", so it is not done again: " : ": ", reason);
+      reason =
+          absl::StrCat("how it ended is unknown", unknown ? ", so it is not done again: " : ": ", reason);
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
               "running", "failed", reason);
     invocation.handler->Failed(done.step, done.attempt, reason, may_retry);

@@ -201,6 +201,7 @@ class RunStepper {
     return run_.nodes[index].state == WorkState::kRunning &&
            run_.nodes[index].reason.starts_with(kInterrupted);
   }
+  bool IsOutOfReach(const InvocationState& invocation) const;
   bool SettleInterrupt(size_t index);
   std::vector<size_t> InterruptLinks(size_t index) const;
   void Interrupted(size_t index, const std::string& why);

@@ -205,6 +205,25 @@ TEST_F(EngineGuardsTest, OfAServiceThatIsInterruptedNoFurtherStepIsSent) {
   EXPECT_TRUE(Says("F-1/A running>waiting"));
 }
 
+TEST_F(EngineGuardsTest, TheEndAtARobotThatIsOfflineIsNotWaitedFor) {
+  for (const bool at_once : {true, false}) {
+    robots_.offers[0].offline = false;
+    conditions_.Set("urn:safe", {{}});
+    DeployNode("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>",
+               Node("Stop", "", "") + Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t"));
+    Start();
+    ASSERT_EQ(commands_.size(), 1u);
+    const CommandId first = commands_[0].id;
+    conditions_.Set("urn:safe", {});
+    robots_.offers[0].offline = at_once;
+    Turn();
+    robots_.offers[0].offline = true;
+    if (!at_once) Turn();
+    EXPECT_TRUE(Says(at_once ? "F-1/Stop running>done" : "F-2/Stop running>done"));
+    Turn({{first, CommandReport::Outcome::kUnknown, "", 0, "i2", {}}});
+  }
+}
+
 TEST_F(EngineGuardsTest, ACommandWhoseEndIsNeverKnownDoesNotKeepAnInterruptForEver) {
   conditions_.Set("urn:safe", {{}});
   DeployNode("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>",
