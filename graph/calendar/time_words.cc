@@ -153,7 +153,8 @@ class Reader {
     const std::vector<std::string> parts = absl::StrSplit(text.substr(0, text.find('T')), '-');
     const std::optional<int> month = parts.size() == 3 ? Number(parts[1], 2) : std::nullopt;
     const std::optional<int> day = parts.size() == 3 ? Number(parts[2], 2) : std::nullopt;
-    if (parts[0].size() == 4 && month && day && *month >= 1 && *month <= 12 && !ParseDay(text.substr(0, text.find('T'))))
+    if (parts[0].size() == 4 && month && day && *month >= 1 && *month <= 12 &&
+        !ParseDay(text.substr(0, text.find('T'))))
       return Fail(word, absl::StrCat("\"", text, "\" can never be: the month has no day ", *day),
                   absl::StrCat("write a date of the calendar, for example ", like));
     return Fail(word, absl::StrCat("\"", text, "\" is not a date", word == "at" ? " and time" : ""),
