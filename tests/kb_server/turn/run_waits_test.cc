@@ -53,7 +53,7 @@ class RunWaitsTest : public test::TurnTest {
     v1::Run run;
     EXPECT_TRUE(ReadRun(graph, id, &run));
     v1::ExplainRunReply reply;
-    AddWaits({&graph, nullptr, nullptr}, run, "", &reply);
+    AddWaits({.graph = &graph}, run, "", &reply);
     return TextOf(run, reply);
   }
 };
