@@ -334,6 +334,7 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
   OpenCommand again = lost;
   again.command.id =
       CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
+  again.overdue_until_us.reset();  // its time begins again, and its end is not waited for yet
   if (std::exchange(again.stopped, Stopped::kNo) != Stopped::kNo && again.command.deadline_us != 0) {
     const rsel::PlanStep& step = invocation.handler->plan().steps[static_cast<size_t>(lost.step - 1)];
     again.command.deadline_us = StepDeadline(node, index, step.timeout_ms).value_or(0);

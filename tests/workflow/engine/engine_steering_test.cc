@@ -6,6 +6,7 @@
 #include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
 #include "workflow/engine/engine_state.h"
+#include "workflow/rsel/parser.h"
 
 namespace docent::engine {
 namespace {
@@ -342,10 +343,37 @@ TEST_F(EngineSteeringTest, ACancelledCommandWaitsForItsRobotWithoutARetry) {
   Ask(Kind::kCancelCommands, "urn:r1");
   Turn({Report(cancels_[0], Outcome::kCancelled)});
   EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_THAT(transitions_, ::testing::Contains("F-1/A/0 1/1 a running>cancelled"));
   EXPECT_EQ(State("A"), "running");
   robots_.offers[0].out_of_service = "";
   Turn();
   EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineSteeringTest, ACommandThatWasOverdueWhenItWasStoppedIsAsGoodAsNewWhenItIsSentAgain) {
+  robots_.offers = {{RobotId("urn:r1"), "i1", true, false}};
+  const rsel::ParsedRsel parsed = rsel::ParseRsel(
+      "<rsel name=\"S\" xmlns:ext=\"https://w3id.org/docent/rsel-ext#\"><process name=\"P\"><invoke "
+      "operation=\"a\" "
+      "ext:timeout=\"10s\" ext:retry=\"1\"/></process></rsel>",
+      "s.rsel.xml");
+  ASSERT_TRUE(parsed.ok());
+  EXPECT_THAT(engine_.PutServices(parsed.document), IsEmpty());
+  Deploy(Chain(Node("A", "", "<invoke operation=\"P\"/>"), Node("B", "", "<invoke operation=\"b\"/>")));
+  Start();
+  const CommandId first = commands_[0].id;
+  Ask(Kind::kPause, "F-1", true);
+  now_us_ = *engine_.NextDeadline();
+  Turn();
+  Turn({Report(first, Outcome::kCancelled)});
+  Ask(Kind::kResume, "F-1");
+  ASSERT_EQ(commands_.size(), 1u);
+  const RobotCommand again = commands_[0];
+  EXPECT_GT(again.deadline_us, now_us_);
+  Turn({Report(again.id, Outcome::kUnknown)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_TRUE(commands_[0].id.value().starts_with(again.id.value()))
+      << "it is sent again, and no other attempt begins";
 }
 
 TEST_F(EngineSteeringTest, ANodeWaitsWithAVariablesNewValueFromTheTurnThatSetsIt) {
