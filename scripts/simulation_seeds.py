@@ -13,9 +13,9 @@ import sys
 
 FILTER = "--gtest_filter=RobotSimulationTest.*"
 PARALLEL = 2
-BLOCK = 100  # seeds that one process plays
+BLOCK = 500  # seeds that one process plays
 STEPS = 70   # kSteps of the simulation
-SECONDS = 600
+SECONDS = 7200
 FEATURES = (
     "types", "parallel", "timeout", "retry", "failure", "incident", "repair", "output", "delay", "other-robot", "priority",
     "activator", "mode", "tell", "mark", "withdraw", "assign", "notify", "event", "after", "between", "condition", "each",
@@ -94,16 +94,15 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(PARALLEL) as pool:
         tries = {pool.submit(play, program, FIRST=at, SEEDS=count): at for at, count in blocks}
         for done in concurrent.futures.as_completed(tries):
-            if done.cancelled():
-                continue
             place, said = done.result()
-            played += BLOCK
+            played += blocks[0][1]
             if played % 1000 == 0:
-                print(f"{min(played, seeds)} of {seeds} seeds played", file=sys.stderr, flush=True)
-            if place and failed is None:
+                print(f"{played} of {seeds} seeds played", file=sys.stderr, flush=True)
+            if place:
                 seed = re.search(r"DOCENT_SIMULATION_SEED=(\d+)", said)
                 failed = (int(seed[1]) if seed else tries[done], place, said)
                 pool.shutdown(wait=False, cancel_futures=True)
+                break  # cancelled ones are never told as completed
     if failed is None:
         return 0
     seed, place, said = failed
