@@ -54,6 +54,16 @@ TEST_F(RunAssignments, OfSeveralSolutionsTheFirstInTermOrderCounts) {
   EXPECT_TRUE(Has(Fact("out", "x", "b")));
 }
 
+TEST_F(RunAssignments, TheOrderOfAPartIsNotThatOfTheWhole) {
+  Must(Tell({Fact("it", "p", "b"), Fact("it", "p", "c"), Fact("b", "q", "b"), Fact("c", "q", "c")}));
+  DeployOne(std::string(
+                "<ext:assign>SELECT ?x WHERE { { SELECT ?x WHERE { w:it w:p ?x } ORDER BY DESC(?x) } ?x w:q "
+                "?any }</ext:assign>") +
+            kTellXY);
+  Run();
+  EXPECT_TRUE(Has(Fact("out", "x", "b")));
+}
+
 TEST_F(RunAssignments, OrOfOrderBy) {
   Must(Tell({Fact("it", "p", Integer(2)), Fact("it", "p", Integer(10))}));
   DeployOne(std::string("<ext:assign>SELECT ?x WHERE { w:it w:p ?x } ORDER BY DESC(?x)</ext:assign>") +

@@ -43,7 +43,8 @@ TEST_F(RunNotifications, TheNodeGoesOnAtOnce) {
   EXPECT_EQ(stages_.engine.live_runs(), 0u);
   EXPECT_EQ(stages_.engine.OpenNotifications().size(), 1u) << "it is kept after the run";
   const TurnResult end = Ended(sent.id, CommandReport::Outcome::kFailed, "nobody there");
-  EXPECT_THAT(Said(end), Contains(HasSubstr("notifying>failed: http://h/x: nobody there")));
+  EXPECT_EQ(sent.id.value(), absl::StrCat("F-1/A/0/notify.1.0@", sent.time_us));
+  EXPECT_THAT(Said(end), Contains("F-1/A notifying>failed: http://h/x: nobody there"));
   EXPECT_THAT(stages_.engine.OpenNotifications(), IsEmpty());
 }
 

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -126,6 +127,20 @@ TEST_F(CommandJournalTest, ForgetsTheOldestBeyondItsLimitAndShortensTheFile) {
   EXPECT_EQ(journal->incarnation().substr(0, 2), "2-");
   journal.reset();
   EXPECT_EQ(Open(kRemembered)->Find(CommandId("run/19"))->state, JournalEntry::State::kFinished);
+}
+
+TEST_F(CommandJournalTest, TheFileIsShortenedBeyondEightLinesForEachThatIsRemembered) {
+  constexpr size_t kRemembered = 3;
+  const auto lines = [this] {
+    const std::string text = Text();
+    return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+  };
+  for (size_t i = 1; i <= 8 * kRemembered; ++i) {
+    Open(kRemembered).reset();  // adds a line
+    EXPECT_EQ(lines(), i);
+  }
+  Open(kRemembered).reset();
+  EXPECT_EQ(lines(), 2u);
 }
 
 TEST_F(CommandJournalTest, EmptyPathKeepsCommandsInMemoryOnly) {

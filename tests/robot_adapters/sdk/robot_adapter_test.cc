@@ -364,6 +364,14 @@ TEST_F(RobotAdapterTest, QueriesTheServer) {
   EXPECT_EQ(answer->rows[0][1], std::nullopt);
 }
 
+TEST_F(RobotAdapterTest, AProxyOfTheEnvironmentIsNotAsked) {
+  setenv("http_proxy", "http://127.0.0.1:1", 1);
+  ServerLink link(server_.address());
+  unsetenv("http_proxy");
+  server_.AnswerRow("?r", {"http://example.org/b3"});
+  EXPECT_TRUE(link.Query("SELECT ?r {}", absl::Seconds(20)).ok());
+}
+
 TEST_F(RobotAdapterTest, PortInUseIsOneClearError) {
   StartAdapter();
   AdapterOptions options;

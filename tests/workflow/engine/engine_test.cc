@@ -123,8 +123,18 @@ TEST_F(EngineTest, AStepThatHangsTimesOutAndIsCancelled) {
   Turn();
   EXPECT_THAT(cancels_, ElementsAre(id));
   EXPECT_TRUE(Says("F-1 running>failed"));
-  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("timed out"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("timed out: 1/1 a"));
   EXPECT_FALSE(engine_.NextDeadline().has_value());
+}
+
+TEST_F(EngineTest, AStepThatFindsNoRobotInTimeSaysSo) {
+  robots_.offers.clear();
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:timeout=\"2s\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
+  Start();
+  now_us_ += 2000000;
+  Turn();
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("timed out: no robot became free for it"));
 }
 
 TEST_F(EngineTest, AConditionThatNeverHoldsTimesOut) {

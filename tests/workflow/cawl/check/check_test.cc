@@ -124,6 +124,21 @@ TEST(CheckDocument, InputsOfUnknownShapeAreNotChecked) {
   EXPECT_TRUE(CheckDocument(WithNode(bound + "<invoke operation=\"show\"/>"), "f", &environment).ok());
 }
 
+// What the results of a robot's own operation are may be described or not: a later node may use any.
+TEST(CheckDocument, ARobotsOperationMayGiveWhatIsNotDescribed) {
+  const std::string text =
+      "<CAWL name=\"D\"><flow name=\"F\"><variable name=\"level\"/><source name=\"s\"/>"
+      "<node name=\"a\"><invoke operation=\"measure\"/></node>"
+      "<node name=\"b\"><invoke operation=\"show\"/></node><sink name=\"t\"/><link from=\"s\" to=\"a\"/>"
+      "<link from=\"a\" to=\"b\"/><link from=\"b\" to=\"t\"/></flow></CAWL>";
+  QuadEnvironment environment;
+  environment.AddOperation({"show", {"level"}, true});
+  OperationSignature measure{"measure", {}, true};
+  measure.of_robot = true;
+  environment.AddOperation(measure);
+  EXPECT_THAT(CheckDocument(text, "f", &environment).diagnostics, IsEmpty());
+}
+
 TEST(CheckDocument, WordsOfUndescribedNamespacesAreLeftAlone) {
   QuadEnvironment environment;
   environment.AddOntology({{Term::Iri("https://w3id.org/docent#isAt"),
