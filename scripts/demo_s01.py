@@ -13,7 +13,7 @@ FOLDER = stage.ROOT / "build" / "demo" / "s01"
 
 
 def show_end(server, robot, ended):
-    print(f"\n{BOLD}The run {ended['run']} is {ended['state']}.{PLAIN} {ended['detail']}")
+    print(f"\n{BOLD}The run {ended['run']} is {ended['state']}.{PLAIN} {ended['detail']}".rstrip())
     report = json.loads((robot.folder / "report.json").read_text())
     print(f"\nThe robot drove {report['path_m']:.1f} m. Position error of its estimate against the simulator's truth:")
     print(f"  RMSE {report['rmse_mm']:.1f} mm and {report['rmse_deg']:.2f}°, largest {report['max_error_mm']:.1f} mm")

@@ -13,7 +13,7 @@ FOLDER = stage.ROOT / "build" / "demo" / "s03"
 
 
 def show_end(server, robot, ended):
-    print(f"\n{BOLD}The run {ended['run']} is {ended['state']}.{PLAIN} {ended['detail']}")
+    print(f"\n{BOLD}The run {ended['run']} is {ended['state']}.{PLAIN} {ended['detail']}".rstrip())
     for row in server.select("""SELECT ?name ?value { ?run docent:flow "JohnsService" ; docent:hasResult ?r .
             ?r docent:variableName ?name ; docent:variableValue ?value } ORDER BY ?name"""):
         print(f"  {row['name']:<10} {row['value']}")
