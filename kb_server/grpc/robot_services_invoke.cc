@@ -229,7 +229,7 @@ class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
     const GraphVersionPtr version = ports_.queries->Newest();
     if (version->revision() == looked_at_) return;
     looked_at_ = version->revision();
-    Progress now = ProgressOf(GraphReader(*ports_.dictionary, *version), run_, service_);
+    Progress now = ProgressOf(GraphReader(*ports_.dictionary, *version).In(kRunsGraph), run_, service_);
     if (now.done > seen_.done) seen_ = std::move(now);
   }
 

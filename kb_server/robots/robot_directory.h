@@ -31,7 +31,7 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   const std::vector<engine::Reservation>& ReservationsOf(const RobotId& robot) const override;
   bool changed() const override { return changed_; }
 
-  // Of the robots whose adapter joined anew by `delta`, which led to `version`.
+  // Adapters of which `delta` tells a new address or incarnation; `version` is the graph after it.
   std::vector<AdapterAddress> AddressesIn(const Delta& delta, const GraphVersion& version) const;
 
  private:

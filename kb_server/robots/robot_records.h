@@ -64,8 +64,8 @@ struct AdapterAddress {
   std::string address;  // HOST:PORT
   std::string incarnation;
 };
-// As the robot's own graph has it: others cannot lead the commands of a robot that has joined elsewhere. Empty address: nobody
-// says where it is.
+// From the robot's own graph; from all graphs only where that has no address, so that a client cannot redirect the commands of a
+// robot that has joined. Empty address: no graph has one.
 AdapterAddress AdapterOf(const GraphReader& graph, const std::string& robot);
 std::vector<AdapterAddress> AdapterAddresses(const Dictionary& dictionary, const GraphVersion& version);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docent serve --simulated-clock: time stands still until the file says a later one, for workflows, facts and commands; adapters are
-missed in the time of this world; nobody can take it for this world's."""
+"""docent serve --simulated-clock: time stands still until the file says a later one, for workflows, facts and commands;
+leases of adapters go by real time; output, log, metrics and graph say that the time is simulated."""
 import time
 import unittest
 

@@ -58,6 +58,19 @@ inline WriteBatch Report(const CommandId& command, CommandReport::Outcome outcom
   return batch;
 }
 
+// Robots on standby that offer one operation.
+inline std::vector<TermQuad> FreeRobots(const std::vector<std::string>& robots,
+                                        const std::string& operation) {
+  std::vector<TermQuad> facts = {Fact("docent:status", "a", "docent:StateProperty")};
+  for (const std::string& robot : robots) {
+    facts.push_back(Fact(robot, "a", "docent:Robot"));
+    facts.push_back(Fact(robot, "docent:incarnation", Term::Literal("i1")));
+    facts.push_back(Fact(robot, "docent:status", "docent:Standby"));
+    facts.push_back(Fact(robot, "docent:offers", "urn:docent:operation:" + operation));
+  }
+  return facts;
+}
+
 // State properties, a robot that offers "greet", and the mapping of the door sensor's readings.
 inline WriteBatch WorldFacts() {
   WriteBatch batch = Tell({

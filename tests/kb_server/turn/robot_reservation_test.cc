@@ -25,14 +25,7 @@ class RobotReservationTest : public testing::Test {
  protected:
   RobotReservationTest() {
     stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
-    std::vector<TermQuad> facts = {Fact("docent:status", "a", "docent:StateProperty")};
-    for (const char* robot : {"R1", "R2"}) {
-      facts.push_back(Fact(robot, "a", "docent:Robot"));
-      facts.push_back(Fact(robot, "docent:incarnation", Term::Literal("i1")));
-      facts.push_back(Fact(robot, "docent:status", "docent:Standby"));
-      facts.push_back(Fact(robot, "docent:offers", "urn:docent:operation:drive"));
-    }
-    Turn(Tell(facts));
+    Turn(Tell(test::FreeRobots({"R1", "R2"}, "drive")));
   }
 
   TurnResult Turn(WriteBatch batch) {

@@ -22,14 +22,7 @@ using ::testing::Not;
 class RunWaitsTest : public test::TurnTest {
  protected:
   void SetUp() override {
-    std::vector<TermQuad> facts = {Fact("docent:status", "a", "docent:StateProperty")};
-    for (const char* robot : {"R1", "R2"}) {
-      facts.push_back(Fact(robot, "a", "docent:Robot"));
-      facts.push_back(Fact(robot, "docent:incarnation", Term::Literal("i1")));
-      facts.push_back(Fact(robot, "docent:status", "docent:Standby"));
-      facts.push_back(Fact(robot, "docent:offers", "urn:docent:operation:drive"));
-    }
-    Turn(Tell(facts));
+    Turn(Tell(test::FreeRobots({"R1", "R2"}, "drive")));
     const auto node = [](const std::string& name, const std::string& of) {
       return absl::StrCat("<node name=\"", name, "\"><ext:assign variable=\"robot\" expression=\"$", of,
                           "\"/><invoke operation=\"drive\"/></node>");

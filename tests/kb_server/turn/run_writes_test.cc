@@ -111,7 +111,7 @@ TEST_F(RunWrites, NorWhereItWaitsForItsRobot) {
   EXPECT_EQ(Must(Tell({Fact("R1", "docent:status", "docent:Standby")})).record.commands.size(), 1u);
 }
 
-// A node that takes the lift where nobody has it.
+// A node that takes the lift if no run has it.
 std::string TakesLift(const std::string& more = "") {
   return absl::StrCat(
       "<node name=\"A\"><condition><context name=\"free\"><rule expression=\"not taken\"><constraint "

@@ -361,7 +361,7 @@ TEST_F(CommandSessionTest, TheSameAddressAgainLeavesTheCallAlone) {
   EXPECT_EQ(host_.calls.size(), 2u) << "the pause that it had is over";
 }
 
-// An adapter for several robots begins one of them anew, and goes on serving.
+// An adapter that serves several robots restarts one of them and keeps its streams open.
 TEST_F(CommandSessionTest, WhenAnotherLifeHasJoinedItIsAskedAndWhatItDoesNotKnowIsUnknown) {
   Begin();
   Say(v1::Feedback::RUNNING);

@@ -1,8 +1,12 @@
 // Loops that branch: what leads back, and what begins again.
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
 
 namespace docent::engine {
 namespace {
+
+using ::testing::HasSubstr;
 
 class EngineLoopsTest : public EngineTest {
  protected:
@@ -156,6 +160,86 @@ TEST_F(EngineLoopsTest, ALinkForFailuresAndInterruptsIsFollowedInBothCases) {
   Start();
   EXPECT_EQ(Next(), "") << "not where it succeeds";
   EXPECT_EQ(engine_.live_runs(), 0u);
+}
+
+TEST_F(EngineLoopsTest, ALoopThatWaitsForNothingFailsItsRunAndNothingElse) {
+  Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")) +
+         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}, {RunRequest::Kind::kStart, "W/H", {}}});
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("engine_rounds_per_turn"));
+  EXPECT_EQ(commands_.size(), 1u);  // the other run goes on
+  EXPECT_EQ(engine_.live_runs(), 1u);
+}
+
+TEST_F(EngineLoopsTest, ALoopGoesOnWhileItsConditionHolds) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  CommandId first = commands_[0].id;
+  Turn({Done(first)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-1/A/1/"));
+  conditions_.Set("urn:more", {});
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineLoopsTest, WhatComesAfterALoopIsNotDeadWhileTheLoopGoesOn) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") +
+              Link("A", "B") + Link("B", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  Turn({Done(commands_[0].id)});
+  EXPECT_FALSE(Says("F-1/B inactive>skipped"));
+  conditions_.Set("urn:more", {});
+  Turn({Done(commands_[0].id)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "b");
+}
+
+TEST_F(EngineLoopsTest, ALoopAroundALoopDoesNotGiveTheSameCommandIdTwice) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") +
+              Link("B", "B", "ext:while=\"?x &lt;urn:inner&gt; ?y\"") +
+              Link("B", "A", "ext:while=\"?x &lt;urn:outer&gt; ?y\"") + Link("B", "t")));
+  Start();
+  std::set<std::string> ids;
+  auto finish = [&] {
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_TRUE(ids.insert(commands_[0].id.value()).second) << commands_[0].id.value();
+    Turn({Done(commands_[0].id)});
+  };
+  finish();  // A
+  conditions_.Set("urn:inner", {{{"x", Term::Iri("urn:x")}}});
+  finish();  // B, then B again
+  conditions_.Set("urn:inner", {});
+  conditions_.Set("urn:outer", {{{"x", Term::Iri("urn:x")}}});
+  finish();  // B, then A again
+  finish();  // A
+  conditions_.Set("urn:outer", {});
+  finish();  // B
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineLoopsTest, AJoinInALoopRemembersThatABranchOutsideIsDead) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
+              Node("B", "", "<invoke operation=\"b\"/>") + Node("C", "", "<invoke operation=\"c\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "Repair", "ext:onFailure=\"true\"") +
+              Link("Repair", "C") + Link("A", "B") + Link("B", "C") +
+              Link("C", "B", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("C", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  for (const char* operation : {"a", "b", "c", "b", "c"}) {
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_EQ(commands_[0].operation, operation);
+    Turn({Done(commands_[0].id)});
+  }
 }
 
 }  // namespace

@@ -281,19 +281,6 @@ TEST_F(EngineTest, ANodesRetryGivesItsInvokesTheirOwnRetriesAgain) {
   EXPECT_TRUE(Says("F-1 running>failed"));
 }
 
-TEST_F(EngineTest, ALoopThatWaitsForNothingFailsItsRunAndNothingElse) {
-  Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")) +
-         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
-         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
-  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
-  Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}, {RunRequest::Kind::kStart, "W/H", {}}});
-  EXPECT_TRUE(Says("F-1 running>failed"));
-  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("engine_rounds_per_turn"));
-  EXPECT_EQ(commands_.size(), 1u);  // the other run goes on
-  EXPECT_EQ(engine_.live_runs(), 1u);
-}
-
 TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   Limits limits;
   limits.runs_kept = 2;
@@ -330,130 +317,6 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   EXPECT_EQ(once, twice);
   EXPECT_FALSE(has(twice, "F-2"));
   EXPECT_TRUE(has(twice, "F-4"));
-}
-
-// Whoever started a run of many sub-flows was told that there is no such run.
-TEST_F(EngineTest, WhatEndsInOneTurnLeavesTheGraphBeforeTheRunThatItIsNestedIn) {
-  Limits limits;
-  limits.runs_kept = 2;
-  Engine small(&dictionary_, limits);
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/><invoke subflow=\"G\"/><invoke subflow=\"G\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")) +
-         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "") + "<sink name=\"t\"/>" + Link("s", "B") +
-         Link("B", "t") + "</flow>");
-  ASSERT_TRUE(small.Deploy(engine_.FindWorkflow("W")).ok());
-  std::vector<CommandReport> reports;
-  std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
-  EngineInput input{now_us_, Revision(++revision_), false,   &reports, &requests,
-                    nullptr, &conditions_,          &robots_};
-  const EngineOutput output = small.Step(input);
-  small.Commit();
-  const auto stays = [&](const std::string& run) {
-    const auto is_of_run = [&](const Quad& quad) {
-      return quad.subject == dictionary_.FindIri("urn:docent:run:" + run);
-    };
-    return std::any_of(output.add.begin(), output.add.end(), is_of_run) &&
-           std::none_of(output.remove.begin(), output.remove.end(), is_of_run);
-  };
-  EXPECT_TRUE(stays("F-1"));
-  EXPECT_FALSE(stays("G-2"));
-  EXPECT_FALSE(stays("G-3"));
-  EXPECT_TRUE(stays("G-4"));
-}
-
-TEST_F(EngineTest, ALoopGoesOnWhileItsConditionHolds) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")));
-  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
-  Start();
-  CommandId first = commands_[0].id;
-  Turn({Done(first)});
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-1/A/1/"));
-  conditions_.Set("urn:more", {});
-  Turn({Done(commands_[0].id)});
-  EXPECT_TRUE(Says("F-1 running>done"));
-}
-
-TEST_F(EngineTest, WhatComesAfterALoopIsNotDeadWhileTheLoopGoesOn) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") +
-              Link("A", "B") + Link("B", "t")));
-  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
-  Start();
-  Turn({Done(commands_[0].id)});
-  EXPECT_FALSE(Says("F-1/B inactive>skipped"));
-  conditions_.Set("urn:more", {});
-  Turn({Done(commands_[0].id)});
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_EQ(commands_[0].operation, "b");
-}
-
-TEST_F(EngineTest, ALoopAroundALoopDoesNotGiveTheSameCommandIdTwice) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") +
-              Link("B", "B", "ext:while=\"?x &lt;urn:inner&gt; ?y\"") +
-              Link("B", "A", "ext:while=\"?x &lt;urn:outer&gt; ?y\"") + Link("B", "t")));
-  Start();
-  std::set<std::string> ids;
-  auto finish = [&] {
-    ASSERT_EQ(commands_.size(), 1u);
-    EXPECT_TRUE(ids.insert(commands_[0].id.value()).second) << commands_[0].id.value();
-    Turn({Done(commands_[0].id)});
-  };
-  finish();  // A
-  conditions_.Set("urn:inner", {{{"x", Term::Iri("urn:x")}}});
-  finish();  // B, then B again
-  conditions_.Set("urn:inner", {});
-  conditions_.Set("urn:outer", {{{"x", Term::Iri("urn:x")}}});
-  finish();  // B, then A again
-  finish();  // A
-  conditions_.Set("urn:outer", {});
-  finish();  // B
-  EXPECT_TRUE(Says("F-1 running>done"));
-}
-
-TEST_F(EngineTest, AJoinInALoopRemembersThatABranchOutsideIsDead) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
-              Node("B", "", "<invoke operation=\"b\"/>") + Node("C", "", "<invoke operation=\"c\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "Repair", "ext:onFailure=\"true\"") +
-              Link("Repair", "C") + Link("A", "B") + Link("B", "C") +
-              Link("C", "B", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("C", "t")));
-  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
-  Start();
-  for (const char* operation : {"a", "b", "c", "b", "c"}) {
-    ASSERT_EQ(commands_.size(), 1u);
-    EXPECT_EQ(commands_[0].operation, operation);
-    Turn({Done(commands_[0].id)});
-  }
-}
-
-TEST_F(EngineTest, ASubflowEndsItsInvocation) {
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")) +
-         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
-         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
-  Start();
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("G-2/B/"));
-  EXPECT_EQ(Fact("urn:docent:run:G-2", "parentRun"), "urn:docent:run:F-1");
-  Turn({Done(commands_[0].id)});
-  EXPECT_TRUE(Says("G-2 running>done"));
-  EXPECT_TRUE(Says("F-1 running>done"));
-}
-
-TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + Node("C", "later", "<invoke operation=\"c\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "C") + Link("C", "t")) +
-         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
-         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
-  Start();
-  Turn({Done(commands_[0].id)});
-  EXPECT_TRUE(Says("G-2 running>done"));
-  engine_.Rollback();  // of a turn that changed nothing
-  Turn({}, {{RunRequest::Kind::kStart, "W/G", {}}});
-  EXPECT_THAT(commands_, IsEmpty());
-  EXPECT_THAT(Fact("urn:docent:run:G-3/B/0", "reason"), HasSubstr("serves another run"));
 }
 
 std::string NamesOf(const std::vector<std::pair<std::string, Term>>& arguments) {
@@ -580,41 +443,6 @@ TEST_F(EngineTest, ANodeWhoseConditionBecomesTooLongWithItsValuesFailsAlone) {
   EXPECT_TRUE(Says("F-1 running>failed"));
   EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("query_text_bytes"));
   EXPECT_EQ(conditions_.armed(), 0u);
-}
-
-TEST_F(EngineTest, RunsInsideEachOtherHaveALimit) {
-  const auto nested = [this](int i) {
-    const std::string text = absl::StrCat(
-        "<CAWL name=\"D", i, "\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>",
-        Node("B", "", absl::StrCat("<invoke subflow=\"D", i + 1, "\"/>")), "<sink name=\"t\"/>",
-        Link("s", "B"), Link("B", "t"), "</flow></CAWL>");
-    const cawl::ParsedCawl parsed = cawl::ParseCawl(text, "x.xml");
-    ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
-    ASSERT_TRUE(engine_.Deploy(parsed.document).ok());
-  };
-  const int deep = Limits().subflow_nesting;
-  for (int i = 1; i <= deep + 1; ++i) nested(i);
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"D1\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  Start();
-  EXPECT_EQ(engine_.live_runs(), 0u);
-  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("subflow_nesting"));
-}
-
-TEST_F(EngineTest, ASubflowThatContainsItselfFails) {
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  std::string other =
-      "<CAWL name=\"X\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>" +
-      Node("B", "", "<invoke subflow=\"W\"/>") + "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") +
-      "</flow></CAWL>";
-  cawl::ParsedCawl parsed = cawl::ParseCawl(other, "x.xml");
-  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, other);
-  ASSERT_TRUE(engine_.Deploy(parsed.document).ok());
-  Start();
-  EXPECT_EQ(engine_.live_runs(), 0u);
-  EXPECT_TRUE(Says("F-1 running>failed"));
-  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("it would run inside itself"));
 }
 
 TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {

@@ -20,7 +20,7 @@ function useLiveState(): LiveState {
   return state;
 }
 
-const unseenMs = 2000; // a tab that nobody sees is told less often
+const unseenMs = 2000; // a hidden tab gets updates less often
 
 function useSeen(): boolean {
   return useSyncExternalStore((changed) => {
