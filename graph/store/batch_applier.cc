@@ -125,24 +125,20 @@ std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_grap
 }
 
 void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
-  // Rules may have changed the declarations, too, which is not in the batch: their number shows it.
-  const QuadPattern declarations{{}, type_, state_property_, {}};
-  uint64_t count = version.Count(declarations);
-  if (count == state_declarations_) return;
+  if (knows_state_properties_) return;
   state_properties_ = own_states_;
-  version.ForEach(declarations, [this](const Quad& quad) {
+  version.ForEach({{}, type_, state_property_, {}}, [this](const Quad& quad) {
     state_properties_.insert(quad.subject);
     return true;
   });
-  state_declarations_ = count;
+  knows_state_properties_ = true;
 }
 
 void BatchApplier::RefreshEventClasses(const GraphVersion& version) {
-  const uint64_t count = version.Count({{}, subclass_, {}, {}});
-  if (count == subclass_declarations_) return;
+  if (knows_event_classes_) return;
   event_classes_ = {event_};
   AddClassesBelow(event_, version);
-  subclass_declarations_ = count;
+  knows_event_classes_ = true;
 }
 
 std::vector<TermId> BatchApplier::AddClassesBelow(TermId above, const GraphVersion& version) {
@@ -185,7 +181,7 @@ void BatchApplier::Announce(const WriteBatch& batch, const GraphVersion& version
     open_below(subclass);
     const std::optional<TermId> known = dictionary_.Find(subclass);
     if (!known) continue;
-    subclass_declarations_ = kUnknown;  // what is added here holds for this batch
+    knows_event_classes_ = false;  // what is added here holds for this batch
     event_classes_.insert(*known);
     for (const TermId of_graph : AddClassesBelow(*known, version)) open_below(dictionary_.Decode(of_graph));
   }
@@ -277,13 +273,17 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
   }
   for (const QuadOperation& operation : *read) ApplyOne(operation, graph, batch, writer, &sum);
   Delta delta = sum.Net();
+  Learn(delta);
+  return delta;
+}
+
+void BatchApplier::Learn(const Delta& delta) {
   for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
     for (const Quad& quad : *quads) {
-      if (quad.predicate == type_ && quad.object == state_property_) state_declarations_ = kUnknown;
-      if (quad.predicate == subclass_) subclass_declarations_ = kUnknown;
+      if (quad.predicate == type_ && quad.object == state_property_) knows_state_properties_ = false;
+      if (quad.predicate == subclass_) knows_event_classes_ = false;
     }
   }
-  return delta;
 }
 
 Delta BatchApplier::Withdraw(absl::Span<const Quad> quads, GraphWriter& writer) {
@@ -314,8 +314,8 @@ void BatchApplier::Rollback() {
   undo_.clear();
   for (auto it = undo.rbegin(); it != undo.rend(); ++it) SetDeadline(it->first, it->second);
   undo_.clear();
-  state_declarations_ = kUnknown;
-  subclass_declarations_ = kUnknown;
+  knows_state_properties_ = false;
+  knows_event_classes_ = false;
   announced_classes_.clear();
   told_events_.clear();
 }

@@ -53,6 +53,9 @@ class BatchApplier {
   // Whether a type makes a thing an event, as the graph and the batch of the last Announce say.
   bool IsEventClass(const Term& type) const;
 
+  // Others changed the graph so: rules, a run. They may have declared state properties or event classes.
+  void Learn(const Delta& delta);
+
   // Removes facts with their lifetimes.
   Delta Withdraw(absl::Span<const Quad> quads, GraphWriter& writer);
 
@@ -69,8 +72,6 @@ class BatchApplier {
   void Rollback();
 
  private:
-  static constexpr uint64_t kUnknown = ~uint64_t{0};
-
   absl::Status Check(const WriteBatch& batch) const;
   Quad Intern(const TermQuad& quad, TermId default_graph);
   std::vector<Quad> InternAll(const std::vector<QuadOperation>& operations, TermId default_graph);
@@ -101,10 +102,10 @@ class BatchApplier {
 
   absl::flat_hash_set<TermId> own_states_;
   absl::flat_hash_set<TermId> state_properties_;  // with these
-  uint64_t state_declarations_ = kUnknown;        // number of declarations when state_properties_ was read
+  bool knows_state_properties_ = false;           // state_properties_ is what the graph says
 
   absl::flat_hash_set<TermId> event_classes_;  // docent:Event and the classes below it
-  uint64_t subclass_declarations_ = kUnknown;  // number of rdfs:subClassOf when event_classes_ was read
+  bool knows_event_classes_ = false;           // event_classes_ is what the graph says
   std::set<Term> announced_classes_;           // those that the batch makes event classes
   std::vector<Quad> told_events_;
 

@@ -33,6 +33,7 @@ absl::StatusOr<Delta> WithdrawEvents(Stages* stages, const WriteBatch& batch, De
   if (delta->empty()) return delta;
   delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);
   if (!delta.ok()) return delta.status();
+  stages->applier.Learn(*delta);
   sum->Add(*delta);
   auto changes = stages->standing_conditions.Update(stages->writer.current(), *delta, batch.time_us,
                                                     stages->cancellation);
@@ -98,6 +99,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     size_t told = delta->size();
     delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);  // rules, to a fixpoint
     if (!delta.ok()) return delta.status();
+    stages->applier.Learn(*delta);
     result->inferred += delta->size() - std::min(told, delta->size());
     sum.Add(*delta);
     if (round == 0) stages->events.Take(told_events, told_facts, stages->writer.current(), offset);

@@ -56,6 +56,7 @@ void TurnBounds::NotStarted(const std::string& workflow, const std::string& matc
 }
 
 std::map<std::string, TurnBounds::Missed> TurnBounds::TakeMissed() {
+  if (missed_.empty()) return {};
   return std::exchange(missed_, {});
 }
 
