@@ -9,8 +9,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/diagnostic.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/replay/answer_book.h"
@@ -61,11 +65,12 @@ class Player {
       if (!GoesOn()) break;
       if (absl::Status played = PlayTurn(recorded_.turns[i]); !played.ok()) return played;
     }
-    if (absl::Status rest = PlayRest(); !rest.ok()) return rest;
+    if (absl::Status rest = simulated() ? PlayOut() : PlayRest(); !rest.ok()) return rest;
     return End();
   }
 
  private:
+  bool simulated() const { return options_.simulated_until_us != 0; }
   bool GoesOn() const { return tree_.has_value() && !ended_ && play_.stopped.empty(); }
 
   // Facts and documents before the first turn.
@@ -161,6 +166,9 @@ class Player {
       start.arguments.assign(activation->values.begin(), activation->values.end());
       flow = document_.activator->flow.value;
     }
+    if (simulated() && document_.activator && flow == document_.activator->flow.value) {
+      if (absl::Status found = FindValues(&start.arguments); !found.ok()) return found;
+    }
     start.target = absl::StrCat(document_.name.value, "/", flow);
     WriteBatch batch;
     batch.run_requests.push_back(std::move(start));
@@ -169,6 +177,21 @@ class Player {
     root_ = result->started.at(0);
     tree_.emplace(root_, &dictionary_);
     return Take(*result);
+  }
+
+  // Of a simulation: the values with which the activator fires, if it does.
+  absl::Status FindValues(NamedTerms* values) {
+    const absl::StatusOr<Activation> activation =
+        FindActivation(&stages_, document_, recorded_.values, now_us_);
+    if (!activation.ok()) return activation.status();
+    if (activation->fires) {
+      values->assign(activation->values.begin(), activation->values.end());
+      return absl::OkStatus();
+    }
+    activation_ask_ = activation->ask;
+    play_.notes.push_back(absl::StrCat("activator ", document_.activator->name.value,
+                                       " does not fire on these facts; the run is started all the same"));
+    return absl::OkStatus();
   }
 
   // What the activator makes of the recorded key. A firing that waited for another run (ext:mode="queued") started the run in a
@@ -198,7 +221,7 @@ class Player {
 
   absl::Status PlayWorld(const CaseTurn& turn, std::vector<CommandReport> reports) {
     WriteBatch batch;
-    batch.mode = WriteBatch::Mode::kLoad;
+    batch.mode = simulated() ? WriteBatch::Mode::kAssert : WriteBatch::Mode::kLoad;
     batch.operations = turn.changes;
     batch.reports = std::move(reports);
     for (const Document& document : turn.documents) {
@@ -243,6 +266,8 @@ class Player {
       for (const DueReport& due : due_) {
         if (due.offset == 0 && due.time_us < until_us && (!next || due.time_us < *next)) next = due.time_us;
       }
+      if (!moves_.empty() && moves_.begin()->first < until_us)
+        next = std::min(next.value_or(moves_.begin()->first), moves_.begin()->first);
       if (const std::optional<TimeMicros> timer = stages_.NextDeadline()) {
         const TimeMicros at = std::max(*timer, now_us_);
         if (at < until_us - kLateTurn && (!next || at < *next)) next = at;
@@ -261,9 +286,20 @@ class Player {
     }
     now_us_ = std::max(now_us_, at_us);
     WriteBatch batch;
+    batch.operations = MovesNow();
     batch.reports = DueNow();
-    batch.clock_tick = batch.reports.empty();
+    batch.clock_tick = batch.reports.empty() && batch.operations.empty();
     return Take(Turn(std::move(batch)));
+  }
+
+  // A simulation behind what it was told.
+  absl::Status PlayOut() {
+    if (absl::Status played = PlayUntil(options_.simulated_until_us); !played.ok()) return played;
+    if (GoesOn() && (!due_.empty() || !moves_.empty())) {
+      play_.stopped = "the simulation has come to its end, and the run goes on";
+      play_.stopped_turn = offset_;
+    }
+    return absl::OkStatus();
   }
 
   // Behind the last recorded turn: answers that are still to come, and the timers before the last of them.
@@ -281,6 +317,22 @@ class Player {
         absl::StrCat("the recorded facts end with turn ", recorded_.last_turn, ", and the run goes on");
     play_.stopped_turn = recorded_.last_turn;
     return absl::OkStatus();
+  }
+
+  // Poses of simulated robots that are due, as these tell them.
+  std::vector<QuadOperation> MovesNow() {
+    std::vector<QuadOperation> told;
+    while (!moves_.empty() && moves_.begin()->first <= now_us_) {
+      const SimulatedPose& pose = moves_.begin()->second;
+      const Term robot = Term::Iri(pose.robot.value());
+      for (const auto& [property, metres] : {std::pair("x", pose.x_m), std::pair("y", pose.y_m)}) {
+        const Term value = Term::Literal(absl::StrFormat("%.3f", metres), std::string(kXsdDecimal));
+        told.push_back({QuadOperation::Kind::kAdd, {robot, Term::Iri(DocentIri(property)), value, robot}});
+      }
+      play_.poses.push_back(pose);
+      moves_.erase(moves_.begin());
+    }
+    return told;
   }
 
   // The reports that are due; they are so no longer.
@@ -342,6 +394,7 @@ class Player {
 
   void Answer(const Decision& command) {
     nodes_[command.command] = command.node;
+    if (simulated()) return Simulate(command);
     if (answers_.Answer(command, &due_)) return;
     if (!options_.assume_done && command.operation != kNotifies) {
       return Stop(command.node, absl::StrCat("there is no recorded report of ", Show(command),
@@ -357,7 +410,21 @@ class Player {
                                          ", which is taken to have succeeded at once"));
   }
 
+  void Simulate(const Decision& command) {
+    CommandReport done;
+    done.command = command.command;
+    done.outcome = CommandReport::Outcome::kSucceeded;
+    done.progress = 1;
+    SimulatedCommand simulated;
+    simulated.ends_us = now_us_;
+    if (command.operation != kNotifies)
+      simulated = SimulateCommand(command, GraphReader(dictionary_, stages_.writer.current()));
+    for (const SimulatedPose& pose : simulated.poses) moves_.emplace(pose.time_us, pose);
+    due_.push_back({0, simulated.ends_us, std::move(done)});
+  }
+
   void Cancel(const CommandId& command) {
+    std::erase_if(moves_, [&command](const auto& move) { return move.second.command == command; });
     cancelled_.insert(command);
     if (answers_.WasCancelled(command)) return;
     const size_t open =
@@ -398,6 +465,7 @@ class Player {
   RunId root_;
   std::optional<RunTree> tree_;
   std::vector<DueReport> due_;
+  std::multimap<TimeMicros, SimulatedPose> moves_;
   std::map<CommandId, std::string> nodes_;
   std::set<CommandId> cancelled_;
   std::string activation_ask_;

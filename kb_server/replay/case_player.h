@@ -3,7 +3,8 @@
 // Rules, conditions and the workflow engine are the server's own, on stages of the replay's own, and each recorded turn is a turn
 // (kb_server/turn/turn.h). Only the one run lives: what other runs told and which robots they held is as recorded. So are the
 // facts that came of the commands of the recorded run (a robot that arrives), also where the played run sends others.
-// Timers of the run fire between the recorded turns when they are due. One thread.
+// Timers of the run fire between the recorded turns when they are due. A simulation is the same with a case that was never
+// recorded: simulated robots answer. One thread.
 #ifndef DOCENT_KB_SERVER_REPLAY_CASE_PLAYER_H_
 #define DOCENT_KB_SERVER_REPLAY_CASE_PLAYER_H_
 
@@ -17,6 +18,7 @@
 #include "graph/base/replay_limits.h"
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/replay/run_case.h"
+#include "kb_server/replay/simulated_robots.h"
 #include "workflow/cawl/ast.h"
 
 namespace docent::server {
@@ -37,8 +39,9 @@ struct Play {
   std::string stopped_node;  // path
   uint64_t stopped_turn = 0;
   std::vector<PlayedWait> waits;
-  std::string pending;             // why the invocation that waits first, if one does, has no robot
-  std::vector<std::string> notes;  // what the replay cannot tell, for people
+  std::string pending;               // why the invocation that waits first, if one does, has no robot
+  std::vector<std::string> notes;    // what the replay cannot tell, for people
+  std::vector<SimulatedPose> poses;  // of a simulation
 };
 
 struct PlayOptions {
@@ -48,6 +51,10 @@ struct PlayOptions {
   Cancellation* cancellation = nullptr;  // required
   // A command without a recorded report is taken to have succeeded at once; else the replay ends there.
   bool assume_done = false;
+  // Not 0: the case is a simulation. Simulated robots answer (simulated_robots.h), the turns behind the first one are asserted
+  // facts, and it goes on until the run has ended, nothing more can happen or this time has come. A run of the activator's
+  // flow takes the values with which that fires; where it does not fire, the run is started all the same.
+  TimeMicros simulated_until_us = 0;
 };
 
 // INVALID_ARGUMENT: the document is of another workflow, or has not the flow that was asked for; or a recorded turn or document

@@ -268,4 +268,28 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   return moment;
 }
 
+absl::StatusOr<RunCase> CaseRecorder::World(const std::string& workflow, uint64_t at) {
+  Dictionary dictionary;
+  absl::StatusOr<RestoredState> start =
+      StagesAfter(at, absl::StrCat("turn ", at, " is asked for"), &dictionary);
+  if (!start.ok()) return start.status();
+  RunCase world;
+  world.number = 1;
+  world.workflow = workflow;
+  world.asked = true;
+  world.documents = DocumentsOf(*start->stages, workflow);
+  WorldFacts facts(start->stages.get(), nullptr, ports_.replay_limits);
+  auto all = facts.All(facts.Passing());
+  if (!all.ok()) return all.status();
+  world.facts = *std::move(all);
+  facts.ReadHolds();
+  world.held = facts.holds();
+  world.last_turn = at;
+  CaseTurn first;
+  first.offset = at;
+  first.time_us = start->time_us;
+  world.turns.push_back(std::move(first));
+  return world;
+}
+
 }  // namespace docent::server

@@ -53,6 +53,9 @@ class CaseRecorder {
   // last turn of the run. OUT_OF_RANGE: the run did not exist at that turn, or as above.
   absl::StatusOr<RunCase> Moment(const KnownRun& run, const std::string& node, std::optional<uint64_t> at,
                                  uint64_t newest);
+  // The world after turn `at` for a simulated run of a workflow, which need not be deployed: facts, documents and held robots. The
+  // first turn is that one. OUT_OF_RANGE, RESOURCE_EXHAUSTED as above.
+  absl::StatusOr<RunCase> World(const std::string& workflow, uint64_t at);
 
  private:
   struct Life {

@@ -107,6 +107,45 @@ absl::StatusOr<cawl::DocumentPtr> OnlyNode(const cawl::Document& document, const
   return cawl::DocumentPtr(std::move(played));
 }
 
+absl::StatusOr<std::set<std::string>> OperationsOf(const cawl::Document& document,
+                                                   const std::vector<Document>& others,
+                                                   const Limits& limits) {
+  std::set<std::string> invoked, processes, of_robots;
+  const auto add = [&invoked](const cawl::Document& workflow) {
+    for (const cawl::Flow& flow : workflow.flows) {
+      for (const cawl::Node& node : flow.nodes) {
+        for (const cawl::Invoke& invoke : node.invokes) {
+          if (!invoke.operation.value.empty() && invoke.capability.value.empty())
+            invoked.insert(invoke.operation.value);
+        }
+      }
+    }
+  };
+  add(document);
+  for (const Document& other : others) {
+    if (other.kind == Document::Kind::kCawl) {
+      const auto workflow = ParseWorkflow(other.text, other.name, limits);
+      if (!workflow.ok()) return workflow.status();
+      add(**workflow);
+    } else if (other.kind == Document::Kind::kRsel) {
+      const rsel::ParsedRsel services = rsel::ParseRsel(other.text, other.name, limits);
+      if (services.document == nullptr) continue;
+      for (const rsel::Process& process : services.document->processes) {
+        processes.insert(process.name.value);
+        for (const rsel::Invoke& invoke : process.invokes) {
+          invoked.insert(invoke.operation.value);
+          // its own name: the operation of the robot
+          if (invoke.operation.value == process.name.value) of_robots.insert(invoke.operation.value);
+        }
+      }
+    }
+  }
+  for (const std::string& name : invoked) {
+    if (!processes.contains(name)) of_robots.insert(name);
+  }
+  return of_robots;
+}
+
 std::string WithValues(const std::string& ask, const std::map<std::string, Term>& values) {
   std::string out;
   char quote = 0;  // inside a literal

@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_REPLAY_PLAYED_DOCUMENT_H_
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,10 @@ absl::StatusOr<cawl::DocumentPtr> OnlyNode(const cawl::Document& document, const
 // `services`: names are for people. INVALID_ARGUMENT with every mistake: one is not correct.
 absl::StatusOr<RunCase> WithServices(RunCase recorded, const std::vector<Document>& services,
                                      const Limits& limits);
+
+// The operations of robots that a document invokes, or that robot services and workflows among `others` do, by name.
+absl::StatusOr<std::set<std::string>> OperationsOf(const cawl::Document& document,
+                                                   const std::vector<Document>& others, const Limits& limits);
 
 // An ASK with values in place of its variables.
 std::string WithValues(const std::string& ask, const std::map<std::string, Term>& values);

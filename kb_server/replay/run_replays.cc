@@ -1,5 +1,6 @@
 #include "kb_server/replay/run_replays.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -115,6 +116,51 @@ absl::StatusOr<Replayed> RunReplays::Replay(const RunId& run, const std::string&
   absl::StatusOr<RunCase> recorded = Recorder(cancellation).Record(*known, newest);
   if (!recorded.ok()) return recorded.status();
   return ReplayCase(*std::move(recorded), text, name, Options(assume_done, cancellation));
+}
+
+absl::StatusOr<Simulation> RunReplays::Simulate(const SimulationRequest& request,
+                                                Cancellation* cancellation) {
+  const auto document = ParseWorkflow(request.text, request.name, ports_.limits);
+  if (!document.ok()) return document.status();
+  std::string flow = request.flow;
+  if (flow.empty() && (*document)->activator) flow = (*document)->activator->flow.value;
+  if (flow.empty() && !(*document)->flows.empty()) flow = (*document)->flows.front().name.value;
+  const uint64_t newest = ports_.queries->Newest()->revision().value();
+  if (request.turn && *request.turn > newest) {
+    return absl::OutOfRangeError(
+        absl::StrCat("turn ", *request.turn, " has not come yet; the newest is ", newest));
+  }
+  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
+  const Turn place(this);
+  absl::StatusOr<RunCase> world =
+      Recorder(cancellation).World((*document)->name.value, request.turn.value_or(newest));
+  if (!world.ok()) return world.status();
+  world->flow = std::move(flow);
+  world->values = request.arguments;
+  const auto operations = OperationsOf(**document, world->documents, ports_.limits);
+  if (!operations.ok()) return operations.status();
+  std::vector<std::string> notes = ReadyRobots(*operations, &*world);
+  CaseTurn& first = world->turns.front();
+  if (!request.turn) first.time_us = std::max(first.time_us, request.now_us);
+  const TimeMicros begin_us = first.time_us;
+  std::vector<SimulatedTelling> told = request.told;
+  std::stable_sort(told.begin(), told.end(), [](const SimulatedTelling& a, const SimulatedTelling& b) {
+    return a.after_us < b.after_us;
+  });
+  for (SimulatedTelling& telling : told) {
+    if (telling.after_us > request.lasting_us) break;
+    CaseTurn turn;
+    turn.offset = world->turns.back().offset + 1;
+    turn.time_us = begin_us + telling.after_us;
+    turn.changes = std::move(telling.changes);
+    world->turns.push_back(std::move(turn));
+  }
+  PlayOptions options = Options(false, cancellation);
+  options.simulated_until_us = begin_us + request.lasting_us + 1;
+  absl::StatusOr<Play> play = PlayCase(*world, *document, options);
+  if (!play.ok()) return play.status();
+  play->notes.insert(play->notes.begin(), notes.begin(), notes.end());
+  return Simulation{*std::move(world), *std::move(play)};
 }
 
 absl::StatusOr<Replayed> RunReplays::Save(const RunId& run, Cancellation* cancellation) {

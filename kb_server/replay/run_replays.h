@@ -38,6 +38,27 @@ struct Trial {
   Play play;
 };
 
+// What a simulation is told while it runs.
+struct SimulatedTelling {
+  TimeMicros after_us = 0;  // the begin
+  std::vector<QuadOperation> changes;
+};
+
+// A run of a document on the facts of one turn, with simulated robots.
+struct SimulationRequest {
+  std::string text, name;  // the document, and its name for people
+  std::string flow;        // empty: the activator's; without one, the first
+  NamedTerms arguments;
+  std::vector<SimulatedTelling> told;
+  TimeMicros lasting_us = 0;     // at most
+  std::optional<uint64_t> turn;  // on the facts after it; none: of the newest, at `now_us`
+  TimeMicros now_us = 0;
+};
+struct Simulation {
+  RunCase world;
+  Play play;
+};
+
 class RunReplays {
  public:
   struct Ports {
@@ -56,6 +77,8 @@ class RunReplays {
                                   bool assume_done, Cancellation* cancellation);
   absl::StatusOr<Trial> TryNode(const RunId& run, const std::string& node, std::optional<uint64_t> turn,
                                 const std::string& text, const std::string& name, Cancellation* cancellation);
+  // INVALID_ARGUMENT: the document has errors, or no such flow; NOT_FOUND, OUT_OF_RANGE: of the turn.
+  absl::StatusOr<Simulation> Simulate(const SimulationRequest& request, Cancellation* cancellation);
   // The case, and what a replay of it does otherwise.
   absl::StatusOr<Replayed> Save(const RunId& run, Cancellation* cancellation);
 

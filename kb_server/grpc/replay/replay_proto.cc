@@ -1,9 +1,16 @@
 #include "kb_server/grpc/replay/replay_proto.h"
 
+#include <cmath>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
 #include "graph/wire/term_proto.h"
+#include "kb_server/grpc/convert.h"
 
 namespace docent::server {
 namespace {
+
+constexpr double kAnHour = 3600, kADay = 86400;
 
 void AddNamed(const std::string& name, const Term& value,
               google::protobuf::RepeatedPtrField<v1::NamedTerm>* to) {
@@ -83,6 +90,79 @@ void ToProto(const Trial& trial, const std::string& node, v1::TryNodeReply* repl
     reply->set_waits_for(wait.ask);
     reply->set_missing(wait.missing);
   }
+}
+
+void ToProto(const Simulation& simulation, v1::SimulateReply* reply) {
+  const Play& play = simulation.play;
+  const TimeMicros begin_us = simulation.world.turns.front().time_us;
+  const auto after = [begin_us](TimeMicros time_us) { return static_cast<double>(time_us - begin_us) / 1e6; };
+  reply->set_turn(simulation.world.last_turn);
+  reply->set_started_us(begin_us);
+  reply->set_state(play.course.state);
+  reply->set_reason(play.course.reason);
+  for (const Decision& decision : play.course.decisions) {
+    if (decision.kind == Decision::Kind::kCancel) continue;
+    v1::SimulatedStep* step = reply->add_steps();
+    step->set_node(decision.node);
+    step->set_after_s(after(decision.time_us));
+    ToProto(decision, step->mutable_step());
+    reply->set_ended_s(step->after_s());
+  }
+  for (const SimulatedPose& pose : play.poses) {
+    v1::SimulatedPose* out = reply->add_poses();
+    out->set_robot(pose.robot.value());
+    out->set_after_s(after(pose.time_us));
+    out->set_x(pose.x_m);
+    out->set_y(pose.y_m);
+  }
+  for (const PlayedWait& wait : play.waits) {
+    v1::SimulatedWait* out = reply->add_waits();
+    out->set_node(wait.node);
+    out->set_waits_for(wait.ask);
+    out->set_missing(wait.missing);
+  }
+  reply->set_pending(play.pending);
+  reply->set_stopped(play.stopped);
+  for (const std::string& note : play.notes) reply->add_notes(note);
+  for (const auto& [name, value] : play.course.variables) AddNamed(name, value, reply->mutable_variables());
+}
+
+absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request) {
+  SimulationRequest out;
+  out.text = request.cawl();
+  out.name = request.name();
+  out.flow = request.flow();
+  auto arguments = FromProto(request.arguments(), "arguments");
+  if (!arguments.ok()) return arguments.status();
+  out.arguments = *std::move(arguments);
+  if (request.turn() != 0) out.turn = request.turn();
+  const double seconds = request.seconds() == 0 ? kAnHour : request.seconds();
+  if (!(seconds > 0 && seconds <= kADay)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("seconds: ", request.seconds(), " is not above 0 and at most ", kADay, " (a day)"));
+  }
+  out.lasting_us = std::llround(seconds * 1e6);
+  for (int i = 0; i < request.told_size(); ++i) {
+    const v1::SimulatedTelling& given = request.told(i);
+    const std::string place = absl::StrCat("told[", i, "]");
+    if (!(given.after_s() >= 0 && given.after_s() <= kADay)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(place, ".after_s: ", given.after_s(), " is not from 0 to ", kADay, " (a day)"));
+    }
+    SimulatedTelling telling;
+    telling.after_us = std::llround(given.after_s() * 1e6);
+    for (const auto& [quads, kind, what] :
+         {std::tuple(&given.remove(), QuadOperation::Kind::kRemove, "remove"),
+          std::tuple(&given.add(), QuadOperation::Kind::kAdd, "add")}) {
+      for (int q = 0; q < quads->size(); ++q) {
+        auto quad = FromProto(quads->Get(q), absl::StrCat(place, ".", what, "[", q, "]"));
+        if (!quad.ok()) return quad.status();
+        telling.changes.push_back({kind, *std::move(quad)});
+      }
+    }
+    out.told.push_back(std::move(telling));
+  }
+  return out;
 }
 
 }  // namespace docent::server

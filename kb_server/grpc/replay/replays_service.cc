@@ -59,6 +59,22 @@ grpc::ServerUnaryReactor* ReplaysService::TryNode(grpc::CallbackServerContext*,
   });
 }
 
+grpc::ServerUnaryReactor* ReplaysService::Simulate(grpc::CallbackServerContext*,
+                                                   const v1::SimulateRequest* request,
+                                                   v1::SimulateReply* reply) {
+  return Work([this, request, reply](Cancellation* cancellation) -> absl::Status {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok())
+      return size;
+    absl::StatusOr<SimulationRequest> wanted = FromProto(*request);
+    if (!wanted.ok()) return wanted.status();
+    wanted->now_us = ports_.clock->Now();
+    const absl::StatusOr<Simulation> simulation = replays_.Simulate(*wanted, cancellation);
+    if (!simulation.ok()) return simulation.status();
+    ToProto(*simulation, reply);
+    return absl::OkStatus();
+  });
+}
+
 grpc::ServerUnaryReactor* ReplaysService::Save(grpc::CallbackServerContext*,
                                                const v1::SaveRunRequest* request, v1::SaveRunReply* reply) {
   return Work([this, request, reply](Cancellation* cancellation) -> absl::Status {

@@ -19,6 +19,8 @@ class ReplaysService final : public v1::Replays::CallbackService {
                                    v1::ReplayReply* reply) override;
   grpc::ServerUnaryReactor* TryNode(grpc::CallbackServerContext* context, const v1::TryNodeRequest* request,
                                     v1::TryNodeReply* reply) override;
+  grpc::ServerUnaryReactor* Simulate(grpc::CallbackServerContext* context, const v1::SimulateRequest* request,
+                                     v1::SimulateReply* reply) override;
   grpc::ServerUnaryReactor* Save(grpc::CallbackServerContext* context, const v1::SaveRunRequest* request,
                                  v1::SaveRunReply* reply) override;
 
