@@ -78,7 +78,8 @@ void Drive(const Decision& command, maps::Point2 from, maps::Point2 to, Simulate
   const auto pose = [&](double at) {
     const double share = seconds == 0 ? 1 : std::min(1.0, at / seconds);
     simulated->poses.push_back({command.time_us + Micros(at), command.command, command.robot,
-                                from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)});
+                                from.x_m + share * (to.x_m - from.x_m),
+                                from.y_m + share * (to.y_m - from.y_m)});
   };
   for (double at = 1; at < seconds; ++at) pose(at);
   pose(seconds);
@@ -112,7 +113,8 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
   std::set<std::string> offered;
   for (const TermQuad& fact : world->facts) {
     const std::string& predicate = fact.predicate.lexical;
-    if (predicate == kRdfType && fact.object.lexical == DocentIri("Robot")) robots.insert(fact.subject.lexical);
+    if (predicate == kRdfType && fact.object.lexical == DocentIri("Robot"))
+      robots.insert(fact.subject.lexical);
     if (predicate == DocentIri("incarnation")) joined.insert(fact.subject.lexical);
     if (predicate != DocentIri("offers")) continue;
     if (const auto name = OperationOfIri(fact.object.lexical)) offered.insert(*name);
@@ -129,25 +131,31 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
   });
   for (const auto& [robot, run] : std::exchange(world->held, {})) hindered.insert(robot.value());
   const auto tell = [world](const std::string& robot, std::string_view property, Term value) {
-    world->facts.push_back({Term::Iri(robot), Term::Iri(DocentIri(property)), std::move(value), Term::Iri(robot)});
+    world->facts.push_back(
+        {Term::Iri(robot), Term::Iri(DocentIri(property)), std::move(value), Term::Iri(robot)});
   };
   for (const std::string& robot : robots) {
     tell(robot, "status", Term::Iri(DocentIri("Standby")));
     if (!joined.contains(robot)) tell(robot, "incarnation", Term::Literal("simulated"));
   }
   if (!hindered.empty()) {
-    notes.push_back(absl::StrCat("taken to be ready: ", absl::StrJoin(hindered, ", ", [](std::string* out, const std::string& robot) {
-                                   absl::StrAppend(out, "<", robot, ">");
-                                 })));
+    notes.push_back(absl::StrCat(
+        "taken to be ready: ", absl::StrJoin(hindered, ", ", [](std::string* out, const std::string& robot) {
+          absl::StrAppend(out, "<", robot, ">");
+        })));
   }
   std::vector<std::string> missing;
-  std::set_difference(operations.begin(), operations.end(), offered.begin(), offered.end(), std::back_inserter(missing));
+  std::set_difference(operations.begin(), operations.end(), offered.begin(), offered.end(),
+                      std::back_inserter(missing));
   if (missing.empty()) return notes;
-  world->facts.push_back({Term::Iri(kExtraRobot), Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("Robot")), Term::Iri(kExtraRobot)});
+  world->facts.push_back({Term::Iri(kExtraRobot), Term::Iri(std::string(kRdfType)),
+                          Term::Iri(DocentIri("Robot")), Term::Iri(kExtraRobot)});
   tell(kExtraRobot, "status", Term::Iri(DocentIri("Standby")));
   tell(kExtraRobot, "incarnation", Term::Literal("simulated"));
-  for (const std::string& operation : operations) tell(kExtraRobot, "offers", Term::Iri(OperationIri(operation)));
-  notes.push_back(absl::StrCat("no robot offers ", absl::StrJoin(missing, ", "), ": a simulated one does (<", kExtraRobot, ">)"));
+  for (const std::string& operation : operations)
+    tell(kExtraRobot, "offers", Term::Iri(OperationIri(operation)));
+  notes.push_back(absl::StrCat("no robot offers ", absl::StrJoin(missing, ", "), ": a simulated one does (<",
+                               kExtraRobot, ">)"));
   return notes;
 }
 

@@ -13,9 +13,9 @@
 
 namespace docent::server {
 
-inline constexpr double kSimulatedSpeed = 0.6;        // m/s
+inline constexpr double kSimulatedSpeed = 0.6;  // m/s
 inline constexpr double kSimulatedWordsPerSecond = 2.5;
-inline constexpr double kSimulatedMoment = 3;         // s
+inline constexpr double kSimulatedMoment = 3;  // s
 
 // A robot's position in the hall's frame.
 struct SimulatedPose {

@@ -127,12 +127,12 @@ void ToProto(const Simulation& simulation, v1::SimulateReply* reply) {
   for (const auto& [name, value] : play.course.variables) AddNamed(name, value, reply->mutable_variables());
 }
 
-absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request) {
+absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request, const Limits& limits) {
   SimulationRequest out;
   out.text = request.cawl();
   out.name = request.name();
   out.flow = request.flow();
-  auto arguments = FromProto(request.arguments(), "arguments");
+  auto arguments = FromProto(request.arguments(), "arguments", limits);
   if (!arguments.ok()) return arguments.status();
   out.arguments = *std::move(arguments);
   if (request.turn() != 0) out.turn = request.turn();

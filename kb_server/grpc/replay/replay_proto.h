@@ -14,7 +14,7 @@ void ToProto(const Replayed& replayed, v1::ReplayReply* reply);
 void ToProto(const Trial& trial, const std::string& node, v1::TryNodeReply* reply);
 void ToProto(const Simulation& simulation, v1::SimulateReply* reply);
 // INVALID_ARGUMENT naming the place. Without time and flow of time.
-absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request);
+absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request, const Limits& limits);
 
 }  // namespace docent::server
 

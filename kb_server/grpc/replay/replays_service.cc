@@ -65,7 +65,7 @@ grpc::ServerUnaryReactor* ReplaysService::Simulate(grpc::CallbackServerContext*,
   return Work([this, request, reply](Cancellation* cancellation) -> absl::Status {
     if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok())
       return size;
-    absl::StatusOr<SimulationRequest> wanted = FromProto(*request);
+    absl::StatusOr<SimulationRequest> wanted = FromProto(*request, ports_.limits);
     if (!wanted.ok()) return wanted.status();
     wanted->now_us = ports_.clock->Now();
     const absl::StatusOr<Simulation> simulation = replays_.Simulate(*wanted, cancellation);

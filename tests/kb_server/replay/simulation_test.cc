@@ -39,8 +39,9 @@ class SimulationTest : public ReplayTest {
     for (const Decision& decision : simulation->play.course.decisions) {
       if (decision.node.empty() || (decision.kind == Decision::Kind::kState && decision.to == "inactive"))
         continue;
-      steps.push_back(absl::StrCat((decision.time_us - begin_us) / kSecond, " ", decision.node, " ",
-                                   decision.kind == Decision::Kind::kState ? decision.to : decision.operation));
+      steps.push_back(
+          absl::StrCat((decision.time_us - begin_us) / kSecond, " ", decision.node, " ",
+                       decision.kind == Decision::Kind::kState ? decision.to : decision.operation));
     }
     return steps;
   }
@@ -55,8 +56,8 @@ TEST_F(SimulationTest, RunsToItsEndWithWhatIsToldMeanwhile) {
   const auto simulation = Simulate(request);
   EXPECT_THAT(Steps(simulation),
               ElementsAre("0 Come waiting", "0 Come running", "0 Come come", "3 Come done", "3 Lead waiting",
-                          "20 Lead running", "20 Lead lead", "23 Lead done", "23 Bye waiting", "23 Bye running",
-                          "23 Bye bye", "26 Bye done"));
+                          "20 Lead running", "20 Lead lead", "23 Lead done", "23 Bye waiting",
+                          "23 Bye running", "23 Bye bye", "26 Bye done"));
   EXPECT_EQ(simulation->play.course.state, "done");
   EXPECT_EQ(simulation->play.course.variables.at("user").lexical, Iri("John").lexical);
   EXPECT_EQ(head_, before) << "nothing is written";
@@ -110,7 +111,8 @@ TEST_F(SimulationTest, RobotDrivesToThePlaceAndIsThere) {
   const auto says = [lead = Term::Iri(OperationIri("lead"))](const std::string& property, Term value) {
     return TermQuad{lead, Iri(property), std::move(value), Iri("R1")};
   };
-  Turn(test::Tell({says("docent:occupies", Term::Literal("base")), says("docent:input", Term::Literal("booth")),
+  Turn(test::Tell({says("docent:occupies", Term::Literal("base")),
+                   says("docent:input", Term::Literal("booth")),
                    says("docent:inputsKnown", Term::Boolean(true)),
                    Fact("R1", "docent:x", Term::Literal("1.0", std::string(kXsdDecimal))),
                    Fact("R1", "docent:y", Term::Literal("2.0", std::string(kXsdDecimal))),
