@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <deque>
+#include <filesystem>
 #include <iostream>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "graph/base/data_files.h"
 #include "graph/base/source_texts.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/formats/text_input.h"
@@ -87,14 +89,10 @@ class Checker {
   // Ontologies, RSEL processes and the names of workflows first, so that workflows are checked against them whatever the
   // order of the files.
   absl::Status Prepare() {
-    for (const std::string& file : arguments_.ontologies) {
-      auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
-      if (!rdf.ok()) return rdf.status();
-      ParsedRdf parsed = ParseScoped(file, *rdf);
-      if (!parsed.ok()) return ToStatus(parsed, rdf->text);
-      environment_.AddOntology(parsed.quads);
-      has_environment_ = true;
-      files_.AddRdf(file, *rdf, true);
+    for (const std::vector<std::string>& files : {OwnOntology(), arguments_.ontologies}) {
+      for (const std::string& file : files) {
+        if (absl::Status added = AddOntology(file); !added.ok()) return added;
+      }
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRdf) continue;
@@ -206,6 +204,35 @@ class Checker {
   }
 
  private:
+  // The modules of Docent's own ontology, but for those that are checked themselves. None where the program has come without
+  // its files: then the words of docent: are checked only where they are described.
+  std::vector<std::string> OwnOntology() const {
+    std::vector<std::string> modules;
+    const absl::StatusOr<std::string> folder = FindDataFile("ontology");
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.value_or(""), error)) {
+      const auto is_module = [&entry](const std::string& file) {
+        std::error_code none;
+        return std::filesystem::equivalent(file, entry.path(), none);
+      };
+      if (entry.path().extension() != ".ttl") continue;
+      if (std::any_of(arguments_.files.begin(), arguments_.files.end(), is_module)) continue;
+      modules.push_back(entry.path().string());
+    }
+    std::sort(modules.begin(), modules.end());
+    return modules;
+  }
+
+  absl::Status AddOntology(const std::string& file) {
+    auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
+    if (!rdf.ok()) return rdf.status();
+    ParsedRdf parsed = ParseScoped(file, *rdf);
+    if (!parsed.ok()) return ToStatus(parsed, rdf->text);
+    environment_.AddOntology(parsed.quads);
+    files_.AddRdf(file, *rdf, true);
+    return absl::OkStatus();
+  }
+
   // The workflows among the files, which each of them may name as a sub-flow.
   absl::Status AddWorkflows() {
     for (const std::string& file : arguments_.files) {
@@ -228,8 +255,10 @@ class Checker {
   }
 
   std::vector<ontology::Finding> CheckCawl(const std::string& file, const std::string& text) {
-    const bool check_words = has_environment_ || has_operations_ || environment_.HasWords();
-    cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
+    // Workflows by themselves say nothing of what there is beside them.
+    environment_.SetKnowsServices(has_operations_ || !rdf_texts_.empty() || !arguments_.ontologies.empty());
+    const bool knows = environment_.KnowsServices() || environment_.HasWords();
+    cawl::CheckReport report = cawl::CheckDocument(text, file, knows ? &environment_ : nullptr);
     std::vector<ontology::Finding> findings = AsFindings("workflow", report.diagnostics);
     if (report.ok()) {
       Append(files_.Rehearse({Document::Kind::kCawl, Document::Action::kPut, file, text,
@@ -312,7 +341,11 @@ class Checker {
       std::cerr << texts_.Render({shown});
       if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(Named(finding.proof), "    ");
     }
-    if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
+    if (bad || arguments_.ask) return;
+    std::cout << file << ": ok";
+    if (!findings.empty())
+      std::cout << ", " << findings.size() << (findings.size() == 1 ? " warning" : " warnings");
+    std::cout << "\n";
   }
 
   const CheckArguments& arguments_;
@@ -321,7 +354,6 @@ class Checker {
   std::deque<std::string> read_;
   SourceTexts texts_;  // of them
   cawl::QuadEnvironment environment_;
-  bool has_environment_ = false;
   bool has_operations_ = false;
   std::map<std::string, Diagnostics> fixable_;  // with --fix: what was found, by file
   size_t scopes_ = 0;
@@ -370,10 +402,13 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
       ->add_option(
           "files", arguments->files,
           "Files; the ending of the name tells what each is. The words of RDF, rules and queries are checked "
-          "against the vocabulary of all RDF files that are named; workflows may invoke each other and the "
+          "against Docent's ontology and the vocabulary of all RDF files that are named; workflows may "
+          "invoke each other and the "
           "robot services that are named")
       ->required();
-  command->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used, too")
+  command
+      ->add_option("--ontology", arguments->ontologies,
+                   "Ontology file whose words may be used, too; the option stands before each")
       ->type_name("FILE")
       ->allow_extra_args(false);
   AddBaseOption(command, &arguments->base);

@@ -93,9 +93,29 @@ class Check(StageTest):
     def test_a_workflow_is_held_to_the_words_of_ontologies_checked_with_it(self):
         text = WORKFLOW.replace("$usr", "$user").replace("Gret", "Greet").replace(" timeout=\"1min\"", "").replace("docent:isAt", "docent:isBesides")
         file = self.file("t.cawl.xml", text)
-        self.assertNotIn("isBesides", self.docent("check", file).stderr)
-        done = self.docent("check", file, *sorted(stage.ROOT.glob("ontology/*.ttl")))
+        self.assertIn("isBesides", self.docent("check", file).stderr)  # Docent's own words are always known
+        other = self.file("other.cawl.xml", text.replace("https://w3id.org/docent#", "http://example.org/"))
+        self.assertNotIn("isBesides", self.docent("check", other).stderr)
+        words = self.file("words.ttl", WORDS)
+        done = self.docent("check", other, words)
         self.assertIn("isBesides", done.stdout + done.stderr)
+
+    def test_words_of_docent_are_checked_in_every_kind_of_file(self):
+        prefix = "PREFIX docent: <https://w3id.org/docent#> "
+        for name, text in (("t.rules", prefix + 'RULE { ?a <urn:p> "x" } WHERE { ?a docent:isatt ?b }'),
+                           ("t.rq", prefix + "SELECT * { ?a docent:isatt ?b }"),
+                           ("t.ttl", "@prefix docent: <https://w3id.org/docent#> . <urn:a> docent:isatt <urn:b> .")):
+            done = self.docent("check", self.file(name, text))
+            self.assertEqual(done.returncode, 1, name)
+            self.assertIn("docent:isatt is not defined", done.stderr)
+            good = self.docent("check", self.file(name, text.replace("isatt", "isAt")))
+            self.assertEqual((good.returncode, good.stderr), (0, ""), name)
+
+    def test_modules_of_the_ontology_are_checked_by_themselves(self):
+        modules = sorted(stage.ROOT.glob("ontology/*.ttl"))
+        done = self.docent("check", *modules)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(len(done.stdout.splitlines()), len(modules))
 
     def test_workflow_findings_have_rules(self):
         ontologies = [a for f in sorted(stage.ROOT.glob("ontology/*.ttl")) for a in ("--ontology", f)]

@@ -50,6 +50,8 @@ class Environment {
   virtual ~Environment() = default;
   virtual std::optional<OperationSignature> FindOperation(std::string_view name) const = 0;
   virtual std::vector<std::string> OperationNames() const = 0;
+  // False: nothing is known of operations and flows of other documents, and a name that is not found is no finding.
+  virtual bool KnowsServices() const { return true; }
   // IRIs of the classes of operations that robots describe now; nullopt: it is not known which robots there are.
   virtual std::optional<std::vector<std::string>> OfferedCapabilities() const { return std::nullopt; }
   // What robots describe now, once for each robot.
@@ -90,11 +92,13 @@ class QuadEnvironment final : public Environment {
   void AddDescribed(DescribedOperation operation) { described_.push_back(std::move(operation)); }
   // They must outlive the environment.
   void SetFunctions(const sparql::FunctionRegistry* functions) { functions_ = functions; }
+  void SetKnowsServices(bool knows) { knows_services_ = knows; }
   // Whether one of the ontologies declares a class or a property.
   bool HasWords() const { return !classes_.empty() || !properties_.empty(); }
 
   std::optional<OperationSignature> FindOperation(std::string_view name) const override;
   std::vector<std::string> OperationNames() const override;
+  bool KnowsServices() const override { return knows_services_; }
   std::optional<std::vector<std::string>> OfferedCapabilities() const override { return capabilities_; }
   std::vector<DescribedOperation> Described() const override { return described_; }
   const sparql::FunctionRegistry* Functions() const override { return functions_; }
@@ -120,6 +124,7 @@ class QuadEnvironment final : public Environment {
   std::set<std::string, std::less<>> known_;
   Facts objects_, subjects_;
   const sparql::FunctionRegistry* functions_ = nullptr;
+  bool knows_services_ = true;
 };
 
 }  // namespace docent::cawl

@@ -59,7 +59,7 @@ class EnvironmentChecker {
   std::optional<OperationSignature> CheckOperation(const Text& name) {
     if (name.empty()) return std::nullopt;
     std::optional<OperationSignature> found = environment_.FindOperation(name.value);
-    if (!found && !reader_.full()) {
+    if (!found && environment_.KnowsServices() && !reader_.full()) {
       const std::string known = operations_.empty()
                                     ? "no robot offers anything now and no RSEL process is registered"
                                     : Concat("there are: ", xml::ListOf(operations_));
@@ -117,6 +117,7 @@ class EnvironmentChecker {
 
   void CheckSubflow(const Text& name) {
     if (name.empty() || document_.FindFlow(name.value) != nullptr || reader_.full()) return;
+    if (!environment_.KnowsServices()) return;
     std::vector<std::string> known = environment_.ApplicationServices();
     if (std::find(known.begin(), known.end(), name.value) != known.end()) return;
     for (const Flow& flow : document_.flows) known.push_back(flow.name.value);
