@@ -106,13 +106,13 @@ std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index
     std::vector<std::pair<size_t, TermBinding>> more;
     for (const auto& [match, binding] : all) {
       for (const TermBinding& solution : *list->second) {
-        if (more.size() == kSolutionLimit) break;
+        if (more.size() == kEachLimit) break;
         more.emplace_back(match, binding).second.insert(solution.begin(), solution.end());
       }
     }
     all = std::move(more);
   }
-  if (lists.empty()) return all;
+  if (lists.empty() || all.size() == kEachLimit) return all;  // those are too many
   std::set<std::vector<Term>> seen;
   std::erase_if(all, [&](const auto& binding) {
     std::vector<Term> key;
@@ -178,9 +178,10 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
   auto bindings = EachBinding(index);
   const size_t count = bindings.size() * syntax.invokes.size();
   if (count > kRunLimits.node_invocations) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        "it would have ", count, " invocations: ", syntax.invokes.size(), " for each of ", bindings.size(),
-        " bindings; the limit node_invocations is ", kRunLimits.node_invocations));
+    return absl::ResourceExhaustedError(
+        absl::StrCat("it would have ", bindings.size() == kEachLimit ? "at least " : "", count,
+                     " invocations: ", syntax.invokes.size(),
+                     " for each binding; the limit node_invocations is ", kRunLimits.node_invocations));
   }
   if (count > 1) {
     if (const std::string full = core_.WhyNoNodes(count); !full.empty())

@@ -49,8 +49,14 @@ void RunStepper::TakeEvents(ArmedCondition* armed) {
   core_.event_waits.SetHolds(armed->handle, !armed->waiting_events.empty());
 }
 
+size_t RunStepper::MostSolutions(size_t index) const {
+  return flow_.nodes[index].for_each.empty() ? kSolutionLimit : kEachLimit;
+}
+
 // The solutions with which a condition can open its node now.
-absl::StatusOr<std::vector<TermBinding>> RunStepper::Solutions(const ArmedCondition& armed) const {
+absl::StatusOr<std::vector<TermBinding>> RunStepper::Solutions(size_t index,
+                                                               const ArmedCondition& armed) const {
+  const size_t most = MostSolutions(index);
   std::vector<TermBinding> all;
   std::vector<TermBinding> fixed;
   if (!armed.ask.by_event()) {
@@ -59,12 +65,12 @@ absl::StatusOr<std::vector<TermBinding>> RunStepper::Solutions(const ArmedCondit
     fixed.assign(armed.waiting_events.begin(), armed.waiting_events.end());
   }
   for (const TermBinding& binding : fixed) {
-    auto solutions = core_.input->conditions->Solutions(armed.handle, binding, kSolutionLimit);
+    auto solutions = core_.input->conditions->Solutions(armed.handle, binding, most);
     if (absl::IsResourceExhausted(solutions.status())) return solutions.status();
     if (solutions.ok()) std::move(solutions->begin(), solutions->end(), std::back_inserter(all));
-    if (all.size() >= kSolutionLimit) break;
+    if (all.size() >= most) break;
   }
-  if (all.size() > kSolutionLimit) all.resize(kSolutionLimit);
+  if (all.size() > most) all.resize(most);
   return all;
 }
 
@@ -232,9 +238,16 @@ std::vector<TermBinding> RunStepper::ChooseMatches(size_t index, const ArmedCond
 
 // Robots of solutions that cannot be used, because they serve other runs or take no commands, are added to `busy`.
 bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy) {
-  absl::StatusOr<std::vector<TermBinding>> solutions = Solutions(armed);
+  absl::StatusOr<std::vector<TermBinding>> solutions = Solutions(index, armed);
   if (!solutions.ok()) {
     GiveUp(index, solutions.status());
+    return true;
+  }
+  if (solutions->size() == kEachLimit) {
+    GiveUp(index,
+           absl::ResourceExhaustedError(absl::StrCat(
+               "its condition has more than ", kRunLimits.node_invocations,
+               " matches for ext:forEach; the limit node_invocations is ", kRunLimits.node_invocations)));
     return true;
   }
   const std::vector<TermBinding> chosen = ChooseMatches(index, armed, *std::move(solutions), busy);

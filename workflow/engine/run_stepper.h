@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graph/base/run_limits.h"
 #include "workflow/engine/engine_core.h"
 
 namespace docent::engine {
@@ -16,8 +17,10 @@ namespace docent::engine {
 // "90 s", "2 min", "1500 ms": a time of a document, for people.
 std::string TimeText(int64_t ms);
 
-// Solutions looked at to find one whose robot is free, and the most that forEach takes.
+// Solutions looked at to find one whose robot is free.
 inline constexpr size_t kSolutionLimit = 1000;
+// Of a node with forEach: one more than it can have, so that it fails.
+inline constexpr size_t kEachLimit = kRunLimits.node_invocations + 1;
 
 // The reason of a running node begins so while what interrupted it ends.
 inline constexpr std::string_view kInterrupted = "interrupted: ";
@@ -95,7 +98,8 @@ class RunStepper {
 
   // run_matches.cc: the matches that open a node, and their robots
   void TakeEvents(ArmedCondition* armed);
-  absl::StatusOr<std::vector<TermBinding>> Solutions(const ArmedCondition& armed) const;
+  size_t MostSolutions(size_t index) const;
+  absl::StatusOr<std::vector<TermBinding>> Solutions(size_t index, const ArmedCondition& armed) const;
   bool HasToAskAgain(const ArmedCondition& armed) const;
   void AskAgain();
   // Better ones first. kOffersNot: it is offline or does not offer it, and its invocation waits until it does.
