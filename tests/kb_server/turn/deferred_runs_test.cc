@@ -299,7 +299,8 @@ TEST_F(DeferredRunsTest, ANodeHasSoManyInvocations) {
   };
   EXPECT_THAT(why_failed(7), HasSubstr("it would have 10500 invocations: 7 for each binding"));
   Turn(Facts(1500, 10001, "in"));
-  EXPECT_THAT(why_failed(1), HasSubstr("more than 10000 matches for ext:forEach; the limit node_invocations"));
+  EXPECT_THAT(why_failed(1),
+              HasSubstr("more than 10000 matches for ext:forEach; the limit node_invocations"));
 }
 
 TEST_F(DeferredRunsTest, AConditionKeepsTheMatchesOfAGraphThatWasLarger) {
