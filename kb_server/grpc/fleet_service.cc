@@ -156,21 +156,49 @@ void FleetService::Accept(grpc::ServerUnaryReactor* reactor, const v1::JoinReque
   if (!HasFacts(FactsOfJoin(join, *ports_.dictionary, *now), *ports_.dictionary, *now))
     leases_.Untell(join.robot);
   std::string text = absl::StrCat(request.address(), "\n", description.SerializeAsString());
-  leases_.Renew(description.robot(), text, [this, reactor, reply, text, join = std::move(join)](bool tell) {
-    GraphVersionPtr version = ports_.queries->Newest();
-    reply->set_revision(version->revision().value());
-    if (!tell) return reactor->Finish(grpc::Status::OK);
-    reply->set_tell_states(true);
-    ports_.inbox->Push(
-        FactsOfJoin(join, *ports_.dictionary, *version),
-        [this, reactor, reply, robot = join.robot, text](const absl::StatusOr<BatchOutcome>& outcome) {
-          if (outcome.ok()) reply->set_revision(outcome->offset);
-          leases_.Told(robot, text, outcome.ok());
-          for (const std::string& warning : reply->warnings())
-            spdlog::warn("{} joined, but for: {}", robot, warning);
-          reactor->Finish(ToGrpc(outcome.status()));
-        });
-  });
+  leases_.Renew(description.robot(), description.incarnation(), text,
+                [this, reactor, reply, text, join = std::move(join)](bool tell) {
+                  GraphVersionPtr version = ports_.queries->Newest();
+                  reply->set_revision(version->revision().value());
+                  if (!tell) return reactor->Finish(grpc::Status::OK);
+                  reply->set_tell_states(true);
+                  ports_.inbox->Push(FactsOfJoin(join, *ports_.dictionary, *version),
+                                     [this, reactor, reply, robot = join.robot,
+                                      text](const absl::StatusOr<BatchOutcome>& outcome) {
+                                       if (outcome.ok()) reply->set_revision(outcome->offset);
+                                       leases_.Told(robot, text, outcome.ok());
+                                       for (const std::string& warning : reply->warnings())
+                                         spdlog::warn("{} joined, but for: {}", robot, warning);
+                                       reactor->Finish(ToGrpc(outcome.status()));
+                                     });
+                });
+}
+
+grpc::ServerUnaryReactor* FleetService::Leave(grpc::CallbackServerContext* context,
+                                              const v1::LeaveRequest* request, v1::LeaveReply* reply) {
+  if (request->robot().empty() || request->incarnation().empty()) {
+    return FinishNow(context,
+                     ToGrpc(absl::InvalidArgumentError(
+                         "robot or incarnation is empty; give both as the adapter joined with them")));
+  }
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  leases_.Leave(
+      request->robot(), request->incarnation(), [this, reactor, reply](const FleetLeases::Lost* lost) {
+        const GraphVersionPtr version = ports_.queries->Newest();
+        reply->set_revision(version->revision().value());
+        if (lost == nullptr) return reactor->Finish(grpc::Status::OK);
+        ports_.inbox->Push(
+            FactsOfLoss(lost->robot, lost->seen_us, *ports_.dictionary, *version),
+            [this, reactor, reply, robot = lost->robot](const absl::StatusOr<BatchOutcome>& outcome) {
+              if (outcome.ok()) {
+                spdlog::info("{} has left: offline", robot);
+                reply->set_revision(outcome->offset);
+              }
+              leases_.ToldLost(robot, outcome.ok());
+              reactor->Finish(ToGrpc(outcome.status()));
+            });
+      });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,

@@ -150,6 +150,8 @@ class FleetService final : public v1::Fleet::CallbackService {
   FleetService(const WritePorts& ports, FleetLeases* leases) : ports_(ports), leases_(*leases) {}
   grpc::ServerUnaryReactor* Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
                                  v1::JoinReply* reply) override;
+  grpc::ServerUnaryReactor* Leave(grpc::CallbackServerContext* context, const v1::LeaveRequest* request,
+                                  v1::LeaveReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListRobotsRequest* request,
                                  v1::ListRobotsReply* reply) override;
   grpc::ServerUnaryReactor* TakeOutOfService(grpc::CallbackServerContext* context,

@@ -25,20 +25,38 @@ std::string FleetLeases::RivalOf(const std::string& robot) const {
   return lease_clock_.Now() - lease->second.rival_us < int64_t{kLeaseMs} * 1000 ? lease->second.rival : "";
 }
 
-void FleetLeases::Renew(const std::string& robot, const std::string& description, Decided decided) {
+void FleetLeases::Renew(const std::string& robot, const std::string& incarnation,
+                        const std::string& description, Decided decided) {
+  News news{description, false, std::move(decided)};
   bool tell = false;
   {
     absl::MutexLock lock(&mutex_);
     Lease& lease = leases_[robot];
+    lease.incarnation = incarnation;
     lease.seen_us = clock_.Now();
     lease.until_us = lease_clock_.Now() + int64_t{kLeaseMs} * 1000;
-    if (lease.under_way) {
-      lease.waiting.push_back({description, std::move(decided)});
-      return;
-    }
-    tell = lease.under_way = HasToBeTold(lease, description);
+    if (lease.under_way) return lease.waiting.push_back(std::move(news));
+    tell = lease.under_way = HasToBeTold(lease, news);
   }
-  decided(tell);
+  news.decided(tell);
+}
+
+void FleetLeases::Leave(const std::string& robot, const std::string& incarnation,
+                        std::function<void(const Lost* lost)> decided) {
+  const Lost lost{robot, clock_.Now()};
+  News news{"", true, [lost, decided = std::move(decided)](bool tell) { decided(tell ? &lost : nullptr); }};
+  bool tell = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto found = leases_.find(robot);
+    if (found != leases_.end() && found->second.incarnation == incarnation) {
+      Lease& lease = found->second;
+      lease.until_us = 0;
+      if (lease.under_way) return lease.waiting.push_back(std::move(news));
+      tell = lease.under_way = HasToBeTold(lease, news);
+    }
+  }
+  news.decided(tell);
 }
 
 void FleetLeases::Untell(const std::string& robot) {
@@ -55,10 +73,12 @@ void FleetLeases::Told(const std::string& robot, const std::string& description,
   });
 }
 
-void FleetLeases::Expect(const std::string& robot, const std::string& address) {
+void FleetLeases::Expect(const std::string& robot, const std::string& address,
+                         const std::string& incarnation) {
   absl::MutexLock lock(&mutex_);
   Lease& lease = leases_[robot];
   lease.address = address;
+  lease.incarnation = incarnation;
   lease.until_us = lease_clock_.Now() + int64_t{kLeaseMs} * 1000;
   lease.online = true;
 }
@@ -103,7 +123,7 @@ void FleetLeases::End(const std::string& robot, const std::function<void(Lease*)
     lease.under_way = false;
     auto it = lease.waiting.begin();
     for (; it != lease.waiting.end() && next == nullptr; ++it) {
-      if (HasToBeTold(lease, it->description)) {
+      if (HasToBeTold(lease, *it)) {
         next = std::move(it->decided);
         lease.under_way = true;
       } else {

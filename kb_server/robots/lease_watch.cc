@@ -13,8 +13,10 @@ namespace docent::server {
 void LeaseWatch::Begin() {
   const GraphVersionPtr version = queries_.Newest();
   const GraphReader graph(dictionary_, *version);
-  for (const std::string& robot : RobotsOnline(dictionary_, *version))
-    leases_.Expect(robot, AdapterOf(graph, robot).address);
+  for (const std::string& robot : RobotsOnline(dictionary_, *version)) {
+    const AdapterAddress adapter = AdapterOf(graph, robot);
+    leases_.Expect(robot, adapter.address, adapter.incarnation);
+  }
 }
 
 void LeaseWatch::Look() {

@@ -1,4 +1,4 @@
-// Facts of a robot's presence: that it joined, with its description; that its lease ran out. The writing side of
+// Facts of a robot's presence: that it joined, with its description; that its lease ran out, or that it left. The writing side of
 // robot_records.h. Values; any thread.
 #ifndef DOCENT_KB_SERVER_ROBOTS_ROBOT_FACTS_H_
 #define DOCENT_KB_SERVER_ROBOTS_ROBOT_FACTS_H_

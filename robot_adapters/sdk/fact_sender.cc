@@ -57,6 +57,7 @@ void FactSender::Clear(const std::string& subject, const std::string& predicate)
 void FactSender::SetAll(const std::string& subject,
                         std::vector<std::pair<std::string, std::optional<Term>>> values) {
   absl::MutexLock lock(&mutex_);
+  if (ended_.contains(subject)) return;
   for (const auto& [predicate, value] : values) {
     if (value && !IsMeasure(*value)) return Refuse({subject, predicate}, *value);
   }
@@ -118,10 +119,15 @@ absl::Status FactSender::Tell(std::vector<TermQuad> add, std::vector<TermQuad> r
   return absl::OkStatus();
 }
 
+void FactSender::EndStatesOf(const std::string& subject) {
+  absl::MutexLock lock(&mutex_);
+  ended_.insert(subject);
+}
+
 void FactSender::ResendStates() {
   absl::MutexLock lock(&mutex_);
   for (const auto& [key, value] : told_) {
-    if (value) PutState(key, value);
+    if (value && !ended_.contains(key.first)) PutState(key, value);
   }
 }
 

@@ -69,6 +69,9 @@ class FactSender {
   absl::Status Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove = {},
                     std::vector<Reading> readings = {});
 
+  // States of this subject are told no more.
+  void EndStatesOf(const std::string& subject);
+
   // Sends all states anew: the server may have forgotten them.
   void ResendStates();
 
@@ -104,7 +107,8 @@ class FactSender {
   std::deque<Batch> queue_ ABSL_GUARDED_BY(mutex_);
   std::map<StateKey, std::optional<Term>> told_ ABSL_GUARDED_BY(mutex_);  // newest value of each state
   std::map<StateKey, Term> sent_ ABSL_GUARDED_BY(mutex_);                 // what the server has or is getting
-  std::set<StateKey> unmeasured_ ABSL_GUARDED_BY(mutex_);                 // whose newest value was no measure
+  std::set<std::string> ended_ ABSL_GUARDED_BY(mutex_);    // subjects whose states are told no more
+  std::set<StateKey> unmeasured_ ABSL_GUARDED_BY(mutex_);  // whose newest value was no measure
   bool sending_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t requests_ ABSL_GUARDED_BY(mutex_) = 0;

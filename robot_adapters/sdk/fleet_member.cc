@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "absl/time/clock.h"
+
 namespace docent::robot {
 namespace {
 
@@ -21,6 +23,28 @@ FleetMember::FleetMember(ServerLink* link, v1::JoinRequest request, std::functio
       request_(std::move(request)),
       on_return_(std::move(on_return)),
       thread_([this] { Run(); }) {}
+
+void FleetMember::Leave(absl::Duration timeout) {
+  const absl::Time end = absl::Now() + timeout;
+  {
+    absl::MutexLock lock(&mutex_);
+    stopped_ = true;
+    // A Join that the server took after the Leave would make the robot be there again.
+    auto answered = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !joining_; };
+    if (!mutex_.AwaitWithTimeout(absl::Condition(&answered), timeout) || !joined_) return;
+    joined_ = false;
+  }
+  v1::LeaveRequest leave;
+  leave.set_robot(request_.description().robot());
+  leave.set_incarnation(request_.description().incarnation());
+  v1::LeaveReply reply;
+  const absl::Status status = link_->Leave(leave, &reply, end - absl::Now());
+  if (status.ok()) {
+    spdlog::info("left the fleet");
+  } else {
+    spdlog::warn("the server was not told that the robot leaves: {}", std::string(status.message()));
+  }
+}
 
 void FleetMember::Stop() {
   {
@@ -47,6 +71,11 @@ void FleetMember::Run() {
   absl::Duration retry = kFirstRetry;
   bool said = false;
   while (true) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (stopped_) return;
+      joining_ = true;
+    }
     v1::JoinReply reply;
     absl::Status status = link_->Join(request_, &reply, kCallTimeout);
     absl::Duration pause = retry;
@@ -61,9 +90,10 @@ void FleetMember::Run() {
     }
     {
       absl::MutexLock lock(&mutex_);
-      if (stopped_) return;
+      joining_ = false;
       returned = status.ok() && (!joined_ || reply.tell_states());
       joined_ = status.ok();
+      if (stopped_) return;
     }
     if (returned) {
       spdlog::info("joined the fleet, lease {} ms", reply.lease_ms());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "graph/base/steady_clock.h"
 #include "graph/rdf/vocabulary.h"
 #include "robot_adapters/sdk/activity.h"
@@ -19,6 +20,8 @@ namespace {
 
 // The server may probe a quiet feedback stream this often (robot_adapters/proxy does every 20 s).
 constexpr int kShortestPingMs = 5000;
+// A server that does not answer keeps the adapter's end waiting this long.
+constexpr absl::Duration kLeaveTimeout = absl::Seconds(1);
 
 void Add(const std::vector<Part>& parts, google::protobuf::RepeatedPtrField<v1::Part>* out) {
   for (const Part& part : parts) {
@@ -69,17 +72,26 @@ class RobotAdapter::Impl {
   ~Impl() { Shutdown(); }
 
   void Shutdown() {
+    const bool there = member != nullptr && member->joined();
+    if (there) Leave();
     if (commands != nullptr) commands->Stop();
     if (server != nullptr)
       server->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
     server.reset();
     service.reset();
     commands.reset();  // waits for the operations, whose last facts are told meanwhile
-    if (facts != nullptr)
-      facts->Flush(member != nullptr && member->joined() ? options.linger : absl::ZeroDuration());
+    if (facts != nullptr) facts->Flush(there ? options.linger : absl::ZeroDuration());
     link.Shutdown();
     if (member != nullptr) member->Stop();
     if (facts != nullptr) facts->Stop(absl::ZeroDuration());
+  }
+
+  // Before commands end: a step that fails with the adapter is not sent to it once more. The robot's own states are told before it
+  // and not afterwards, or the robot would seem to be there.
+  void Leave() {
+    const absl::Time end = absl::Now() + kLeaveTimeout;
+    facts->EndStatesOf(options.robot);
+    if (facts->Flush(kLeaveTimeout)) member->Leave(end - absl::Now());
   }
 
   absl::Status Start(std::vector<Operation> operations);

@@ -28,13 +28,12 @@
 //     if (!adapter.ok()) { std::cerr << adapter.status() << "\n"; return 2; }
 //     (*adapter)->SetState("https://w3id.org/docent#battery", docent::Term::Integer(87));
 //     WaitForSigterm();
-//   }                                    // the destructor ends running commands, tells the server the last
-//   facts
+//   }  // the destructor says that the robot leaves, ends running commands, tells the last facts
 //
 // What the sdk does for it:
 //  - serves gRPC RobotAdapter (Describe, Invoke, Attach, Cancel) and keeps the robot's lease with Fleet.Join,
 //  for ever,
-//    whether the server is there or not;
+//    whether the server is there or not, and ends it with Fleet.Leave;
 //  - runs each command once: ids are in a journal on disk before their operation begins, a repeated id gets
 //  the state of
 //    the first, and a command that was running when the process died is reported as of unknown outcome, never
@@ -88,8 +87,9 @@ class RobotAdapter {
   RobotAdapter(const RobotAdapter&) = delete;
   RobotAdapter& operator=(const RobotAdapter&) = delete;
 
-  // Ends running commands as failed, waits for their functions, and delivers the last facts for at most
-  // `linger`. What is told afterwards is not delivered. Not from an operation.
+  // Tells the server that the robot leaves (for at most a second), so that it is offline at once and gets no further command. Then
+  // ends running commands as failed, waits for their functions, and delivers the last facts for at most `linger`: not the
+  // robot's states, which go with it. What is told afterwards is not delivered. Not from an operation.
   void Shutdown();
 
   // The robot's property has this value now, until told otherwise. Sent only when it changed.

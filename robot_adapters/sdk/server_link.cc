@@ -64,6 +64,12 @@ absl::Status ServerLink::Join(const v1::JoinRequest& request, v1::JoinReply* rep
   return FromGrpc(fleet_->Join(call.context(), request, reply));
 }
 
+absl::Status ServerLink::Leave(const v1::LeaveRequest& request, v1::LeaveReply* reply,
+                               absl::Duration timeout) {
+  Call call(this, timeout);
+  return FromGrpc(fleet_->Leave(call.context(), request, reply));
+}
+
 absl::StatusOr<QueryAnswer> ServerLink::Query(const std::string& sparql, absl::Duration timeout,
                                               uint64_t min_revision) {
   Call call(this, timeout);

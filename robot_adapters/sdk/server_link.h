@@ -36,6 +36,7 @@ class ServerLink {
   // `timeout`, CANCELLED after Shutdown.
   absl::Status Assert(const v1::AssertRequest& request, v1::AssertReply* reply, absl::Duration timeout);
   absl::Status Join(const v1::JoinRequest& request, v1::JoinReply* reply, absl::Duration timeout);
+  absl::Status Leave(const v1::LeaveRequest& request, v1::LeaveReply* reply, absl::Duration timeout);
   // A SELECT or ASK. `min_revision`: wait until the graph is at least that new.
   absl::StatusOr<QueryAnswer> Query(const std::string& sparql, absl::Duration timeout,
                                     uint64_t min_revision = 0);

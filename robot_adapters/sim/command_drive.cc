@@ -104,6 +104,7 @@ int Drive(DriveArguments arguments) {
     if (signal == Signal::kReport) SayReport((*robot)->WriteReportNow(), folder);
     if (signal == Signal::kEnd) break;
   }
+  (*robot)->Shutdown();  // before the report, which takes its time: it gets no command any more
   absl::StatusOr<PathError> report = (*robot)->WriteReportNow();
   robot->reset();
   SayReport(report, folder);

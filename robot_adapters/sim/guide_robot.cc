@@ -92,8 +92,12 @@ class GuideRobot::Impl {
 
   // Operations use all other members, so they end first; then the body, which reports its pose.
   ~Impl() {
-    if (adapter_ != nullptr) adapter_->Shutdown();
+    Shutdown();
     body_.reset();
+  }
+
+  void Shutdown() {
+    if (adapter_ != nullptr) adapter_->Shutdown();
   }
 
   absl::Status Start(std::shared_ptr<const maps::HallModel> hall) {
@@ -428,6 +432,9 @@ absl::StatusOr<std::unique_ptr<GuideRobot>> GuideRobot::Start(GuideRobotOptions 
   return std::unique_ptr<GuideRobot>(new GuideRobot(std::move(impl)));
 }
 
+void GuideRobot::Shutdown() {
+  impl_->Shutdown();
+}
 absl::StatusOr<PathError> GuideRobot::WriteReportNow() {
   return impl_->WriteReportNow();
 }

@@ -39,8 +39,9 @@ class GuideRobot {
   static absl::StatusOr<std::unique_ptr<GuideRobot>> Start(GuideRobotOptions options,
                                                            const maps::HallLayout& layout,
                                                            std::shared_ptr<const maps::HallModel> hall);
-  // Ends running commands and sends the last facts. Writes no report.
-  ~GuideRobot();
+  ~GuideRobot();  // Shutdown, if that was not done. Writes no report.
+  // The robot leaves: ends running commands and sends the last facts. Its body stays, for the report.
+  void Shutdown();
 
   // Writes report.json, path.csv and path.png into the folder; returns the localisation errors.
   absl::StatusOr<PathError> WriteReportNow();

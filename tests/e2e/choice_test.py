@@ -52,6 +52,18 @@ class Choice(StageTest):
         self.assertIn("docent:SpeechWithGesture", server.command("robots"))
         server.wait_for(f"<{EXPO}R02> docent:hasCapability docent:SpeechWithGesture", PATIENCE_S)
 
+    def test_a_robot_that_ends_in_order_gets_nothing_more(self):
+        server = self.prepare("tour.cawl.xml", TOUR)
+        leaving = self.adapter(server, "R01", "--operation", "show")
+        leaving.stop()
+        self.assertIn("offline", server.command("robots"))
+        self.assertTrue(server.ask(f"<{EXPO}R01> docent:status docent:Offline ; docent:lastSeenAt ?at"))
+        self.adapter(server, "R02", "--operation", "show")
+        server.command("run", "Tour", "--detach")
+        self.wait_for_run(server)
+        robots = server.select("SELECT DISTINCT ?robot { ?invocation a docent:Invocation ; docent:robot ?robot }")
+        self.assertEqual([row["robot"] for row in robots], ["expo:R02"])
+
     def test_a_reserved_robot_is_kept_over_a_kill(self):
         server = self.prepare("tour.cawl.xml", TOUR)
         self.adapter(server, "R07", "--operation", "show", "--idempotent")

@@ -62,6 +62,37 @@ TEST_F(HandlersTest, ARobotThatJoinsIsListed) {
   EXPECT_THAT(robots.robots(0).operations(), ElementsAre("speak"));
 }
 
+TEST_F(HandlersTest, ARobotThatLeavesIsOfflineAtOnce) {
+  const auto leave = [this](const std::string& incarnation, v1::LeaveReply* reply) {
+    v1::LeaveRequest request;
+    request.set_robot("urn:r1");
+    request.set_incarnation(incarnation);
+    grpc::ClientContext context;
+    return fleet_->Leave(&context, request, reply);
+  };
+  const auto robot = [this] {
+    grpc::ClientContext context;
+    v1::ListRobotsReply robots;
+    EXPECT_TRUE(fleet_->List(&context, {}, &robots).ok());
+    return robots.robots_size() == 1 ? robots.robots(0) : v1::RobotStatus();
+  };
+  v1::JoinReply joined;
+  v1::LeaveReply left;
+  ASSERT_TRUE(Join("urn:r1", &joined).ok());
+  ASSERT_TRUE(leave("an earlier one", &left).ok());
+  EXPECT_EQ(robot().state(), "standby");
+  EXPECT_EQ(left.revision(), 1u);
+  ASSERT_TRUE(leave("i1", &left).ok());
+  EXPECT_EQ(left.revision(), 2u);
+  EXPECT_EQ(robot().state(), "offline");
+  EXPECT_EQ(robot().last_seen_us(), world_.clock.Now());
+  ASSERT_TRUE(leave("i1", &left).ok());
+  EXPECT_EQ(left.revision(), 2u) << "it may be repeated";
+  EXPECT_EQ(leave("", &left).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  ASSERT_TRUE(Join("urn:r1", &joined).ok());
+  EXPECT_EQ(robot().state(), "standby");
+}
+
 TEST_F(HandlersTest, AJoinWithoutAnIriIsRefused) {
   v1::JoinReply joined;
   EXPECT_EQ(Join("no IRI", &joined).error_code(), grpc::StatusCode::INVALID_ARGUMENT);

@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 class FleetLeasesTest : public ::testing::Test {
  protected:
   void Renew(const std::string& description = "d") {
-    leases_.Renew("R", description, [this](bool tell) { decided_.push_back(tell); });
+    leases_.Renew("R", incarnation_, description, [this](bool tell) { decided_.push_back(tell); });
   }
   std::vector<std::string> Lost() {
     std::vector<std::string> robots;
@@ -25,11 +25,19 @@ class FleetLeasesTest : public ::testing::Test {
     }
     return robots;
   }
+  // What is to be told is told when the test calls ToldLost.
+  void Leave(const std::string& incarnation = "i1") {
+    leases_.Leave("R", incarnation, [this](const FleetLeases::Lost* lost) {
+      left_.push_back(lost != nullptr);
+      if (lost != nullptr) seen_us_ = lost->seen_us;
+    });
+  }
   void PassALease() { clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs)); }
 
   ManualClock clock_{1'000'000};
   FleetLeases leases_{&clock_};
-  std::vector<bool> decided_;
+  std::string incarnation_ = "i1";
+  std::vector<bool> decided_, left_;
   TimeMicros seen_us_ = -1;  // of the robot that was lost last
 };
 
@@ -51,7 +59,7 @@ TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("R"));
   EXPECT_EQ(seen_us_, renewed_us);
-  leases_.Expect("S", "s:1");
+  leases_.Expect("S", "s:1", "i1");
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("S"));
   EXPECT_EQ(seen_us_, 0) << "not by this server";
@@ -60,7 +68,7 @@ TEST_F(FleetLeasesTest, WhoIsLostWasLastSeenWhenItRenewed) {
 TEST_F(FleetLeasesTest, WhereTimeIsSimulatedLeasesLastInTheTimeOfThisWorldAndTheGraphIsToldTheOther) {
   ManualClock simulated(7'000'000);
   FleetLeases leases(&simulated, &clock_);
-  leases.Renew("R", "d", [](bool) {});
+  leases.Renew("R", "i1", "d", [](bool) {});
   leases.Told("R", "d", true);
   simulated.Advance(std::chrono::hours(9));
   EXPECT_TRUE(leases.TakeLost().empty()) << "its adapter was heard of a moment ago";
@@ -85,7 +93,7 @@ TEST_F(FleetLeasesTest, OneAdapterSpeaksForARobotWhileItsLeaseLives) {
 }
 
 TEST_F(FleetLeasesTest, AfterARestartTheAdapterThatTheGraphHasSpeaksForOneLease) {
-  leases_.Expect("R", "a:1");
+  leases_.Expect("R", "a:1", "i1");
   EXPECT_EQ(leases_.Claim("R", "b:2"), "a:1");
   EXPECT_EQ(leases_.Claim("R", "a:1"), "");
 }
@@ -128,7 +136,7 @@ TEST_F(FleetLeasesTest, ARobotThatJoinsWhileItsLossIsUnderWayIsToldAfterIt) {
 }
 
 TEST_F(FleetLeasesTest, ALossThatWasRefusedIsToldOneLeaseLater) {
-  leases_.Expect("R", "r:1");
+  leases_.Expect("R", "r:1", "i1");
   PassALease();
   EXPECT_THAT(Lost(), ElementsAre("R"));
   leases_.ToldLost("R", false);
@@ -151,8 +159,68 @@ TEST_F(FleetLeasesTest, ALossThatWasRefusedWhileTheRobotCameBackIsNoNews) {
   EXPECT_THAT(Lost(), IsEmpty());
 }
 
+TEST_F(FleetLeasesTest, WhoLeavesIsLostAtOnceAndOnce) {
+  Renew();
+  leases_.Told("R", "d", true);
+  clock_.Advance(std::chrono::milliseconds(1));
+  Leave();
+  EXPECT_THAT(left_, ElementsAre(true));
+  EXPECT_EQ(seen_us_, clock_.Now());
+  EXPECT_THAT(Lost(), IsEmpty()) << "its loss is under way";
+  Leave();  // waits for that
+  leases_.ToldLost("R", true);
+  Leave();
+  EXPECT_THAT(left_, ElementsAre(true, false, false)) << "a Leave may be repeated";
+  EXPECT_THAT(Lost(), IsEmpty());
+  EXPECT_EQ(leases_.Claim("R", "b:2"), "") << "another adapter may speak for it";
+  Renew();
+  EXPECT_THAT(decided_, ElementsAre(true, true));
+}
+
+TEST_F(FleetLeasesTest, ALeaveOfAnotherIncarnationOrOfAnUnknownRobotChangesNothing) {
+  Leave();
+  Renew();
+  leases_.Told("R", "d", true);
+  incarnation_ = "i2";
+  Renew();
+  Leave("i1");
+  EXPECT_THAT(left_, ElementsAre(false, false));
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R")) << "its lease lived as long as ever";
+  leases_.ToldLost("R", true);
+
+  leases_.Expect("R", "a:1", "i3");
+  Leave("i2");
+  Leave("i3");
+  EXPECT_THAT(left_, ElementsAre(false, false, false, true)) << "after a restart of the server, too";
+}
+
+TEST_F(FleetLeasesTest, WhoLeavesWhileItsJoinIsUnderWayIsLostAfterIt) {
+  Renew();
+  Leave();
+  EXPECT_THAT(left_, IsEmpty());
+  incarnation_ = "i2";
+  Renew("other");
+  leases_.Told("R", "d", true);
+  EXPECT_THAT(left_, ElementsAre(true));
+  leases_.ToldLost("R", true);
+  EXPECT_THAT(decided_, ElementsAre(true, true)) << "the next life is told after the loss";
+  leases_.Told("R", "other", true);
+  EXPECT_THAT(Lost(), IsEmpty());
+}
+
+TEST_F(FleetLeasesTest, ALeaveThatTheGraphRefusedIsALossOneLeaseLater) {
+  Renew();
+  leases_.Told("R", "d", true);
+  Leave();
+  leases_.ToldLost("R", false);
+  EXPECT_THAT(Lost(), IsEmpty());
+  PassALease();
+  EXPECT_THAT(Lost(), ElementsAre("R"));
+}
+
 TEST_F(FleetLeasesTest, AfterARestartAJoinIsToldOnce) {
-  leases_.Expect("R", "r:1");
+  leases_.Expect("R", "r:1", "i1");
   Renew();
   leases_.Told("R", "d", true);
   Renew();

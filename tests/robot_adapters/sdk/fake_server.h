@@ -75,6 +75,14 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
     return grpc::Status::OK;
   }
 
+  grpc::Status Leave(grpc::ServerContext*, const v1::LeaveRequest* request, v1::LeaveReply*) override {
+    absl::MutexLock lock(&mutex_);
+    leaves_.push_back({*request, batches_.size()});
+    const auto may_answer = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return answers_leaves_; };
+    mutex_.AwaitWithTimeout(absl::Condition(&may_answer), absl::Seconds(30));
+    return grpc::Status::OK;
+  }
+
   // Waits until `subject predicate` has this value (IRI or lexical form); false after half a minute.
   bool AwaitValue(const std::string& subject, const std::string& predicate, const std::string& value) {
     absl::MutexLock lock(&mutex_);
@@ -101,6 +109,18 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
   std::vector<v1::JoinRequest> joins() {
     absl::MutexLock lock(&mutex_);
     return joins_;
+  }
+  struct Left {
+    v1::LeaveRequest request;
+    size_t batches = 0;  // that had come before
+  };
+  std::vector<Left> leaves() {
+    absl::MutexLock lock(&mutex_);
+    return leaves_;
+  }
+  void AnswerLeaves(bool answer) {
+    absl::MutexLock lock(&mutex_);
+    answers_leaves_ = answer;
   }
   std::vector<std::string> queries() {
     absl::MutexLock lock(&mutex_);
@@ -141,6 +161,8 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
   uint32_t lease_ms_ = 3000;
   std::vector<v1::AssertRequest> batches_;
   std::vector<v1::JoinRequest> joins_;
+  std::vector<Left> leaves_;
+  bool answers_leaves_ = true;
   std::vector<std::string> queries_;
   std::vector<std::pair<std::string, std::vector<v1::QueryReply>>> answers_;
   std::map<std::pair<std::string, std::string>, std::string> values_;

@@ -41,6 +41,10 @@ class RobotAdapterTest : public testing::Test {
         grpc::CreateChannel(adapter_->address(), grpc::InsecureChannelCredentials()));
   }
 
+  void AwaitJoined() {
+    while (!adapter_->joined()) absl::SleepFor(absl::Milliseconds(1));
+  }
+
   std::vector<Operation> Operations() {
     Operation add;
     add.name = "add";
@@ -301,6 +305,44 @@ TEST_F(RobotAdapterTest, ShutdownEndsRunningCommandsAsFailed) {
   Call again = Attach("c/1");
   EXPECT_EQ(again.last(), v1::Feedback::FAILED);
   EXPECT_EQ(again.feedback.back().message(), "the robot's adapter was shut down");
+}
+
+TEST_F(RobotAdapterTest, AtItsEndItLeavesBeforeItsCommandsEnd) {
+  StartAdapter();
+  const std::string incarnation = adapter_->incarnation();
+  Call call;
+  std::thread reader([&] { call = Invoke(Request("c/1", "wait"), [&] {}); });
+  ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("progress"), "0.25"));
+  AwaitJoined();
+  adapter_->SetState(DocentIri("battery"), Term::Integer(86));
+  adapter_->Shutdown();
+  reader.join();
+  adapter_->Shutdown();  // once more: nothing
+  ASSERT_EQ(server_.leaves().size(), 1u);
+  const FakeServer::Left left = server_.leaves()[0];
+  EXPECT_EQ(left.request.robot(), kRobot);
+  EXPECT_EQ(left.request.incarnation(), incarnation);
+  EXPECT_EQ(server_.Value(kRobot, DocentIri("battery")), "86") << "what waited is told before";
+  EXPECT_EQ(server_.Value(kRobot, DocentIri("status")), DocentIri("Busy")) << "no state is told afterwards";
+  EXPECT_EQ(server_.batches().size(), left.batches);
+}
+
+TEST_F(RobotAdapterTest, AServerThatDoesNotAnswerItsLeaveDoesNotKeepItFromEnding) {
+  StartAdapter();
+  ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("status"), DocentIri("Standby")));
+  AwaitJoined();
+  server_.AnswerLeaves(false);
+  adapter_.reset();  // the server would answer after half a minute
+  EXPECT_EQ(server_.leaves().size(), 1u);
+  server_.AnswerLeaves(true);
+}
+
+TEST_F(RobotAdapterTest, WithoutAServerItEndsWithoutALeave) {
+  StartAdapter();
+  AwaitJoined();
+  server_.Stop();
+  adapter_.reset();
+  EXPECT_TRUE(server_.leaves().empty());
 }
 
 TEST_F(RobotAdapterTest, TellsWhatItDoes) {
