@@ -31,6 +31,20 @@ absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::strin
   return parts;
 }
 
+// A hint of a Turtle text says how a file declares a prefix; here it is said how a command line does.
+std::string ForCommandLine(const std::string& hint) {
+  constexpr std::string_view kDeclares = "declare it: @prefix ";
+  const size_t at = hint.find(kDeclares);
+  if (at == std::string::npos) return hint;
+  const std::string declared = hint.substr(at + kDeclares.size());  // "expo: <https://…> ."
+  const std::string prefix = declared.substr(0, declared.find(':'));
+  const size_t open = declared.find('<'), close = declared.rfind('>');
+  std::string iri = open < close ? declared.substr(open + 1, close - open - 1) : "…";
+  if (iri == "…") iri = "IRI";
+  return absl::StrCat(hint.substr(0, at), "declare it with --prefix ", prefix.empty() ? ":" : prefix, "=",
+                      iri, ", or write the IRI whole: <…>");
+}
+
 }  // namespace
 
 absl::Status FactArguments::AddPrefixes(const std::vector<std::string>& given) {
@@ -74,6 +88,7 @@ absl::StatusOr<std::vector<TermQuad>> FactArguments::Parse(std::string text, con
   }
   if (!parsed.ok()) {
     for (Diagnostic& d : parsed.diagnostics) {
+      d.hint = ForCommandLine(d.hint);
       if (d.span.line > 1) --d.span.line;
       d.span.offset -= std::min(d.span.offset, prologue.size());
     }

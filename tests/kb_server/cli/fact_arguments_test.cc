@@ -52,6 +52,17 @@ TEST_F(FactArgumentsTest, AGivenPrefixComesBeforeTheServers) {
   EXPECT_EQ(asked_, 1);
 }
 
+TEST_F(FactArgumentsTest, AnUnknownPrefixIsDeclaredByTheCommandsOption) {
+  const auto hint = [this](const std::string& text) {
+    return std::string(facts_.Parse(text, "facts").status().message());
+  };
+  EXPECT_THAT(hint("hotel:Ada a docent:Visitor"), HasSubstr("declare it with --prefix hotel=IRI, or write"));
+  EXPECT_THAT(hint(":Ada a docent:Visitor"), HasSubstr("declare it with --prefix :=IRI"));
+  EXPECT_THAT(hint("expi:Ada a docent:Visitor"),
+              HasSubstr("did you mean expo:? Else declare it with --prefix expi=IRI"));
+  EXPECT_EQ(hint("hotel:Ada a docent:Visitor").find("@prefix"), std::string::npos);
+}
+
 TEST_F(FactArgumentsTest, AMistakeIsToldInTheTextAsItWasGiven) {
   const absl::Status status = facts_.Parse("docent:a docent:b", "facts").status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
