@@ -14,6 +14,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/robot_work.h"
 #include "workflow/xml/xml_document.h"
 
 namespace docent::server {
@@ -27,19 +28,6 @@ std::string PoseText(const v1::RobotStatus& robot) {
 std::string StateText(const v1::RobotStatus& robot) {
   if (!robot.out_of_service()) return robot.state();
   return absl::StrCat(robot.state(), ", out of service: ", robot.out_of_service_reason());
-}
-
-// "BoothGuide-1/Move2User moveToUser, ending".
-std::string HeldText(const v1::RobotStatus& robot) {
-  if (robot.held_by().empty()) return "";
-  std::string text;
-  for (const v1::RobotTask& task : robot.held_for()) {
-    absl::StrAppend(&text, text.empty() ? "" : "; ", task.run().empty() ? robot.held_by() : task.run(), "/",
-                    task.node(), " ", task.step().empty() ? task.operation() : task.step());
-  }
-  if (text.empty()) text = robot.held_by();
-  if (!robot.ending_commands().empty()) absl::StrAppend(&text, ", ending");
-  return text;
 }
 
 // "operator-12 for run Tour-1 until 2026-11-25T10:00:00Z, priority 5".
@@ -96,6 +84,16 @@ struct ServiceArguments {
   bool cancel_commands = false;
 };
 
+// What the robot goes on with, for people; nothing where the server does not say.
+void SayWork(v1::Fleet::Stub& fleet, const std::string& robot, bool cancels) {
+  v1::ListRobotsReply reply;
+  grpc::ClientContext context;
+  if (!fleet.List(&context, {}, &reply).ok()) return;
+  for (const v1::RobotStatus& each : reply.robots()) {
+    if (each.robot() == robot) std::cerr << WorkAfterOut(each, cancels);
+  }
+}
+
 int SetService(const ServiceArguments& arguments, bool in) {
   FactArguments facts([&] { return ServerNames(arguments.client); });
   if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
@@ -115,10 +113,12 @@ int SetService(const ServiceArguments& arguments, bool in) {
     status = stub->TakeOutOfService(&context, request, &reply);
   }
   if (!status.ok()) return Fail(status, arguments.client);
-  if (arguments.client.json)
+  if (arguments.client.json) {
     PrintJson(reply);
-  else
-    std::cout << arguments.robot << (in ? " is in service\n" : " is out of service\n");
+    return kExitOk;
+  }
+  std::cout << arguments.robot << (in ? " is in service\n" : " is out of service\n") << std::flush;
+  if (!in) SayWork(*stub, facts.Iri(arguments.robot), arguments.cancel_commands);
   return kExitOk;
 }
 
@@ -134,7 +134,10 @@ void AddServiceCommands(CLI::App* robots, int* exit_code) {
     if (!in) {
       command->add_flag("--cancel-commands", arguments->cancel_commands,
                         "Cancel what it does; by default its commands end");
-      command->add_option("--reason", arguments->reason, "Why, for people")->type_name("TEXT");
+      command
+          ->add_option("--reason", arguments->reason,
+                       "Why, for people; by default the reason that was given before")
+          ->type_name("TEXT");
     }
     command->callback([arguments, in, exit_code] { *exit_code = SetService(*arguments, in); });
   }

@@ -25,6 +25,7 @@ absl::Status SetServiceState(const std::string& robot, const std::optional<std::
     return absl::NotFoundError(
         absl::StrCat("there is no robot <", robot, ">; docent robots lists those that have joined"));
   }
+  if (reason && reason->empty() && OutOfServiceReason(reader, robot)) return absl::OkStatus();
   const std::string property = DocentIri("outOfService");
   const std::optional<TermId> subject = dictionary.FindIri(robot), predicate = dictionary.FindIri(property);
   if (subject && predicate) {  // whoever told it

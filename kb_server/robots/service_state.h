@@ -13,7 +13,8 @@
 
 namespace docent::server {
 
-// Adds to `batch` what takes the robot out of service (`reason`: why, for people) or puts it in service again (nullopt).
+// Adds to `batch` what takes the robot out of service (`reason`: why, for people; empty: the one that it has been out for, if it is
+// out already) or puts it in service again (nullopt).
 // NOT_FOUND: the graph has no such robot.
 absl::Status SetServiceState(const std::string& robot, const std::optional<std::string>& reason,
                              const Dictionary& dictionary, const GraphVersion& graph, WriteBatch* batch);

@@ -45,7 +45,9 @@ class Steering(StageTest):
         self.adapter(server, "R07", "--take-ms", "1500")
         run = self.begin(server)
         self.wait_for_node(server, "Fetch", "running")
-        self.assertIn(f"paused {run}", server.command("runs", "pause", run, "--reason", "the floor is wet"))
+        done = server.run("runs", "pause", run, "--reason", "the floor is wet")
+        self.assertIn(f"paused {run}", done.stdout)
+        self.assertIn(f"{run} still does Fetch to the end; --cancel-commands ends it", done.stderr)
         self.assertIn("paused already", server.run("runs", "pause", run).stderr)
         server.kill()
         server.start()
@@ -94,6 +96,26 @@ class Steering(StageTest):
         server.wait_for(f"<{EXPO}R07> docent:offers ?o ; docent:status docent:Standby", PATIENCE_S)
         self.begin(server)
         self.wait_for_run(server)
+
+    def test_what_goes_on_though_an_operator_steers_is_said(self):
+        server = self.night()
+        server.load(self.file("night.cawl.xml", WORKFLOW.replace('<flow name="Night">', '<flow name="Night"><variable name="who"/>')))
+        robot = self.adapter(server, "R07", "--take-ms", "600000")
+        run = self.begin(server)
+        stage.wait_until(lambda: "/Fetch" in server.command("robots"), PATIENCE_S, "the command")
+        self.assertIn("who: what runs already goes on with the former value (Fetch)", server.run("runs", "set", run, "who=7").stderr)
+        for arguments in ([run], [run, "Fetch"]):
+            self.assert_refused(server.run("runs", "retry", *arguments), 2, "no incident", "docent robots out ROBOT --cancel-commands")
+        self.assertIn("ext:retry-other-robot", server.run("runs", "retry", run, "Fetch").stderr)
+        said = server.run("robots", "out", EXPO + "R07", "--reason", "a wheel squeaks").stderr
+        self.assertRegex(said, rf"it still does {run}/Fetch .*; --cancel-commands ends it")
+        robot.kill()
+        server.wait_for(f"<{EXPO}R07> docent:status docent:Offline", PATIENCE_S)
+        said = server.run("robots", "out", EXPO + "R07", "--cancel-commands")
+        self.assertIn("it cannot be reached; the cancel is sent when it is back", said.stderr)
+        self.assertIn("a wheel squeaks", server.command("robots"))  # a reason that is not given erases none
+        server.command("robots", "out", EXPO + "R07", "--reason", "it is gone")
+        self.assertIn("it is gone", server.command("robots"))
 
     def test_a_robot_out_of_service_gets_no_command(self):
         server = self.night()

@@ -164,6 +164,13 @@ void ResumeWorkflow(Engine::Core* core, const std::string& name) {
   }
 }
 
+// What an operator can do about a node that runs.
+constexpr char kEndRunning[] =
+    ". To end what it does: docent runs cancel RUN, or docent robots out ROBOT --cancel-commands, which "
+    "takes its "
+    "robot from it. An invoke with ext:timeout, ext:retry and ext:retry-other-robot goes to another robot by "
+    "itself";
+
 // Whether the robot that a node is to use offers what the node invokes.
 absl::Status CheckRobot(const Engine::Core& core, const cawl::Node& node, const RunRequest& request,
                         const RobotDirectory& robots) {
@@ -200,10 +207,10 @@ absl::Status CheckNode(const Engine::Core& core, const Run& run, const RunReques
     if (absl::Status status = CheckRobot(core, flow.nodes[index], request, *robots); !status.ok())
       return status;
   }
-  if (!MaySettle(run.nodes[index])) {
+  if (const WorkState state = run.nodes[index].state; !MaySettle(run.nodes[index])) {
     return absl::FailedPreconditionError(absl::StrCat("node ", request.node, " of run ", run.id.value(),
-                                                      " has no incident; it is ",
-                                                      ToAbsl(ToString(run.nodes[index].state))));
+                                                      " has no incident; it is ", ToAbsl(ToString(state)),
+                                                      state == WorkState::kRunning ? kEndRunning : ""));
   }
   for (const auto& [name, value] : request.arguments) {
     if (absl::Status status = CheckValue(run, name, value); !status.ok()) return status;

@@ -12,6 +12,7 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/runs/nodes_at_work.h"
 #include "kb_server/cli/runs/run_printer.h"
 #include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
@@ -52,6 +53,18 @@ void PrintSteered(const ClientOptions& client, const Reply& reply, const std::st
   if (reply.runs().empty()) std::cerr << what << already << "\n";
 }
 
+// Of the runs that are paused now: what goes on in them, for people.
+void SayUnderWay(v1::Workflows::Stub& workflows, const v1::PauseReply& paused) {
+  std::cout << std::flush;
+  for (const std::string& id : paused.runs()) {
+    v1::GetRunRequest get;
+    get.set_run(id);
+    v1::Run run;
+    grpc::ClientContext context;
+    if (workflows.Get(&context, get, &run).ok()) std::cerr << StillUnderWay(run);
+  }
+}
+
 int Pause(const SteeringArguments& arguments) {
   auto stub = v1::Workflows::NewStub(Connect(arguments.client));
   const auto ask = [&](v1::PauseRequest request, const std::string& what) {
@@ -63,6 +76,7 @@ int Pause(const SteeringArguments& arguments) {
     if (!status.ok()) return Fail(status, arguments.client);
     PrintSteered(arguments.client, reply, what, "paused",
                  request.has_run() ? " is paused already" : " is paused; it has no run that was not paused");
+    if (!arguments.client.json && !arguments.cancel_commands) SayUnderWay(*stub, reply);
     return static_cast<int>(kExitOk);
   };
   if (!arguments.workflow.empty()) {
@@ -141,11 +155,17 @@ grpc::Status FindIncident(v1::Workflows::Stub* stub, v1::SettleRequest* request)
     request->set_node(incidents[0]);
     return grpc::Status::OK;
   }
+  const std::string at_work = NodesAtWork(run);
   return grpc::Status(
       grpc::StatusCode::FAILED_PRECONDITION,
       incidents.empty()
-          ? absl::StrCat("run ", request->run(),
-                         " has no incident; name the node, if it was retried and has begun nothing")
+          ? absl::StrCat(
+                "run ", request->run(),
+                " has no incident; name the node, if it was retried and has begun nothing",
+                at_work.empty()
+                    ? ""
+                    : absl::StrCat(". To end what runs (", at_work,
+                                   "): docent runs cancel, or docent robots out ROBOT --cancel-commands"))
           : absl::StrCat("run ", request->run(), " has several incidents; name one of ",
                          absl::StrJoin(incidents, ", ")));
 }
@@ -179,6 +199,7 @@ int Set(const SteeringArguments& arguments) {
   google::protobuf::RepeatedPtrField<v1::NamedTerm> values;
   if (absl::Status status = AddValues(arguments, &facts, &values); !status.ok()) return Fail(status);
   v1::Run run;
+  std::string kept;
   for (const v1::NamedTerm& value : values) {
     v1::SetVariableRequest request;
     request.set_run(arguments.run);
@@ -187,8 +208,11 @@ int Set(const SteeringArguments& arguments) {
     grpc::ClientContext context;
     const grpc::Status status = stub->SetVariable(&context, request, &run);
     if (!status.ok()) return Fail(status, arguments.client);
+    absl::StrAppend(&kept, KeptValueText(run, value.name()));
   }
-  return Show(arguments.client, run);
+  const int code = Show(arguments.client, run);
+  if (!arguments.client.json) std::cerr << std::flush << kept;
+  return code;
 }
 
 using Arguments = std::shared_ptr<SteeringArguments>;
