@@ -19,7 +19,7 @@ struct WhyArguments {
   ClientOptions client;
   std::vector<std::string> question;
   std::vector<std::string> prefixes;
-  std::string run, node;
+  std::string run, node, as_of;
   uint32_t sets = 0;
   bool prov = false;
 };
@@ -92,6 +92,7 @@ int ExplainRun(const WhyArguments& arguments, bool why) {
   v1::ExplainRunRequest request;
   request.set_run(arguments.run);
   request.set_node(arguments.node);
+  request.set_as_of(arguments.as_of);
   v1::ExplainRunReply reply;
   grpc::ClientContext context;
   grpc::Status status = stub->Explain(&context, request, &reply);
@@ -101,7 +102,7 @@ int ExplainRun(const WhyArguments& arguments, bool why) {
     return kExitOk;
   }
   std::string text = reply.text();
-  if (why) {
+  if (why && arguments.as_of.empty()) {
     v1::GetRunRequest get;
     get.set_run(arguments.run);
     v1::Run run;
@@ -128,6 +129,7 @@ int RunWhy(const WhyArguments& arguments, bool why) {
   AddPrefixes(known, facts.given(), request.mutable_prefixes());
   request.set_full(arguments.client.full || arguments.client.json);
   request.set_sets(arguments.sets);
+  request.set_as_of(arguments.as_of);
   if (!why) {
     request.set_why_not(question->query.empty() ? AskOf(question->fact) : question->query);
   } else if (!question->query.empty()) {
@@ -160,6 +162,11 @@ void AddCommon(CLI::App* command, WhyArguments* arguments) {
           ->type_name("ID")
           ->excludes(question);
   command->add_option("--node", arguments->node, "Of the run only this node")->type_name("NAME")->needs(run);
+  command
+      ->add_option("--as-of", arguments->as_of,
+                   "Ask about a past version of the graph: a revision number, or a time such as "
+                   "2026-01-31T12:00:00Z. The rules are those of now")
+      ->type_name("REVISION|TIME");
   AddPrefixOption(command, &arguments->prefixes);
 }
 

@@ -23,6 +23,12 @@ absl::StatusOr<AsOf> ParseAsOf(const std::string& text) {
       "as-of must be a revision number or a time like 2026-01-31T12:00:00Z, not \"", text, "\""));
 }
 
+std::optional<TimeMicros> TimeAsOf(const std::string& text) {
+  const absl::StatusOr<AsOf> when = ParseAsOf(text);
+  if (!when.ok() || !std::holds_alternative<TimeMicros>(*when)) return std::nullopt;
+  return std::get<TimeMicros>(*when);
+}
+
 absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, Revision min_revision,
                                          const std::string& as_of, absl::Time deadline,
                                          Cancellation* cancellation) {

@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_DOOR_HISTORY_PORT_H_
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -28,6 +29,9 @@ using AsOf = std::variant<Revision, TimeMicros>;
 
 // "1234", or an xsd:dateTime (without a zone it is UTC). INVALID_ARGUMENT for anything else.
 absl::StatusOr<AsOf> ParseAsOf(const std::string& text);
+
+// The time, where it is one.
+std::optional<TimeMicros> TimeAsOf(const std::string& text);
 
 class HistoryPort {
  public:

@@ -1,4 +1,4 @@
-// Context.Explain: why and why not, on the newest version, beside the writer.
+// Context.Explain: why and why not, on the newest version or a past one, beside the writer.
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
@@ -6,7 +6,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
-#include "kb_server/door/await_version.h"
+#include "kb_server/door/history_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -128,25 +128,26 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }
-  auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
-  if (!version.ok()) return version.status();
+  const absl::StatusOr<QueryGraph> graph =
+      GraphForQuery(ports, Revision(request.min_revision()), request.as_of(), deadline, cancellation);
+  if (!graph.ok()) return graph.status();
 
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
   explain::Explainer::Settings settings;
-  settings.version = *version;
-  settings.dictionary = ports.dictionary;
+  settings.version = graph->version;
+  settings.dictionary = graph->dictionary.get();
   settings.rules = ports.catalog->Get()->rules;
   settings.functions = ports.functions;
   settings.history = ports.fact_history;
   settings.cancellation = cancellation;
-  settings.now_us = ports.clock->Now();
+  settings.now_us = TimeAsOf(request.as_of()).value_or(ports.clock->Now());
   settings.default_graph = ports.default_graph;
   settings.limits = ports.limits;
   settings.explain_limits = ports.explain_limits;
   settings.prefixes = PrefixesOf(request, query ? &*query : nullptr);
   auto explainer = explain::Explainer::Make(settings);
   if (!explainer.ok()) return explainer.status();
-  reply->set_revision((*version)->revision().value());
+  reply->set_revision(graph->version->revision().value());
 
   if (request.question_case() != v1::ExplainRequest::kWhyNot) {
     auto proof = query ? (*explainer)->WhyAsk(*query) : (*explainer)->WhyFact(fact);

@@ -1,4 +1,4 @@
-// Workflows.Explain: what a run waits for, or why it ended, on the newest version, beside the writer.
+// Workflows.Explain: what a run waits for, or why it ended, on the newest version or a past one, beside the writer.
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/history_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
@@ -23,14 +24,15 @@ constexpr int kMostConditions = 20;
 
 class ConditionAsker {
  public:
-  ConditionAsker(const RunPorts& ports, GraphVersionPtr version, Cancellation* cancellation)
+  ConditionAsker(const RunPorts& ports, const QueryGraph& graph, TimeMicros now_us,
+                 Cancellation* cancellation)
       : limits_(ports.limits), functions_(ports.functions) {
-    settings_.version = std::move(version);
-    settings_.dictionary = ports.dictionary;
+    settings_.version = graph.version;
+    settings_.dictionary = graph.dictionary.get();
     settings_.rules = ports.catalog->Get()->rules;
     settings_.functions = ports.functions;
     settings_.cancellation = cancellation;
-    settings_.now_us = ports.clock->Now();
+    settings_.now_us = now_us;
     settings_.default_graph = ports.default_graph;
     settings_.limits = ports.limits;
   }
@@ -74,9 +76,12 @@ class ConditionAsker {
 };
 
 absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request, Cancellation* cancellation,
-                    v1::ExplainRunReply* reply) {
-  const GraphVersionPtr version = ports.queries->Newest();
-  const GraphReader graph(*ports.dictionary, *version);
+                    absl::Time deadline, v1::ExplainRunReply* reply) {
+  const absl::StatusOr<QueryGraph> of_then =
+      GraphForQuery(ports, Revision(0), request.as_of(), deadline, cancellation);
+  if (!of_then.ok()) return of_then.status();
+  const TimeMicros now_us = TimeAsOf(request.as_of()).value_or(ports.clock->Now());
+  const GraphReader graph(*of_then->dictionary, *of_then->version);
   v1::Run run;
   if (!ReadRun(graph, request.run(), &run))
     return absl::NotFoundError(absl::StrCat("there is no run \"", request.run(), "\""));
@@ -93,8 +98,8 @@ absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request,
   }
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
   const auto catalog = ports.catalog->Get();
-  ConditionAsker asker(ports, version, cancellation);
-  WaitSources sources{&graph, catalog.get(), ports.clock->Now(),
+  ConditionAsker asker(ports, *of_then, now_us, cancellation);
+  WaitSources sources{&graph, catalog.get(), now_us,
                       [&asker](const std::string& ask) { return asker.Ask(ask); }};
   if (run.state() == "running") AddWaits(sources, run, request.node(), reply);
   reply->set_text(TextOf(run, *reply));
@@ -109,12 +114,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Explain(grpc::CallbackServerContext*
   const int timeout_ms = ports_.limits.query_timeout_ms;
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   auto* reactor = new CancellableReactor(cancellation);
+  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
   const absl::Status accepted = ports_.workers->Submit(
-      [this, reactor, cancellation, request, reply] {
-        reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+      [this, reactor, cancellation, deadline, request, reply] {
+        reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), deadline, reply)));
       },
-      {absl::Now() + absl::Milliseconds(timeout_ms),
-       [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
+      {deadline, [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
   if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
   return reactor;
 }

@@ -37,6 +37,40 @@ class Explain(StageTest):
         self.assertIn("prov:wasDerivedFrom", self.server.run("why", "--prov", *EXPO, "expo:John docent:isNear expo:R01").stdout)
         self.assertEqual(self.server.run("whynot", *EXPO, "expo:John docent:isNear expo:R01").returncode, 1)
 
+    def test_the_past_is_explained_on_the_facts_of_then(self):
+        fact = "expo:John docent:isNear expo:R01"
+        def revision():
+            return int(self.server.run("why", *EXPO, "expo:John docent:isAt expo:Entrance").stderr.split()[-1])
+        apart = revision()
+        self.server.tell("expo:R01 docent:isAt expo:Entrance")
+        together = revision()
+        self.server.tell("expo:R01 docent:isAt expo:B03")
+        self.assertEqual(self.server.run("why", *EXPO, fact).returncode, 1)
+        done = self.server.run("why", *EXPO, "--as-of", str(together), fact)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("by guide.rules rule 1", done.stdout)
+        self.assertIn("reading of expo:DoorSensor", done.stdout)
+        self.assertEqual(done.stderr, f"revision {together}\n")
+        done = self.server.run("whynot", *EXPO, "--as-of", str(apart), fact)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("missing     expo:R01 docent:isAt expo:Entrance   (now expo:RobotDock)", done.stdout)
+        done = self.server.run("why", *EXPO, "--as-of", "999999", fact)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("the newest", done.stderr)
+        done = self.server.run("why", *EXPO, "--as-of", "yesterday", fact)
+        self.assertIn("as-of must be a revision number or a time", done.stderr)
+
+    def test_what_a_run_waited_for_in_the_past(self):
+        self.server.tell("expo:John docent:chose expo:BoothGuideService")
+        time.sleep(0.5)
+        run = json.loads(self.server.run("runs", "--json").stdout.splitlines()[0])
+        run = run["runs"][0]["id"] if "runs" in run else run["id"]
+        then = int(self.server.run("why", *EXPO, "expo:John docent:isAt expo:Entrance").stderr.split()[-1])
+        waited = self.server.run("whynot", "--run", run).stdout
+        self.server.command("runs", "cancel", run)
+        self.assertNotEqual(self.server.run("whynot", "--run", run).stdout, waited)
+        self.assertEqual(self.server.run("whynot", "--run", run, "--as-of", str(then)).stdout, waited)
+
     def test_what_stays_told_by_another_is_said(self):
         prefix = ("--prefix", "ex=http://ex/")
         self.server.command("tell", *prefix, "--source", "http://ex/s1", "ex:k ex:bad 1")
