@@ -1,4 +1,4 @@
-// Starts a run by hand, with the values that the flow begins with.
+// Starts a run by hand, with the values that the flow begins with; and the fields of these values.
 import { CircleAlert, Play, X } from "lucide-react";
 import { useState } from "react";
 import { workflows } from "../api/client";
@@ -11,18 +11,42 @@ import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 
+export interface StartVariable {
+  name: string;
+  type: string;
+  initial: string;
+}
+// Of the variables of a document and its flow: each name once.
+export function startVariables(variables: readonly StartVariable[]): StartVariable[] {
+  return variables.filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i).map(({ name, type, initial }) => ({ name, type, initial }));
+}
+// Throws RangeError with what is wrong.
+export function startArguments(values: Readonly<Record<string, string>>, prefixes: ReadonlyMap<string, string>) {
+  return Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, prefixes) }));
+}
+
+// One field a variable; things of its class are offered first.
+export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
+  const { things } = props.vocabulary;
+  return props.variables.map((v) => (
+    <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
+      <span><code>${v.name}</code> <span className="faint small">{v.type}</span></span>
+      <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={things.filter((t) => !v.type || t.use === v.type || !t.use).concat(things.filter((t) => v.type && t.use !== v.type && t.use)).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
+    </div>
+  ));
+}
+
 export function StartDialog(props: {
-  workflow: string; flow: string; variables: readonly { name: string; type: string; initial: string }[]; vocabulary: Vocabulary; prefixes: ReadonlyMap<string, string>; onClose: () => void;
+  workflow: string; flow: string; variables: readonly StartVariable[]; vocabulary: Vocabulary; prefixes: ReadonlyMap<string, string>; onClose: () => void;
 }) {
   const [values, setValues] = useState<Record<string, string>>({});
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<PlainError | null>(null);
-  const variables = props.variables.filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i);
+  const { variables } = props;
   const start = async () => {
     setBusy(true);
     try {
-      const given = Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, props.prefixes) }));
-      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: given, requestId: randomUuid() });
+      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: startArguments(values, props.prefixes), requestId: randomUuid() });
       toast("good", "The run has begun", reply.run);
       props.onClose();
       navigate(paths.run(reply.run));
@@ -36,12 +60,7 @@ export function StartDialog(props: {
       <div className="sheet-head"><h2 className="grow">Start {props.workflow}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
         <p className="quiet">{variables.length > 0 ? "Give the values that it needs at its beginning; the rest it finds by its conditions." : "It needs no values."}</p>
-        {variables.map((v) => (
-          <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
-            <span><code>${v.name}</code> <span className="faint small">{v.type}</span></span>
-            <Combo label={v.name} placeholder={v.initial || "not given"} value={values[v.name] ?? ""} onChange={(value) => setValues({ ...values, [v.name]: value })} choices={props.vocabulary.things.filter((t) => !v.type || t.use === v.type || !t.use).concat(props.vocabulary.things.filter((t) => v.type && t.use !== v.type && t.use)).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
-          </div>
-        ))}
+        <StartFields variables={variables} values={values} vocabulary={props.vocabulary} onChange={setValues} />
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
       </div>
       <div className="sheet-foot">

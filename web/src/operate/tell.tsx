@@ -1,4 +1,4 @@
-// Facts that lack: tried on a copy of the graph ("simulate"), or told for real.
+// Facts that lack: tried on a copy of the graph ("simulate"), or told for real; and the fields of a fact.
 import { CircleAlert, FlaskConical, Megaphone, X } from "lucide-react";
 import { useMemo, useState } from "react";
 import { context } from "../api/client";
@@ -14,21 +14,34 @@ import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 
-// `open`: names of the rows' ends that are examples, which somebody should choose.
+// What somebody wrote as subject, verb and object. Throws RangeError with what is wrong.
+export function quadOfRow([s = "", p = "", o = ""]: readonly string[], prefixes: ReadonlyMap<string, string>): Quad {
+  return create(QuadSchema, { subject: termOf(s, prefixes), predicate: termOf(p === "a" ? "rdf:type" : p, prefixes), object: termOf(o, prefixes) });
+}
+
+// Subject, verb and object, with offers. `classes`: of the things that are meant, by place; these are offered first.
+export function FactFields({ row, names, classes = [], onChange }: { row: readonly string[]; names: Names; classes?: readonly (string | undefined)[]; onChange: (row: string[]) => void }) {
+  const vocabulary = useVocabulary(names.prefixes);
+  const verbs = useMemo(() => vocabulary.verbs.map((t) => ({ value: t.term, label: t.label, use: t.use })), [vocabulary]);
+  const things = (wanted: string | undefined) => [...vocabulary.things.filter((t) => t.use === wanted), ...vocabulary.things.filter((t) => t.use !== wanted)].map((t) => ({ value: t.term, label: t.label || t.use, use: t.use }));
+  return (
+    <div className="constraint-words" style={{ gridTemplateColumns: "1fr 1fr 1fr" }}>
+      {["Subject", "Verb", "Object"].map((label, k) => <Combo key={label} label={label} placeholder={label.toLowerCase()} value={row[k] ?? ""} choices={k === 1 ? verbs : things(classes[k])} onChange={(value) => onChange(["", "", ""].map((_, l) => (l === k ? value : (row[l] ?? ""))))} />)}
+    </div>
+  );
+}
+
 export function TellDialog(props: { title: string; quads: readonly Quad[]; patterns: readonly string[]; names: Names; onTold?: () => void; onClose: () => void }) {
   const { names } = props;
   const [rows, setRows] = useState(() => props.quads.map((q) => [q.subject, q.predicate, q.object].map((term) => termText(term, names.short))));
   const [effect, setEffect] = useState<WhatIfReply | null>(null);
   const [error, setError] = useState<PlainError | null>(null);
   const [busy, setBusy] = useState(false);
-  const vocabulary = useVocabulary(names.prefixes);
-  const things = useMemo(() => vocabulary.things.map((t) => ({ value: t.term, label: t.label || t.use, use: t.use })), [vocabulary]);
-  const verbs = useMemo(() => vocabulary.verbs.map((t) => ({ value: t.term, label: t.label, use: t.use })), [vocabulary]);
   const run = async (what: "simulate" | "tell") => {
     setBusy(true);
     setError(null);
     try {
-      const add = rows.map(([s = "", p = "", o = ""]) => create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p === "a" ? "rdf:type" : p, names.prefixes), object: termOf(o, names.prefixes) }));
+      const add = rows.map((row) => quadOfRow(row, names.prefixes));
       if (what === "simulate") setEffect(await context.whatIf({ add, prefixes: Object.fromEntries(names.prefixes) }));
       else {
         const reply = await context.assert({ add, requestId: randomUuid() });
@@ -46,11 +59,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
       <div className="sheet-head"><h2 className="grow">{props.title}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
         <p className="quiet">{props.patterns.length > 0 ? <>What lacks is {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Choose what is meant."}</p>
-        {rows.map((row, i) => (
-          <div key={i} className="constraint-words" style={{ gridTemplateColumns: "1fr 1fr 1fr" }}>
-            {["Subject", "Verb", "Object"].map((label, k) => <Combo key={label} label={label} value={row[k] ?? ""} choices={k === 1 ? verbs : things} onChange={(value) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? r.map((w, l) => (l === k ? value : w)) : r))))} />)}
-          </div>
-        ))}
+        {rows.map((row, i) => <FactFields key={i} row={row} names={names} onChange={(changed) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? changed : r))))} />)}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         {effect && (
           <div className="notice" role="status"><FlaskConical size={15} /><div>
