@@ -25,10 +25,10 @@ import { ImportDialog } from "./import_dialog";
 import { keepImported, usePalette } from "./palette_data";
 import { PalettePanel } from "./palette_panel";
 import { Properties } from "./properties";
+import { FirstSteps, QuickAdd, where } from "./quick_add";
 import { ServerDraftBar, ServerDraftButton, useServerDraft } from "./server_draft";
 import { dropServerDraft, keepSeen } from "./server_drafts";
 import { Session } from "./session";
-import { KindIcon } from "./step_card";
 import { TextPane } from "./text_pane";
 import { textSetup } from "./text_setup";
 import { usePanels } from "./panels";
@@ -260,37 +260,5 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
       {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
       {open?.what === "start" && <StartDialog workflow={document.name} variables={[...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])].map((v) => ({ name: v.name, type: v.type, initial: v.initial }))} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>
-  );
-}
-
-// Where a step goes if nothing is selected: into the link that ends the flow, if there is one alone.
-function where(shown: ReturnType<typeof shownFlow>): AddWhere {
-  const sink = shown?.steps.find((s) => s.kind === "sink");
-  const into = shown?.links.filter((l) => l.to === sink?.name && l.kind === "plain" && !l.stale) ?? [];
-  return into.length === 1 && into[0] ? { link: into[0].key } : {};
-}
-
-function QuickAdd(props: { palette: readonly import("./palette_data").PaletteEntry[]; name: string; where: AddWhere; actions: Actions; onClose: () => void }) {
-  const groups = { service: "Services", operation: "Robots' operations", workflow: "Workflows" };
-  const add = (what: NewKind) => () => props.actions.add(what, props.where);
-  const items: PickerItem[] = [
-    { id: "empty", title: "Empty step", detail: "waits for a situation", icon: <Plus size={15} />, run: add({ kind: "empty", title: "Step" }) },
-    ...props.palette.filter((e) => e.id !== props.name).map((e): PickerItem => ({ id: `${e.kind} ${e.id}`, title: e.title, words: e.id, detail: e.detail, group: groups[e.kind], icon: <KindIcon kind={e.kind} />, run: add(e) })),
-  ];
-  return (
-    <Dialog label="Add a step" top onClose={props.onClose}>
-      <Picker label="Add a step" placeholder="What happens next?" items={items} empty="Nothing has this name." onDone={props.onClose} other={(typed) => ({ id: "other", title: `New step “${typed}”`, detail: "does nothing yet", icon: <Plus size={15} />, run: add({ kind: "empty", title: typed }) })} />
-    </Dialog>
-  );
-}
-
-function FirstSteps({ onAdd }: { onAdd: () => void }) {
-  return (
-    <div className="first-steps">
-      <h2>Add the first step</h2>
-      <p className="quiet">A step is something a robot does. It opens when its situation is true, and leads to the next.</p>
-      <button className="button primary" onClick={onAdd}><Plus size={15} />Add a step<kbd>/</kbd></button>
-      <p className="faint small">or drag one from the left onto the arrow</p>
-    </div>
   );
 }
