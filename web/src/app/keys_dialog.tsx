@@ -10,6 +10,11 @@ const onCanvas: [string, string][] = [
   ["Select several", "Shift"],
 ];
 
+const inSimulation: [string, string][] = [
+  ["Play or pause", "Space"],
+  ["Back, next step", "← →"],
+];
+
 // ?: the keys of this view.
 export function KeysDialog({ onClose }: { onClose: () => void }) {
   const commands = allCommands().filter((command) => command.keys);
@@ -38,6 +43,8 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
           <section>
             <h3>On the canvas</h3>
             <ul>{onCanvas.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
+            <h3>In the panel of a simulation</h3>
+            <ul>{inSimulation.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
           </section>
         )}
         <p className="faint small keys-licences"><a href="/licences.txt">Licences of the packages that the app is made of</a></p>

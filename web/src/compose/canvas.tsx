@@ -23,7 +23,9 @@ export interface CanvasProps {
   selected: ReadonlySet<string>; // keys of steps
   selectedLinks: ReadonlySet<string>;
   refreshed: number;
-  trial: ReadonlyMap<string, StepTrial> | null; // how a past run would go, by the names of steps
+  trial: ReadonlyMap<string, StepTrial> | null; // how a past run would go, or a simulation stands, by the names of steps
+  breakpoints: ReadonlySet<string>; // names of steps
+  onBreakpoint: (step: string) => void;
   actions: Actions;
   onSelect: (steps: string[], links: string[]) => void;
   onQuickAdd: (where: AddWhere) => void;
@@ -48,7 +50,7 @@ export function Canvas(props: CanvasProps) {
 }
 
 function useNodes(props: CanvasProps): StepNode[] {
-  const { shown, findings, serviceNames, selected, trial } = props;
+  const { shown, findings, serviceNames, selected, trial, breakpoints, onBreakpoint } = props;
   const order = useMemo(() => inFlowOrder(shown.steps, shown.links), [shown]);
   const places = useMemo(() => placeSteps(shown.steps, shown.links), [shown]);
   return useMemo(
@@ -62,14 +64,14 @@ function useNodes(props: CanvasProps): StepNode[] {
       return order.map((step): StepNode => {
         const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
         const tried = trial?.get(step.name);
-        const data = { step, serviceNames, errors, warnings, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would go otherwise here" }) };
+        const data = { step, serviceNames, errors, warnings, breakpoint: breakpoints.has(step.name), onBreakpoint, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would go otherwise here" }) };
         return {
           id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
           deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),
         };
       });
     },
-    [order, places, findings, serviceNames, selected, shown, trial],
+    [order, places, findings, serviceNames, selected, shown, trial, breakpoints, onBreakpoint],
   );
 }
 

@@ -1,5 +1,5 @@
 // The open document: palette, canvas, properties and text, with one selection and one undo stack over all of them.
-import { ChevronRight, CodeXml, Columns2, Copy, Crosshair, Download, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles, Workflow } from "lucide-react";
+import { ChevronRight, CircleDot, CodeXml, Columns2, Copy, Crosshair, Download, FlaskConical, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles, Workflow } from "lucide-react";
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { useNames } from "../api/prefixes";
 import { useCommands, type Command } from "../app/commands";
@@ -7,11 +7,12 @@ import { Link as AppLink } from "../app/link";
 import { navigate, paths } from "../app/router";
 import { partAt, prefixesOf } from "../cawl/document";
 import { shownFlow } from "../cawl/shown";
-import { StartDialog } from "../operate/start_dialog";
+import { StartDialog, startVariables } from "../operate/start_dialog";
 import { Dialog } from "../ui/dialog";
 import { Picker, type PickerItem } from "../ui/picker";
 import { toast } from "../ui/toasts";
 import { Actions, type AddWhere, type NewKind } from "./actions";
+import { useBreakpoints } from "./breakpoints";
 import { Canvas } from "./canvas";
 import { Crumbs } from "./crumbs";
 import { DeployDialog } from "./deploy_dialog";
@@ -32,7 +33,8 @@ import { Session } from "./session";
 import { TextPane } from "./text_pane";
 import { textSetup } from "./text_setup";
 import { usePanels } from "./panels";
-import { stepTrials, useTrials } from "./trials";
+import { SimulatePanel } from "./simulate_panel";
+import { stepTrials, type StepTrial, useTrials } from "./trials";
 import { TrialsPanel } from "./trials_panel";
 import { readVia, viaText } from "./via";
 import { useVocabulary } from "./vocabulary";
@@ -81,7 +83,8 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const findings = useFindings(session);
   const names = useNames();
   const trials = useTrials(document.name, session.shown.text, findings);
-  const [trialsOpen, setTrialsOpen] = useState(props.trial !== "");
+  const [panel, setPanel] = useState<"trials" | "simulate" | "">(props.trial === "" ? "" : "trials"); // that is open below the canvas
+  const toggle = (which: "trials" | "simulate") => setPanel(panel === which ? "" : which);
   const [tried, setTried] = useState(props.trial); // the run whose trial the canvas shows
   const wanted = useRef(props.trial); // of the address: tried once, when it is in the list
   const ready = wanted.current !== "" && trials.list.some((t) => t.run === wanted.current);
@@ -91,7 +94,9 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     wanted.current = "";
   }, [ready]);
   const reply = trials.list.find((t) => t.run === tried)?.reply ?? null;
-  const trial = useMemo(() => (reply && trialsOpen ? stepTrials(reply) : null), [reply, trialsOpen]);
+  const trial = useMemo(() => (reply && panel === "trials" ? stepTrials(reply) : null), [reply, panel]);
+  const [simulated, setSimulated] = useState<ReadonlyMap<string, StepTrial> | null>(null); // steps at the moment of the simulation that is shown
+  const breakpoints = useBreakpoints(name, shown?.flow.name ?? "");
   const prefixes = useMemo(() => prefixesOf(document), [document]);
   const prefixKey = JSON.stringify([...prefixes]);
   const vocabulary = useVocabulary(useMemo(() => new Map(JSON.parse(prefixKey) as [string, string][]), [prefixKey]));
@@ -122,6 +127,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   }, [name, props.flow, props.via, session]);
   const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key])), [session, flowKey, onSelect]);
 
+  const variables = startVariables([...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])]);
   const chosenSteps = shown?.steps.filter((s) => steps.has(s.key) && !s.stale) ?? [];
   const chosenLinks = shown?.links.filter((l) => links.has(l.key) && !l.stale) ?? [];
   const only = chosenSteps.length === 1 && chosenLinks.length === 0 ? chosenSteps[0] : undefined;
@@ -176,7 +182,9 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     { title: "Tidy up", group: "Document", icon: Sparkles, keys: "Shift+T", words: "layout arrange", run: () => actions.tidy() },
     { title: "Deploy", group: "Document", icon: Rocket, keys: "Mod+Enter", words: "publish", run: () => setOpen({ what: "deploy" }) },
     { title: "Start a run", group: "Document", icon: Play, keys: "R", run: () => setOpen({ what: "start" }) },
-    { title: "Try on past runs", group: "Document", icon: History, keys: "Shift+R", words: "replay test simulate", run: () => setTrialsOpen(!trialsOpen) },
+    { title: "Try on past runs", group: "Document", icon: History, keys: "Shift+R", words: "replay test", run: () => toggle("trials") },
+    { title: "Simulate", group: "Document", icon: FlaskConical, keys: "Shift+S", words: "play try robots simulation", run: () => toggle("simulate") },
+    ...(only?.kind === "node" ? [{ title: `${breakpoints.steps.has(only.name) ? "Remove the breakpoint at" : "Set a breakpoint at"} ${only.name}`, group: "Steps", icon: CircleDot, keys: "B", words: "simulate stop debug", run: () => breakpoints.toggle(only.name) } satisfies Command] : []),
     { title: "Import steps", group: "Document", words: "wsdl grpc adapter", run: () => setOpen({ what: "import" }) },
     { title: "Save a copy as a file", group: "Document", icon: Download, keys: "Mod+S", inFields: true, run: () => saveFile(`${document.name || name}.cawl.xml`, session.written) },
     { title: "Show or hide the text", group: "Document", icon: CodeXml, keys: "T", run: () => panels.toggle("text") },
@@ -223,7 +231,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         {panels.palette ? <PalettePanel palette={palette} name={document.name} onAdd={addFrom} onImport={() => setOpen({ what: "import" })} onHide={() => panels.toggle("palette")} /> : <button className="palette-open button icon" aria-label="Show the palette" title="Show the palette (P)" onClick={() => panels.toggle("palette")}><PanelLeftOpen size={15} /></button>}
         <div className="stage">
           {shown ? (
-            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} trial={trial} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={openStep}>
+            <Canvas shown={shown} findings={findings.list} serviceNames={serviceNames} selected={steps} selectedLinks={links} refreshed={session.refreshed} trial={trial ?? simulated} breakpoints={breakpoints.steps} onBreakpoint={breakpoints.toggle} actions={actions} onSelect={onSelect} onQuickAdd={quickAdd} onOpen={openStep}>
               {shown.steps.filter((s) => s.kind === "node").length === 0 && <FirstSteps onAdd={() => quickAdd(where(shown))} />}
               {document.problems.length > 0 && <div className="broken" role="status">The text has a mistake. You see the last good steps; what is dashed can't be changed until it is mended.</div>}
             </Canvas>
@@ -231,7 +239,8 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
             <div className="nothing grow"><h2>There is no flow to show</h2><p>The text needs a &lt;CAWL&gt; element with a &lt;flow&gt; in it. Undo brings the last text back.</p></div>
           )}
           <FindingsPanel findings={findings} lineOf={(offset) => session.view.state.doc.lineAt(Math.min(offset, session.view.state.doc.length)).number} open={findingsOpen} onToggle={() => setFindingsOpen(!findingsOpen)} onFix={onFix} onJump={onJump} />
-          {document.name && <TrialsPanel trials={trials} text={session.shown.text} names={names} open={trialsOpen} chosen={tried} onToggle={() => setTrialsOpen(!trialsOpen)} onChoose={setTried} onStep={(step) => shown?.steps.some((s) => s.name === step) && onSelect([step], [], true)} />}
+          {shown && document.name && <SimulatePanel workflow={document.name} text={session.shown.text} shown={shown} variables={variables} findings={findings} breakpoints={breakpoints.steps} names={names} prefixes={prefixes} vocabulary={vocabulary} open={panel === "simulate"} onToggle={() => toggle("simulate")} onStates={setSimulated} />}
+          {document.name && <TrialsPanel trials={trials} text={session.shown.text} names={names} open={panel === "trials"} chosen={tried} onToggle={() => toggle("trials")} onChoose={setTried} onStep={(step) => shown?.steps.some((s) => s.name === step) && onSelect([step], [], true)} />}
         </div>
         <aside className="dock" style={{ width: panels.width }} aria-label="Properties and text">
           <div className="dock-grip" role="separator" aria-orientation="vertical" aria-label="Width of the text" aria-valuenow={panels.width} aria-valuemin={320} aria-valuemax={Math.max(320, window.innerWidth - 420)} tabIndex={0} onPointerDown={panels.grip} onKeyDown={panels.gripKeys} />
@@ -258,7 +267,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
       )}
       {open?.what === "import" && <ImportDialog onImported={(entries) => (keepImported(entries), palette.again(), toast("good", `${entries.length} steps are in the palette`))} onClose={() => setOpen(null)} />}
       {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
-      {open?.what === "start" && <StartDialog workflow={document.name} variables={[...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])].map((v) => ({ name: v.name, type: v.type, initial: v.initial }))} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
+      {open?.what === "start" && <StartDialog workflow={document.name} variables={variables} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>
   );
 }

@@ -14,6 +14,8 @@ export interface StepData extends Record<string, unknown> {
   state?: string; // of a run
   stateLabel?: string;
   differs?: string; // in words: a past run would go otherwise here
+  breakpoint?: boolean;
+  onBreakpoint?: (step: string) => void; // absent: it can have none here
 }
 export type StepNode = Node<StepData, "step">;
 
@@ -41,6 +43,7 @@ export const StepCard = memo(function StepCard({ data, selected, isConnectable }
   return (
     <div className={classes}>
       <header>
+        {data.onBreakpoint && !step.stale && <button className="step-breakpoint nodrag" tabIndex={-1} aria-pressed={data.breakpoint ?? false} aria-label={`Breakpoint at ${step.name}`} title={data.breakpoint ? "Breakpoint: a simulation stops here (B)" : "Set a breakpoint (B)"} onClick={(e) => (e.stopPropagation(), data.onBreakpoint?.(step.name))} onDoubleClick={(e) => e.stopPropagation()}><span /></button>}
         <span className="cut" title={step.documentation || undefined}>{step.name || "(no name)"}</span>
         {data.stateLabel && <span className={`state-chip ${data.state}`}>{data.stateLabel}</span>}
         {data.differs && <span className="step-differs" title={data.differs}><GitCompareArrows size={12} aria-hidden />otherwise</span>}
@@ -88,5 +91,5 @@ export function stepWords(data: StepData): string {
   if (step.kind !== "node") return `${step.kind === "source" ? "Begin" : "End"}: ${step.name}`;
   const does = step.invokes.map((i) => words(i.target)).join(", ");
   const rows = step.condition ? conditionRows(step.condition) : [];
-  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.stateLabel, data.differs, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
+  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.breakpoint && "breakpoint", data.stateLabel, data.differs, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
 }

@@ -27,7 +27,7 @@ type Result = Pick<Trial, "reply" | "text" | "busy" | "error">;
 const notTried: Result = { reply: null, text: "", busy: false, error: "" };
 const runsListed = 30;
 const testsTried = 20; // after an edit
-const restMs = 900;
+export const restMs = 900; // after an edit
 
 // The steps of the flow itself, by name.
 export function stepTrials(reply: ReplayReply): Map<string, StepTrial> {
