@@ -12,6 +12,7 @@ import type { Actions, AddWhere, NewKind } from "./actions";
 import type { Finding } from "./findings";
 import { LinkEdge, type LinkEdgeType } from "./link_edge";
 import { look } from "../operate/states";
+import { lessMotion } from "./playing";
 import { StepCard, stepWords, type StepNode } from "./step_card";
 import type { StepTrial } from "./trials";
 import "./canvas.css";
@@ -119,10 +120,29 @@ function Flow(props: CanvasProps) {
   };
   const latestShow = useRef(show);
   latestShow.current = show;
+  const traced = props.trial !== null; // a panel has made the canvas smaller
   useEffect(() => {
     const t = window.setTimeout(() => latestShow.current(1), 60);
     return () => window.clearTimeout(t);
-  }, [flow, shown.flow.key, props.refreshed]);
+  }, [flow, shown.flow.key, props.refreshed, traced]);
+  // The step at which a simulation is comes into view.
+  const isIn = (state: string) => shown.steps.find((s) => props.trial?.get(s.name)?.state === state)?.key;
+  const active = isIn("running") ?? isIn("waiting") ?? "";
+  const latestNodes = useRef(fromModel);
+  latestNodes.current = fromModel;
+  useEffect(() => {
+    const t = window.setTimeout(() => {
+      const node = latestNodes.current.find((n) => n.id === active);
+      const box = pane.current?.getBoundingClientRect();
+      if (!node || !box) return;
+      const { x, y, zoom } = flow.getViewport();
+      const middle = { x: node.position.x + (node.width ?? 0) / 2, y: node.position.y + (node.height ?? 0) / 2 };
+      const within = (at: number, size: number, room: number) => at >= size / 2 && at <= room - size / 2;
+      if (within(middle.x * zoom + x, (node.width ?? 0) * zoom, box.width) && within(middle.y * zoom + y, (node.height ?? 0) * zoom, box.height)) return;
+      void flow.setViewport({ x: box.width / 2 - middle.x * zoom, y: box.height / 2 - middle.y * zoom, zoom }, { duration: lessMotion() ? 0 : 190 });
+    }, 120); // after the whole flow was shown
+    return () => window.clearTimeout(t);
+  }, [flow, active]);
   const count = shown.steps.length;
   const placedByHand = placed(shown.steps);
   useEffect(() => {

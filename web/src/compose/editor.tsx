@@ -239,7 +239,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
             <div className="nothing grow"><h2>There is no flow to show</h2><p>The text needs a &lt;CAWL&gt; element with a &lt;flow&gt; in it. Undo brings the last text back.</p></div>
           )}
           <FindingsPanel findings={findings} lineOf={(offset) => session.view.state.doc.lineAt(Math.min(offset, session.view.state.doc.length)).number} open={findingsOpen} onToggle={() => setFindingsOpen(!findingsOpen)} onFix={onFix} onJump={onJump} />
-          {shown && document.name && <SimulatePanel workflow={document.name} text={session.shown.text} shown={shown} variables={variables} findings={findings} breakpoints={breakpoints.steps} names={names} prefixes={prefixes} vocabulary={vocabulary} open={panel === "simulate"} onToggle={() => toggle("simulate")} onStates={setSimulated} />}
+          {shown && <SimulatePanel workflow={document.name || name} text={session.shown.text} shown={shown} variables={variables} findings={findings} breakpoints={breakpoints.steps} names={names} prefixes={prefixes} vocabulary={vocabulary} open={panel === "simulate"} onToggle={() => toggle("simulate")} onStates={setSimulated} />}
           {document.name && <TrialsPanel trials={trials} text={session.shown.text} names={names} open={panel === "trials"} chosen={tried} onToggle={() => toggle("trials")} onChoose={setTried} onStep={(step) => shown?.steps.some((s) => s.name === step) && onSelect([step], [], true)} />}
         </div>
         <aside className="dock" style={{ width: panels.width }} aria-label="Properties and text">

@@ -5,7 +5,7 @@ import { advance, headAfter, headAt, type Head, type SimulationEvent } from "./s
 export const speeds = [1, 10, 60] as const;
 const tickMs = 100;
 const begin: Head = { afterS: 0, done: 0 };
-const lessMotion = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+export const lessMotion = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 // Playing ends at `endS`; the head can be set up to `lengthS`.
 export function usePlayer(events: readonly SimulationEvent[], { endS, lengthS }: { endS: number; lengthS: number }, stops: readonly number[]) {

@@ -1,6 +1,6 @@
 // "Simulate" below the canvas: the text as it is now, deployed or not, runs with simulated robots; what happens is played.
 import { ChevronDown, ChevronUp, CircleAlert, CirclePause, FlaskConical, LoaderCircle, SlidersHorizontal, StepForward } from "lucide-react";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useMemo, useRef, useState } from "react";
 import type { Names } from "../api/prefixes";
 import { shorten } from "../api/sparql";
 import { StartFields, type StartVariable } from "../operate/start_dialog";
@@ -52,6 +52,8 @@ export function SimulatePanel(props: SimulatePanelProps) {
   const ofFlow = result?.flow === shown.flow.name;
   const states = useMemo(() => (open && ofFlow ? statesAt(events, head.done, shown.steps) : null), [open, ofFlow, events, head.done, shown.steps]);
   useEffect(() => onStates(states), [states, onStates]);
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => void (open && box.current?.querySelector("button")?.focus()), [open]);
   const begin = () => void simulation.simulate().then((done) => done && player.playFromBegin());
   return (
     <section className="findings" aria-label="Simulate" onKeyDown={result ? playerKeys(player) : undefined}>
@@ -64,9 +66,9 @@ export function SimulatePanel(props: SimulatePanelProps) {
         {open ? <ChevronDown size={14} /> : <ChevronUp size={14} />}
       </button>
       {open && (
-        <div className="simulate">
+        <div className="simulate" ref={box}>
           <div className="simulate-top">
-            <button className="button small primary simulate-begin" disabled={simulation.busy || simulation.faulty} onClick={begin}>{simulation.busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}{simulation.old ? "Simulate again" : "Simulate"}</button>
+            <button className="button small primary simulate-begin" disabled={simulation.faulty} onClick={begin}>{simulation.busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}{simulation.old ? "Simulate again" : "Simulate"}</button>
             <StartValues simulation={simulation} variables={props.variables} vocabulary={props.vocabulary} />
             {result && <SimulatePlayer player={player} events={events} lengthS={end.lengthS} />}
           </div>
@@ -121,13 +123,10 @@ function Stopped(props: { events: readonly SimulationEvent[]; done: number; stop
   const values = [...new Map([...Object.entries(props.given).filter(([, written]) => written.trim() !== ""), ...valuesAt(events, done)])];
   return (
     <div className="notice simulate-stopped" role="status">
-      <CirclePause size={14} />
-      <div className="grow">
-        <p><b>Stopped at {at?.node}</b>, which {at?.step?.state === "waiting" ? "comes to wait, and does not open" : "opens"}.</p>
-        {values.length > 0 && <p>Values so far: <code>{values.map(([name, value]) => `${name} = ${value.replace(/^<(.*)>$/, (whole, iri: string) => props.names.short(iri) || whole)}`).join(", ")}</code></p>}
-        {commandsAfter(events, done, at?.node ?? "").map((command, i) => <p key={i}>Next, {commandWords(command, "would get")}.</p>)}
-      </div>
-      <button className="button small" onClick={props.onGoOn}><StepForward size={13} />Go on</button>
+      <div className="row"><CirclePause size={14} /><b className="grow">Stopped at {at?.node}</b><button className="button small" onClick={props.onGoOn}><StepForward size={13} />Go on</button></div>
+      <p>The step {at?.step?.state === "waiting" ? "comes to wait, and does not open" : "opens"}.</p>
+      {values.length > 0 && <p>Values so far: <code>{values.map(([name, value]) => `${name} = ${value.replace(/^<(.*)>$/, (whole, iri: string) => props.names.short(iri) || whole)}`).join(", ")}</code></p>}
+      {commandsAfter(events, done, at?.node ?? "").map((command, i) => <p key={i}>Next, {commandWords(command, "would get")}.</p>)}
     </div>
   );
 }

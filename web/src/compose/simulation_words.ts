@@ -33,7 +33,7 @@ export function eventWords(event: SimulationEvent, names: Short): { who: string;
   const { node, step } = event.step;
   if (step?.operation) return { who: node, what: commandWords(event.step), why: "" };
   const state = step?.state ?? "";
-  const why = ["running", "failed", "incident", "cancelled"].includes(state) ? plainIris(step?.cause ?? "").replace(/^(asked for|after .*)$/, "") : "";
+  const why = ["running", "failed", "incident", "cancelled"].includes(state) ? plainIris(step?.cause ?? "").replace(/^asked for$|^after .*$/, "").replace(/^condition (\S+) holds(?: with)?/, "by $1:").replace(/:$/, "") : "";
   if (node === "") return { who: "", what: state === "running" ? "the run begins" : `the run is ${look(state).words}`, why };
   return { who: node, what: state === "running" ? "opens" : state === "waiting" ? "waits" : look(state).words, why };
 }
