@@ -56,7 +56,7 @@ export function SimulatePanel(props: SimulatePanelProps) {
   useEffect(() => void (open && box.current?.querySelector("button")?.focus()), [open]);
   const begin = () => void simulation.simulate().then((done) => done && player.playFromBegin());
   return (
-    <section className="findings" aria-label="Simulate" onKeyDown={result ? playerKeys(player) : undefined}>
+    <section className="findings" aria-label="Simulate" onKeyDown={open && result ? playerKeys(player) : undefined}>
       <button className="findings-bar" aria-expanded={open} onClick={props.onToggle}>
         <FlaskConical size={14} />
         <span>Simulate</span>
