@@ -1,10 +1,10 @@
 // Breakpoints of a workflow: steps at which a simulation stops. Kept in this browser by the workflow's name, and never in its text.
-import { useCallback, useEffect, useMemo, useState } from "react";
+import { useCallback, useMemo, useState } from "react";
 
 const prefix = "docent.breakpoints.";
-const placeOf = (flow: string, step: string) => JSON.stringify([flow, step]);
+const placeOf = (flow: string, step: string) => `${flow}\n${step}`;
 
-export function loadBreakpoints(workflow: string): ReadonlySet<string> {
+function load(workflow: string): ReadonlySet<string> {
   try {
     const stored: unknown = JSON.parse(localStorage.getItem(prefix + workflow) ?? "[]");
     return new Set(Array.isArray(stored) ? stored.filter((place) => typeof place === "string") : []);
@@ -21,19 +21,15 @@ function save(workflow: string, places: ReadonlySet<string>) {
   }
 }
 
-// Of one flow: the names of its steps that have one.
+// Of one flow of the workflow that is open: the names of its steps that have one.
 export function useBreakpoints(workflow: string, flow: string): { steps: ReadonlySet<string>; toggle: (step: string) => void } {
-  const [places, setPlaces] = useState(() => loadBreakpoints(workflow));
-  useEffect(() => setPlaces(loadBreakpoints(workflow)), [workflow]);
+  const [places, setPlaces] = useState(() => load(workflow));
   const toggle = useCallback((step: string) => setPlaces((before) => {
     const after = new Set(before);
     if (!after.delete(placeOf(flow, step))) after.add(placeOf(flow, step));
     save(workflow, after);
     return after;
   }), [workflow, flow]);
-  const steps = useMemo(() => new Set([...places].flatMap((place) => {
-    const [of, step] = JSON.parse(place) as [string, string];
-    return of === flow ? [step] : [];
-  })), [places, flow]);
+  const steps = useMemo(() => new Set([...places].filter((place) => place.startsWith(placeOf(flow, ""))).map((place) => place.slice(placeOf(flow, "").length))), [places, flow]);
   return { steps, toggle };
 }
