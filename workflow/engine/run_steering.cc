@@ -166,10 +166,9 @@ void ResumeWorkflow(Engine::Core* core, const std::string& name) {
 
 // What an operator can do about a node that runs.
 constexpr char kEndRunning[] =
-    ". To end what it does: docent runs cancel RUN, or docent robots out ROBOT --cancel-commands, which "
-    "takes its "
-    "robot from it. An invoke with ext:timeout, ext:retry and ext:retry-other-robot goes to another robot by "
-    "itself";
+    ". To end what it does: docent runs cancel RUN; or docent robots out ROBOT --cancel-commands, after "
+    "which another robot does it where its invoke has an ext:retry left. With ext:timeout, ext:retry and "
+    "ext:retry-other-robot it goes to another robot by itself";
 
 // Whether the robot that a node is to use offers what the node invokes.
 absl::Status CheckRobot(const Engine::Core& core, const cawl::Node& node, const RunRequest& request,
