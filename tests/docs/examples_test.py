@@ -175,7 +175,8 @@ class Grpc(unittest.TestCase):
         adapter = self.start("adapter")
         client = [DOCENT, "query", "--server", self.address]
         until = time.monotonic() + 60
-        while subprocess.run([*client, "ASK { ?r docent:offers ?o ; docent:status docent:Standby }"], capture_output=True).returncode:
+        ready = "ASK { ?r docent:offers ?o ; docent:status docent:Standby ; docent:localised true }"
+        while subprocess.run([*client, ready], capture_output=True).returncode:
             self.assertLess(time.monotonic(), until)
             time.sleep(0.1)
         loaded = subprocess.run([DOCENT, "load", "--server", self.address, self.root / "hello.cawl.xml"], capture_output=True, text=True)
@@ -184,6 +185,21 @@ class Grpc(unittest.TestCase):
         self.assertRegex(out, r"^Welcome-\d+\n")
         self.assertRegex(out, r"- run done\n$")
         self.assertEqual(adapter.stdout.readline(), "says: Welcome!\n")
+        (self.root / "speech.rsel.xml").write_text(
+            '<rsel name="Speech"><message name="Text"><part name="text"/></message>'
+            '<process name="speak" input="Text"><invoke operation="say"/></process></rsel>', encoding="utf-8")
+        loaded = subprocess.run([DOCENT, "load", "--server", self.address, self.root / "speech.rsel.xml"], capture_output=True, text=True)
+        self.assertEqual(loaded.returncode, 0, loaded.stderr)
+        speak = [DOCENT, "services", "invoke", "--server", self.address, "speak", "--arg"]
+        said = subprocess.run([*speak, 'text="hello"'], capture_output=True, text=True)
+        self.assertEqual((said.returncode, adapter.stdout.readline()), (0, "says: hello\n"), said.stdout)
+        refused = subprocess.run([*speak, 'text=""'], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 1, refused.stdout)
+        self.assertIn("there is nothing to say", refused.stdout)
+        adapter.terminate()
+        self.assertEqual(adapter.wait(timeout=30), 0)
+        left = subprocess.run([*client, "ASK { ?r docent:status docent:Offline ; docent:lastSeenAt ?at }"], capture_output=True)
+        self.assertEqual(left.returncode, 0)
 
 
 class Http(unittest.TestCase):
