@@ -56,8 +56,9 @@ int Import(const ImportArguments& arguments) {
   if (absl::Status written = WriteFile(arguments.out, hall->turtle); !written.ok()) return Fail(written);
   std::cout << arguments.out
             << absl::StrFormat(
-                   ": a hall of %.1f m x %.1f m, %d walls and obstacles, %d places, %d connections\n",
-                   hall->width_m, hall->depth_m, hall->walls, hall->places, hall->connections);
+                   ": a hall of %.1f m x %.1f m, its outline of %d corners, %d walls and obstacles in it, %d "
+                   "places, %d connections\n",
+                   hall->width_m, hall->depth_m, hall->corners, hall->walls, hall->places, hall->connections);
   return kExitOk;
 }
 

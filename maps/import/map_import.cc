@@ -148,6 +148,7 @@ class Importer {
     out.depth_m = bounds.max_y_m - bounds.min_y_m;
     out.turtle = std::move(written.turtle);
     if (!found_.empty()) out.warnings = Render(found_, places_->text);
+    out.corners = floor_.outline.size();
     out.walls = floor_.obstacles.size();
     out.places = floor_.places.size();
     out.connections = floor_.connections.size();

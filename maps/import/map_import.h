@@ -21,7 +21,8 @@ struct MapImportOptions {
 struct ImportedHall {
   std::string turtle;
   std::string warnings;  // rendered, for people; may be empty
-  size_t walls = 0;
+  size_t corners = 0;    // of the outline
+  size_t walls = 0;      // and obstacles, within it
   size_t places = 0;
   size_t connections = 0;
   double width_m = 0;

@@ -93,6 +93,7 @@ TEST_F(MapImportTest, AMapWithPlacesBecomesAHallThatRobotsRead) {
   EXPECT_THAT(hall->warnings, HasSubstr("nodes.yaml:10:11: warning: place Pillar lies in a wall"));
   const HallLayout layout = Layout(hall->turtle);
   EXPECT_EQ(layout.name, "The \"blue\" room");
+  EXPECT_EQ(hall->corners, layout.outline.size());
   EXPECT_NEAR(Area(layout.outline), 10 * 6, 0.01);
   const Bounds bounds = BoundsOf(layout.outline);
   EXPECT_NEAR(bounds.min_x_m, -0.8, 1e-9);
