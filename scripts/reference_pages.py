@@ -104,6 +104,16 @@ def command_section(program, path, level, common):
     return "\n".join(parts)
 
 
+def operations_section(program):
+    """What `docent-robot --operations` says, as a table."""
+    text = subprocess.run([program, "--operations"], capture_output=True, text=True, timeout=60, check=True).stdout
+    head, *rows = [re.split(r"  +", line.strip()) for line in text.splitlines()]
+    code = lambda column, word: "" if word == "-" else f"`{word}`" if head[column] in ("operation", "inputs", "outputs", "capability") else cell(word)
+    return ("### What the simulated robot can do\n\n`docent-robot --operations` prints this table. Operations that occupy different parts of the "
+            "robot may run beside each other. A type is that of the part.\n\n"
+            + table(head, [[code(i, word) for i, word in enumerate(row)] for row in rows]))
+
+
 def cli_page(programs):
     intro = """
 Every command tells its options with `--help`. The exit code is 0 when all went well, 1 when the answer is no (an ASK is
@@ -120,6 +130,8 @@ ontology modules, rule sets and workflows declare. The same prefixes may be used
         rows = [[f"[`{name}`](#{program.name}-{name})", sentence(cell(text))] for title, pairs in told.sections
                 if title not in ("Options", "Positionals") for name, text in pairs]
         section = command_section(program, [], 2, common if program.name == "docent" else [])
+        if program.name == "docent-robot":
+            section += "\n" + operations_section(program)
         head, _, rest = section.partition("\n")
         parts.append(f"{head}\n\n{sentence(cell(told.description))}\n\n{table(['command', 'purpose'], rows)}{rest}")
     return "# Command line\n" + NOTE + intro + "\n" + "\n".join(parts)

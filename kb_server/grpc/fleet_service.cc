@@ -190,10 +190,7 @@ grpc::ServerUnaryReactor* FleetService::Leave(grpc::CallbackServerContext* conte
         ports_.inbox->Push(
             FactsOfLoss(lost->robot, lost->seen_us, *ports_.dictionary, *version),
             [this, reactor, reply, robot = lost->robot](const absl::StatusOr<BatchOutcome>& outcome) {
-              if (outcome.ok()) {
-                spdlog::info("{} has left: offline", robot);
-                reply->set_revision(outcome->offset);
-              }
+              if (outcome.ok()) reply->set_revision(outcome->offset);
               leases_.ToldLost(robot, outcome.ok());
               reactor->Finish(ToGrpc(outcome.status()));
             });

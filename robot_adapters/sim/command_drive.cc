@@ -13,6 +13,7 @@
 #include "graph/base/data_files.h"
 #include "maps/hall_model.h"
 #include "robot_adapters/sim/commands.h"
+#include "robot_adapters/sim/guide_operations.h"
 #include "robot_adapters/sim/guide_robot.h"
 #include "robot_adapters/sim/signals.h"
 #include "robot_adapters/sim/text_file.h"
@@ -25,6 +26,7 @@ struct DriveArguments {
   std::string hall;  // empty: the hall of scenario s01
   std::string map;
   std::string start;
+  bool lists_operations = false;
 };
 
 std::string DefaultFolder(const std::string& robot) {
@@ -111,6 +113,21 @@ int Drive(DriveArguments arguments) {
   return report.ok() ? kExitOk : kExitNegative;
 }
 
+// Where the robot is.
+void AddPlaceOptions(CLI::App* app, const std::shared_ptr<DriveArguments>& arguments) {
+  app->add_option("--hall,--layout", arguments->hall,
+                  "RDF file of the hall that the robot drives in; by default that of scenario s01")
+      ->type_name("FILE");
+  app->add_option("--map", arguments->map,
+                  "OctoMap (.bt) to localise in; made from the hall and written here if the file is absent")
+      ->type_name("FILE");
+  app->add_option("--start", arguments->start,
+                  "Where the robot stands: x,y,heading in metres and radians, or the IRI of a region. By "
+                  "default where it was left; the first time at its dock: the service point of the first "
+                  "region with \"dock\" in its name, or of the first that is no booth")
+      ->type_name("POSE|IRI");
+}
+
 }  // namespace
 
 void AddDriveCommand(CLI::App* app, int* exit_code) {
@@ -126,17 +143,7 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
       ->capture_default_str();
   app->add_option("--label", adapter.label, "Name of the robot for people; by default the end of the IRI")
       ->type_name("NAME");
-  app->add_option("--hall,--layout", arguments->hall,
-                  "RDF file of the hall that the robot drives in; by default that of scenario s01")
-      ->type_name("FILE");
-  app->add_option("--map", arguments->map,
-                  "OctoMap (.bt) to localise in; made from the hall and written here if the file is absent")
-      ->type_name("FILE");
-  app->add_option("--start", arguments->start,
-                  "Where the robot stands: x,y,heading in metres and radians, or the IRI of a region. By "
-                  "default where it "
-                  "was left, or its dock")
-      ->type_name("POSE|IRI");
+  AddPlaceOptions(app, arguments);
   app->add_option("--out", arguments->options.folder,
                   "Folder for its journal, pages, sound files and reports; by default "
                   "~/.local/state/docent/robot-NAME")
@@ -162,6 +169,9 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
   app->add_option("--seed", arguments->options.seed, "Seed of all simulated noise")
       ->type_name("N")
       ->capture_default_str();
+  app->add_flag(
+      "--operations", arguments->lists_operations,
+      "Print what the robot can do: its operations with inputs, outputs, and what of it each occupies");
   app->footer(
       "SIGTERM ends the robot. SIGUSR1 writes a report into the folder of --out: report.json, path.csv, "
       "path.png.\n"
@@ -169,7 +179,11 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
       "Example:\n"
       "  docent-robot --server 127.0.0.1:7400 --start https://w3id.org/docent/expo#B03 --speed 4");
   app->callback([app, arguments, exit_code] {
-    if (app->get_subcommands().empty()) *exit_code = Drive(*arguments);
+    if (!app->get_subcommands().empty()) return;
+    if (arguments->lists_operations)
+      std::cout << OperationsTable(GuideOperations());
+    else
+      *exit_code = Drive(*arguments);
   });
 }
 

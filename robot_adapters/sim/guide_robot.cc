@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -18,6 +20,7 @@
 #include "robot_adapters/sdk/decimal.h"
 #include "robot_adapters/sim/booth_page.h"
 #include "robot_adapters/sim/graph_questions.h"
+#include "robot_adapters/sim/guide_operations.h"
 #include "robot_adapters/sim/living_body.h"
 #include "robot_adapters/sim/screen_server.h"
 #include "robot_adapters/sim/text_file.h"
@@ -66,7 +69,7 @@ absl::Status CheckOptions(const GuideRobotOptions& options) {
 
 }  // namespace
 
-absl::StatusOr<Pose2> DockOf(const maps::HallLayout& layout) {
+absl::StatusOr<const maps::Region*> DockOf(const maps::HallLayout& layout) {
   const maps::Region* found = nullptr;
   int best = 0;
   for (const maps::Region& region : layout.regions) {
@@ -82,7 +85,7 @@ absl::StatusOr<Pose2> DockOf(const maps::HallLayout& layout) {
     return absl::InvalidArgumentError(
         "the hall has no service point where a robot could start; give --start");
   }
-  return *found->service_point;
+  return found;
 }
 
 class GuideRobot::Impl {
@@ -103,12 +106,8 @@ class GuideRobot::Impl {
   absl::Status Start(std::shared_ptr<const maps::HallModel> hall) {
     if (absl::Status status = CheckOptions(options_); !status.ok()) return status;
     const std::string world_path = options_.folder + "/world.state";
-    std::optional<Pose2> start = options_.start ? options_.start : LoadWorld(world_path);
-    if (!start) {
-      auto dock = DockOf(layout_);
-      if (!dock.ok()) return dock.status();
-      start = *dock;
-    }
+    auto start = StartPose(world_path);
+    if (!start.ok()) return start.status();
     auto body = GuideBody::Create(std::move(hall), layout_, options_.body, *start, options_.seed);
     if (!body.ok()) return body.status();
     auto screen = ScreenServer::Start(options_.screen_port);
@@ -147,88 +146,41 @@ class GuideRobot::Impl {
     return options_.adapter.label.empty() ? FileNameOf(options_.adapter.robot) : options_.adapter.label;
   }
 
+  // Logs the place and why.
+  absl::StatusOr<Pose2> StartPose(const std::string& world_path) const {
+    const auto said = [](const Pose2& pose, const std::string& why) {
+      spdlog::info("starts at {:.2f}, {:.2f} m, {:.2f} rad: {}", pose.x_m, pose.y_m, pose.heading_rad, why);
+      return pose;
+    };
+    if (options_.start) return said(*options_.start, "as it was told");
+    if (const std::optional<Pose2> left = LoadWorld(world_path))
+      return said(*left, absl::StrCat("there it was left, says ", world_path));
+    const auto dock = DockOf(layout_);
+    if (!dock.ok()) return dock.status();
+    return said(*(*dock)->service_point,
+                absl::StrCat("the service point of ", ToDisplay(Term::Iri((*dock)->iri)), ", its dock"));
+  }
+
   std::vector<Operation> Operations() {
-    auto bind = [this](absl::StatusOr<NamedTerms> (Impl::*method)(OperationContext&)) {
-      return [this, method](OperationContext& context) {
-        ready_.WaitForNotification();  // a command may arrive before the body exists
-        return (this->*method)(context);
-      };
-    };
-    const Part user{"user", "docent:Person"}, booth{"booth", "docent:Region"};
-    const Part page{"page", "xsd:anyURI"}, file{"file", "xsd:string"};
-    const Part place{"place", "docent:Region"}, text{"text", "xsd:string"};
-    return {
-        {"moveToUser",
-         {},
-         {},
-         true,
-         "Drives to where the user is",
-         bind(&Impl::MoveToUser),
-         {"base"},
-         {user},
-         {},
-         {"docent:Navigation"}},
-        {"moveToBooth",
-         {},
-         {},
-         true,
-         "Drives to the place before a booth",
-         bind(&Impl::MoveToBooth),
-         {"base"},
-         {booth},
-         {},
-         {"docent:Navigation"}},
-        {"displayBoothInfo",
-         {},
-         {},
-         true,
-         "Shows a page about the booth",
-         bind(&Impl::DisplayBoothInfo),
-         {"screen"},
-         {booth},
-         {page},
-         {"docent:Display"}},
-        {"briefBoothInfo",
-         {},
-         {},
-         false,
-         "Speaks about the booth",
-         bind(&Impl::BriefBoothInfo),
-         {"voice"},
-         {booth},
-         {file},
-         {"docent:SpeechSynthesis"}},
-        {"driveTo",
-         {},
-         {},
-         true,
-         "Drives to a place",
-         bind(&Impl::DriveTo),
-         {"base"},
-         {place},
-         {},
-         {"docent:Navigation"}},
-        {"showText",
-         {},
-         {},
-         true,
-         "Shows a text",
-         bind(&Impl::ShowText),
-         {"screen"},
-         {text},
-         {page},
-         {"docent:Display"}},
-        {"say",
-         {},
-         {},
-         false,
-         "Speaks a text in its language",
-         bind(&Impl::Say),
-         {"voice"},
-         {text},
-         {file},
-         {"docent:SpeechSynthesis"}},
-    };
+    using Method = absl::StatusOr<NamedTerms> (Impl::*)(OperationContext&);
+    const std::pair<std::string_view, Method> methods[] = {{"moveToUser", &Impl::MoveToUser},
+                                                           {"moveToBooth", &Impl::MoveToBooth},
+                                                           {"displayBoothInfo", &Impl::DisplayBoothInfo},
+                                                           {"briefBoothInfo", &Impl::BriefBoothInfo},
+                                                           {"driveTo", &Impl::DriveTo},
+                                                           {"showText", &Impl::ShowText},
+                                                           {"say", &Impl::Say}};
+    std::vector<Operation> operations = GuideOperations();
+    for (Operation& operation : operations) {
+      for (const auto& [name, method] : methods) {
+        if (operation.name != name) continue;
+        operation.run = [this, method = method](OperationContext& context) {
+          ready_.WaitForNotification();  // a command may arrive before the body exists
+          return (this->*method)(context);
+        };
+      }
+    }
+    return operations;
   }
 
   absl::StatusOr<NamedTerms> MoveToUser(OperationContext& context) {

@@ -56,9 +56,9 @@ class GuideRobot {
   std::unique_ptr<Impl> impl_;
 };
 
-// Default start pose: the service point of the first region named "…dock…", else of the first region that is
-// no booth, else of the first region. INVALID_ARGUMENT: the layout has no service point.
-absl::StatusOr<maps::Pose2> DockOf(const maps::HallLayout& layout);
+// Where it starts by default: the first region named "…dock…", else the first one that is no booth, else the first one, of
+// those with a service point. Points into `layout`. INVALID_ARGUMENT: the layout has no service point.
+absl::StatusOr<const maps::Region*> DockOf(const maps::HallLayout& layout);
 
 }  // namespace docent::robot
 

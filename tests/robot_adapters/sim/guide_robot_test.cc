@@ -233,7 +233,7 @@ TEST(DockTest, IsTheRegionNamedSo) {
   ASSERT_TRUE(layout.ok());
   auto dock = DockOf(*layout);
   ASSERT_TRUE(dock.ok());
-  EXPECT_EQ(dock->x_m, 9.6);
+  EXPECT_EQ((*dock)->service_point->x_m, 9.6);
   EXPECT_FALSE(DockOf({}).ok());
 }
 
