@@ -3,6 +3,7 @@ import { ChevronRight, CircleDot, CodeXml, Columns2, Copy, Crosshair, Download, 
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { useNames } from "../api/prefixes";
 import { useCommands, type Command } from "../app/commands";
+import { Guard } from "../app/guard";
 import { Link as AppLink } from "../app/link";
 import { navigate, paths } from "../app/router";
 import { partAt, prefixesOf } from "../cawl/document";
@@ -45,7 +46,7 @@ let memory = ""; // what was copied last, where the browser's clipboard is close
 
 export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; trial: string }) {
   const opened = useSession(props.name, props.text, props.deployed);
-  return opened ? <Open key={props.name} {...props} {...opened} /> : null;
+  return opened ? <Guard><Open key={props.name} {...props} {...opened} /></Guard> : null; // a view that stops keeps the session, and its undo with it
 }
 
 // The session lives as long as the document is open, and the keeping of its draft with it.

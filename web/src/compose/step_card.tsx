@@ -21,7 +21,9 @@ export type StepNode = Node<StepData, "step">;
 
 export const StepCard = memo(function StepCard({ data, selected, isConnectable }: NodeProps<StepNode>) {
   const { step } = data;
-  const classes = `step ${step.kind}${selected ? " selected" : ""}${step.stale ? " stale" : ""}${data.state ? ` run-${data.state}` : ""}`;
+  // Not "source" and "sink": the canvas takes what has the class "source" for a handle.
+  const shape = step.kind === "node" ? "node" : step.kind === "source" ? "begin" : "end";
+  const classes = `step ${shape}${selected ? " selected" : ""}${step.stale ? " stale" : ""}${data.state ? ` run-${data.state}` : ""}`;
   const handles = (
     <>
       {step.kind !== "source" && <Handle type="target" position={Position.Top} isConnectable={isConnectable && !step.stale} />}
