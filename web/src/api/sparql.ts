@@ -49,7 +49,3 @@ export function shorten(iri: string, prefixes: Iterable<readonly [string, string
 export function localName(iri: string): string {
   return /[^#/]+$/.exec(iri)?.[0] ?? iri;
 }
-export function valueWords(value: Value | undefined): string {
-  if (!value) return "";
-  return value.kind === "iri" ? localName(value.text) : value.kind === "literal" ? value.text : `_:${value.text}`;
-}

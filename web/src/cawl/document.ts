@@ -63,6 +63,11 @@ export interface Invoke extends Part {
   timeout: string;
   retry: string;
 }
+// A value that a step gives a variable before it does anything: <ext:assign variable="text" expression='"Hello"'/>.
+export interface Assign extends Part {
+  variable: string;
+  expression: string;
+}
 export interface Step extends Part {
   kind: "source" | "node" | "sink";
   key: string; // unique in its flow: the name, with a number where a name stands twice
@@ -70,6 +75,7 @@ export interface Step extends Part {
   documentation: string;
   documentationElement: XmlElement | null;
   invokes: Invoke[];
+  assigns: Assign[];
   condition: Condition | null;
   join: string;
   waits: XmlElement[];
@@ -224,6 +230,7 @@ class Reader {
       documentation: this.documentation(element), documentationElement, waits,
       join: waits.map((w) => this.get(w, "joinCondition")).filter(Boolean).join(" and "),
       invokes: this.children(element, "invoke").map((i) => this.invoke(i)),
+      assigns: element.children.filter((c) => c.local === "assign" && c.namespace === extNamespace && this.get(c, "at") !== "done" && this.get(c, "expression")).map((c) => ({ element: c, variable: this.get(c, "variable"), expression: this.get(c, "expression") })),
       condition: this.conditionOf(element),
       timeout: this.ext(element, "timeout"), retry: this.ext(element, "retry"), forEach: this.ext(element, "forEach"),
       sequential: this.ext(element, "sequential"), whileHolds: this.ext(element, "while-holds"),

@@ -182,6 +182,16 @@ export class Edits {
     if (old) this.changes.push({ from: old.from, to: old.to, insert: `${kind}="${encodeAttribute(target)}"` });
     else this.set(invoke.element, kind, target);
   }
+  // The value that the step gives a variable before it does anything; empty: none.
+  setAssign(step: Step, variable: string, expression: string) {
+    const found = step.assigns.findLast((a) => a.variable === variable);
+    if (found && expression === "") return this.removeElement(found.element);
+    if (found) return this.set(found.element, "expression", expression);
+    if (expression === "") return;
+    const content = (indent: string) => this.layout.render({ name: this.prefixed(extNamespace, "ext", "assign"), attributes: [["variable", variable], ["expression", expression]] }, indent);
+    const invoke = step.invokes[0];
+    this.push(invoke ? this.layout.insertBefore(invoke.element, content) : this.insertLast(step.element, content));
+  }
   setDocumentation(part: { element: XmlElement; documentationElement: XmlElement | null }, text: string) {
     const found = part.documentationElement;
     if (found && text.trim() === "") this.removeElement(found);
@@ -208,7 +218,7 @@ export class Edits {
   }
   // What starts the flow by itself.
   addActivator(flow: Flow, words: Words) {
-    const piece: Piece = { name: "activator", children: [{ name: "activate", attributes: [["flow", flow.name]] }, { name: "condition", children: [this.contextPiece("Begins", words)] }] };
+    const piece: Piece = { name: "activator", attributes: [["name", "OnStart"]], children: [{ name: "activate", attributes: [["flow", flow.name]] }, { name: "condition", children: [this.contextPiece("Begins", words)] }] };
     this.push(this.layout.insertBefore(flow.element, (indent) => `${this.layout.render(piece, indent)}${this.layout.newline}`));
   }
 

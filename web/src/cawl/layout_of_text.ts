@@ -10,7 +10,7 @@ export interface Change {
 
 // An element to be written.
 export interface Piece {
-  name: string; // local name; the document's prefix is put before it
+  name: string; // local name, before which the document's prefix is put; or a name with a prefix of another namespace
   attributes?: readonly (readonly [name: string, value: string])[];
   text?: string;
   children?: readonly Piece[];
@@ -52,8 +52,11 @@ export class TextLayout {
   }
 
   render(piece: Piece, indent: string): string {
-    const name = this.prefix + piece.name;
-    const attributes = (piece.attributes ?? []).map(([key, value]) => ` ${key}="${encodeAttribute(value)}"`).join("");
+    const name = piece.name.includes(":") ? piece.name : this.prefix + piece.name;
+    const attributes = (piece.attributes ?? []).map(([key, value]) => {
+      const quote = value.includes('"') && !value.includes("'") ? "'" : '"';
+      return ` ${key}=${quote}${encodeAttribute(value, quote)}${quote}`;
+    }).join("");
     if (piece.text !== undefined) return `<${name}${attributes}>${encodeText(piece.text)}</${name}>`;
     if (!piece.children || piece.children.length === 0) return `<${name}${attributes}/>`;
     const inner = piece.children.map((child) => this.newline + indent + this.unit + this.render(child, indent + this.unit)).join("");

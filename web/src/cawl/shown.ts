@@ -55,3 +55,25 @@ export function inFlowOrder<T extends Step>(steps: readonly T[], links: readonly
   }
   return [...order, ...steps.filter((s) => !done.has(s))];
 }
+
+// Whether links lead from one step to the other.
+export function leadsTo(flow: Flow, from: string, to: string): boolean {
+  const seen = new Set([from]);
+  const queue = [from];
+  for (let name = queue.pop(); name !== undefined; name = queue.pop()) {
+    if (name === to) return true;
+    for (const link of flow.links)
+      if (link.from === name && !seen.has(link.to)) {
+        seen.add(link.to);
+        queue.push(link.to);
+      }
+  }
+  return false;
+}
+// Whether two steps may be under way at the same time: they stand on two branches of one step.
+export function mayRunTogether(flow: Flow, a: string, b: string): boolean {
+  if (leadsTo(flow, a, b) || leadsTo(flow, b, a)) return false;
+  const comesTo = (from: string, to: string) => from === to || leadsTo(flow, from, to);
+  const plain = flow.links.filter((l) => l.kind === "plain");
+  return plain.some((one) => plain.some((other) => one.from === other.from && one.to !== other.to && comesTo(one.to, a) && comesTo(other.to, b)));
+}

@@ -1,8 +1,10 @@
 // What the user does to a flow, from the canvas, the palette or the keys; each one is one edit of the text.
+import { shorten } from "../api/sparql";
 import { flowOf, prefixesOf, type CawlDocument, type Flow, type Link, readCawl, type Step, viewNamespace } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
 import { applyChanges } from "../cawl/layout_of_text";
 import { uniqueName } from "../cawl/names";
+import { leadsTo } from "../cawl/shown";
 import { freePlace, placed, placeSteps, stepHeight } from "../cawl/placing";
 import { toast } from "../ui/toasts";
 import { type PaletteEntry, withInputs } from "./palette_data";
@@ -48,7 +50,7 @@ export class Actions {
       });
       if (link) edits.splice(flow, link, added);
       else if (before) edits.addLink(flow, before.name, added);
-      if (what.kind !== "empty") this.declareInputs(edits, flow, what);
+      if (what.kind !== "empty") this.declare(edits, flow, what.inputs);
       return added;
     }, `Added ${what.title}`);
     if (name !== undefined) this.select([name]);
@@ -69,14 +71,24 @@ export class Actions {
     return freePlace(wanted, flow.steps, places, 80);
   }
 
-  private declareInputs(edits: Edits, flow: Flow, entry: PaletteEntry) {
+  // Declares the values that the flow does not have yet.
+  private declare(edits: Edits, flow: Flow, inputs: PaletteEntry["inputs"]) {
     const known = new Set([...flow.variables, ...this.session.document.variables].map((v) => v.name));
-    const prefixes = [...prefixesOf(this.session.document)].map(([prefix, iri]) => ({ name: prefix, iri }));
-    for (const input of entry.inputs) {
-      if (known.has(input.name)) continue;
-      const prefix = prefixes.find((p) => input.type.startsWith(p.iri) && /^[\w-]+$/.test(input.type.slice(p.iri.length)));
-      edits.addVariable(flow, input.name, prefix ? `${prefix.name}:${input.type.slice(prefix.iri.length)}` : "");
-    }
+    for (const input of inputs) if (!known.has(input.name)) edits.addVariable(flow, input.name, shorten(input.type, prefixesOf(this.session.document)));
+  }
+  // What the step gives to what it does; empty: the value that the run has.
+  setInput(step: Step, input: PaletteEntry["inputs"][number], expression: string) {
+    this.edit((edits, flow) => {
+      this.declare(edits, flow, [input]);
+      edits.setAssign(step, input.name, expression);
+    });
+  }
+  // Something more that a step does, with the values that it takes.
+  addInvoke(step: Step, entry: PaletteEntry) {
+    this.edit((edits, flow) => {
+      edits.addInvoke(step, entry.kind === "workflow" ? "subflow" : "operation", entry.id);
+      this.declare(edits, flow, entry.inputs);
+    });
   }
 
   // A link that leads back has to say while what: the rest of the language has no loops.
@@ -198,19 +210,6 @@ export class Actions {
 function scoped(source: Flow, content: string): string {
   const scope = [...source.element.scope].filter(([prefix]) => prefix !== "" && prefix !== "xml").map(([prefix, iri]) => ` xmlns:${prefix}="${iri}"`).join("");
   return `<flow name="f"${scope}>${content}</flow>`;
-}
-function leadsTo(flow: Flow, from: string, to: string): boolean {
-  const seen = new Set([from]);
-  const queue = [from];
-  for (let name = queue.pop(); name !== undefined; name = queue.pop()) {
-    if (name === to) return true;
-    for (const link of flow.links)
-      if (link.from === name && !seen.has(link.to)) {
-        seen.add(link.to);
-        queue.push(link.to);
-      }
-  }
-  return false;
 }
 // The text of an element without the indentation that it has where it stands.
 function outdented(document: CawlDocument, from: number, to: number): string {

@@ -1,8 +1,9 @@
 // What a step can do: operations of robots, robot services, and other workflows, as the server has them now.
 import { fleet, services, workflows } from "../api/client";
 import type { PlainError } from "../api/errors";
+import { nameOf } from "../api/labels";
 import { usePoll } from "../api/poll";
-import { localName } from "../api/sparql";
+import { query } from "../api/sparql";
 import { prefixesOf, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
 import { loadDraft } from "./drafts";
@@ -57,20 +58,41 @@ export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
   };
 }
 
+// What robots say that their operations take, by the operation's name.
+const inputsQuery = `PREFIX docent: <https://w3id.org/docent#> SELECT DISTINCT ?operation ?name ?type { GRAPH ?g { ?operation docent:inputsKnown true ; docent:input ?name OPTIONAL { ?operation docent:inputPart ?part . ?part docent:partName ?name ; docent:partType ?type } } } ORDER BY ?operation ?name LIMIT 2000`;
+const operationPrefix = "urn:docent:operation:";
+async function operationInputs(signal: AbortSignal): Promise<Map<string, PaletteEntry["inputs"]>> {
+  const found = new Map<string, PaletteEntry["inputs"]>();
+  for (const row of (await query(inputsQuery, signal)).rows) {
+    const operation = decodeURIComponent((row["operation"]?.text ?? "").slice(operationPrefix.length));
+    const name = row["name"]?.text ?? "";
+    const inputs = found.get(operation) ?? [];
+    if (name && !inputs.some((i) => i.name === name)) found.set(operation, [...inputs, { name, type: row["type"]?.text ?? "" }]);
+  }
+  return found;
+}
+
+// "takes user, booth"
+function takes(inputs: PaletteEntry["inputs"]): string {
+  return inputs.length > 0 ? `takes ${inputs.map((i) => words(i.name).toLowerCase()).join(", ")}` : "";
+}
+
 export function usePalette(): PaletteData {
   const polled = usePoll("palette", async (signal) => {
-    const [robots, registered, deployed] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal })]);
+    const [robots, registered, deployed, operationsTake] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal }), operationInputs(signal)]);
     const taken = new Set(registered.services.map((s) => s.name));
     const operations = new Map<string, string[]>();
-    for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || localName(robot.robot)]);
+    for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || nameOf(robot.robot)]);
     const entries: PaletteEntry[] = [];
-    for (const s of registered.services)
-      entries.push({
-        kind: "service", id: s.name, title: words(s.name), inputs: s.inputParts.length > 0 ? s.inputParts.map((p) => ({ name: p.name, type: p.type })) : s.inputs.map((name) => ({ name, type: "" })),
-        detail: s.inputs.length > 0 ? `needs ${s.inputs.join(", ")}` : "",
-      });
-    for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b)))
-      if (!taken.has(operation)) entries.push({ kind: "operation", id: operation, title: words(operation), detail: by.length > 3 ? `${by.length} robots` : by.join(", "), inputs: [] });
+    for (const s of registered.services) {
+      const inputs = s.inputParts.length > 0 ? s.inputParts.map((p) => ({ name: p.name, type: p.type })) : s.inputs.map((name) => ({ name, type: "" }));
+      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs) });
+    }
+    for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
+      if (taken.has(operation)) continue;
+      const inputs = operationsTake.get(operation) ?? [];
+      entries.push({ kind: "operation", id: operation, title: words(operation), inputs, detail: [takes(inputs), by.length > 2 ? `${by.length} robots` : by.join(", ")].filter(Boolean).join(" · ") });
+    }
     for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
     for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [] });
     return entries;

@@ -1,7 +1,8 @@
 // The properties of what is selected: a step, a link, several steps, or the flow itself.
 import { ChevronDown, Copy, Plus, Trash2, X } from "lucide-react";
 import { useEffect, useState, type ReactNode } from "react";
-import type { CawlDocument, Flow, Link, Step, Variable } from "../cawl/document";
+import { shorten } from "../api/sparql";
+import { type CawlDocument, type Flow, type Link, prefixesOf, type Step } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
 import { words } from "../cawl/names";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
@@ -10,7 +11,8 @@ import type { Actions } from "./actions";
 import { ConditionEditor } from "./condition_editor";
 import type { Finding } from "./findings";
 import { FindingRow } from "./findings_panel";
-import type { PaletteEntry } from "./palette_data";
+import { Inputs } from "./inputs";
+import { type PaletteEntry, withInputs } from "./palette_data";
 import type { Session } from "./session";
 import { KindIcon } from "./step_card";
 import type { Trial } from "./trials";
@@ -86,6 +88,12 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
   const edit = (make: (edits: Edits) => void) => session.edit(flow.key, make);
   const ext = (local: string) => (value: string) => edit((e) => e.setExt(step.element, local, value.trim()));
   const variables = [...document.variables, ...flow.variables];
+  const prefixes = prefixesOf(document);
+  const add = (id: string) => {
+    const entry = props.palette.find((p) => p.id === id);
+    if (entry) void withInputs(entry).then((whole) => actions.addInvoke(step, whole));
+    else if (id) edit((e) => e.addInvoke(step, "operation", id));
+  };
   const what: Choice[] = props.palette.map((p) => ({ value: p.id, label: p.title === p.id ? p.detail : p.title, group: p.kind === "workflow" ? "Workflows" : p.kind === "service" ? "Services" : "Operations" }));
   return (
     <div className="properties" aria-label={`Properties of ${step.name}`}>
@@ -113,11 +121,11 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
                   <KindIcon kind={invoke.kind === "subflow" ? "workflow" : (entry?.kind ?? "operation")} />
                   <Combo label="What it does" value={invoke.target} choices={what} onChange={(value) => edit((e) => (value ? e.setInvoke(invoke, props.palette.find((p) => p.id === value)?.kind === "workflow" ? "subflow" : "operation", value) : e.removeElement(invoke.element)))} />
                   <button className="button plain icon small" aria-label={`Remove ${invoke.target}`} title="Remove" onClick={() => edit((e) => e.removeElement(invoke.element))}><X size={13} /></button>
-                  {entry && entry.inputs.length > 0 && <Inputs inputs={entry.inputs} variables={variables} onDeclare={(name) => edit((e) => e.addVariable(flow, name))} />}
+                  {entry && entry.inputs.length > 0 && <Inputs entry={entry} flow={flow} step={step} variables={variables} vocabulary={props.vocabulary} short={(iri) => shorten(iri, prefixes)} onSet={(input, expression) => actions.setInput(step, input, expression)} />}
                 </div>
               );
             })}
-            <Combo label="Add something to do" placeholder="Add an operation, service or workflow" value="" choices={what} onChange={(value) => value && edit((e) => e.addInvoke(step, props.palette.find((p) => p.id === value)?.kind === "workflow" ? "subflow" : "operation", value))} />
+            <Combo label="Add something to do" placeholder="Add an operation, service or workflow" value="" choices={what} onChange={add} />
           </Section>
           <Section title="Try without a robot" folded>
             <TryStep document={document} flow={flow.name} step={step} place={`flow ${flow.name} / node ${step.name}`} variables={variables} compiled={props.compiled} palette={props.palette} runs={props.runs} text={session.written} />
@@ -136,18 +144,6 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
         </>
       )}
       {step.kind !== "node" && <p className="property-note faint small">{step.kind === "source" ? "The run begins here." : "The run is done when it comes here."}</p>}
-    </div>
-  );
-}
-
-function Inputs(props: { inputs: readonly { name: string; type: string }[]; variables: readonly Variable[]; onDeclare: (name: string) => void }) {
-  const known = new Set(props.variables.map((v) => v.name));
-  return (
-    <div className="invoke-inputs">
-      takes{" "}
-      {props.inputs.map((input) =>
-        known.has(input.name) ? <code key={input.name}>${input.name}</code> : <button key={input.name} className="tag wait" title="The flow has no such value; declare it" onClick={() => props.onDeclare(input.name)}><Plus size={11} />{input.name}</button>,
-      )}
     </div>
   );
 }
@@ -209,7 +205,7 @@ function FlowProperties(props: PropertiesProps) {
       <Section title="Starts by itself when">
         {starts && activator ? (
           <ConditionEditor
-            document={document} part={activator} place={`activator ${activator.name}`} variables={[...document.variables, ...activator.variables]} compiled={props.compiled} vocabulary={props.vocabulary} edit={edit}
+            document={document} part={activator} place={`activator ${activator.name}`.trim()} variables={[...document.variables, ...activator.variables]} compiled={props.compiled} vocabulary={props.vocabulary} edit={edit}
             firstWords={{ subject: "?user", verb: "docent:chose", object: "?service", subjectType: "docent:Visitor" }}
           />
         ) : (
@@ -220,7 +216,7 @@ function FlowProperties(props: PropertiesProps) {
         )}
       </Section>
       <Section title="Values of a run">
-        {variables.length === 0 && <p className="faint small">None yet. Operations take their inputs from here, by name.</p>}
+        {variables.length === 0 && <p className="faint small">None yet. Steps take what they need from here, by name.</p>}
         {variables.map((v) => (
           <div key={`${v.name} ${v.element.from}`} className="variable">
             <code className="cut">${v.name}</code>

@@ -5,7 +5,7 @@ import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { randomUuid } from "../api/ids";
 import { navigate, paths } from "../app/router";
-import type { Vocabulary } from "../compose/vocabulary";
+import { ofClass, type Vocabulary } from "../compose/vocabulary";
 import { termOf } from "../api/terms";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
@@ -25,13 +25,12 @@ export function startArguments(values: Readonly<Record<string, string>>, prefixe
   return Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, prefixes) }));
 }
 
-// One field a variable; things of its class are offered first.
+// One field a variable; things of its class are offered.
 export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
-  const { things } = props.vocabulary;
   return props.variables.map((v) => (
     <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
       <span><code>${v.name}</code> <span className="faint small">{v.type}</span></span>
-      <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={things.filter((t) => !v.type || t.use === v.type || !t.use).concat(things.filter((t) => v.type && t.use !== v.type && t.use)).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
+      <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
     </div>
   ));
 }

@@ -23,7 +23,7 @@ export function quadOfRow([s = "", p = "", o = ""]: readonly string[], prefixes:
 export function FactFields({ row, names, classes = [], onChange }: { row: readonly string[]; names: Names; classes?: readonly (string | undefined)[]; onChange: (row: string[]) => void }) {
   const vocabulary = useVocabulary(names.prefixes);
   const verbs = useMemo(() => vocabulary.verbs.map((t) => ({ value: t.term, label: t.label, use: t.use })), [vocabulary]);
-  const things = (wanted: string | undefined) => [...vocabulary.things.filter((t) => t.use === wanted), ...vocabulary.things.filter((t) => t.use !== wanted)].map((t) => ({ value: t.term, label: t.label || t.use, use: t.use }));
+  const things = (wanted: string | undefined) => [...vocabulary.things.filter((t) => wanted && t.classes?.includes(wanted)), ...vocabulary.things.filter((t) => !wanted || !t.classes?.includes(wanted))].map((t) => ({ value: t.term, label: t.label || t.use, use: t.use }));
   return (
     <div className="constraint-words" style={{ gridTemplateColumns: "1fr 1fr 1fr" }}>
       {["Subject", "Verb", "Object"].map((label, k) => <Combo key={label} label={label} placeholder={label.toLowerCase()} value={row[k] ?? ""} choices={k === 1 ? verbs : things(classes[k])} onChange={(value) => onChange(["", "", ""].map((_, l) => (l === k ? value : (row[l] ?? ""))))} />)}

@@ -1,0 +1,37 @@
+// What things are called: by their labels in the graph, else by a short end of their IRI. The labels are asked for once for the whole app.
+import { useEffect, useSyncExternalStore } from "react";
+import { usePoll } from "./poll";
+import { localName, query, type Value } from "./sparql";
+
+const labelsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
+SELECT ?t (SAMPLE(?l) AS ?label) { VALUES ?c { docent:Region docent:Robot docent:Person docent:Visitor docent:Service } ?t a ?c ; schema:name|rdfs:label ?l FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 5000`;
+let labels: ReadonlyMap<string, string> = new Map();
+const listeners = new Set<() => void>();
+
+// To be called once, by the frame of the app.
+export function usePollLabels() {
+  const polled = usePoll("labels", async (signal) => new Map((await query(labelsQuery, signal)).rows.map((row) => [row["t"]?.text ?? "", row["label"]?.text ?? ""])), 10_000);
+  useEffect(() => {
+    const next = polled.data;
+    if (!next || (next.size === labels.size && [...next].every(([iri, label]) => labels.get(iri) === label))) return;
+    labels = next;
+    for (const listener of listeners) listener();
+  }, [polled.data]);
+}
+// The labels, to draw again when they change.
+export function useLabels(): ReadonlyMap<string, string> {
+  return useSyncExternalStore((listener) => (listeners.add(listener), () => void listeners.delete(listener)), () => labels);
+}
+
+const longest = 24;
+// "162c0914-5b1e-…" as "162c0914…".
+export function shortName(name: string): string {
+  return name.length > longest ? `${/^[0-9a-f]{8}(?=-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…` : name;
+}
+export function nameOf(iri: string): string {
+  return labels.get(iri) || shortName(localName(iri));
+}
+export function valueWords(value: Value | undefined): string {
+  if (!value) return "";
+  return value.kind === "iri" ? nameOf(value.text) : value.kind === "literal" ? value.text : `_:${value.text}`;
+}
