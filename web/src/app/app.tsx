@@ -1,13 +1,19 @@
 // The frame around all views: where to go, what can be done (Ctrl-K), the keys (?), and whether the server is there.
-import { Command as CommandIcon, ConciergeBell, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
-import { Component, lazy, Suspense, useState, type ReactNode } from "react";
+import { Command as CommandIcon, ConciergeBell, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Megaphone, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
+import { lazy, Suspense, useState } from "react";
 import { useServerClock } from "../api/clock";
 import { useConnection } from "../api/connection";
+import { usePollLabels } from "../api/labels";
 import { usePoll } from "../api/poll";
 import { fleet } from "../api/client";
+import { useNames } from "../api/prefixes";
+import { iriTerm } from "../api/terms";
+import { create } from "@bufbuild/protobuf";
+import { QuadSchema } from "../gen/docent/v1/term_pb";
 import { Toasts, toast } from "../ui/toasts";
 import { useCommands } from "./commands";
 import { CommandPalette } from "./command_palette";
+import { Guard } from "./guard";
 import { KeysDialog } from "./keys_dialog";
 import { Link } from "./link";
 import { usePast } from "../api/past";
@@ -22,6 +28,7 @@ const RunPage = lazy(() => import("../operate/run_page"));
 const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
 const Desk = lazy(() => import("../desk/desk"));
+const TellDialog = lazy(() => import("../operate/tell").then((m) => ({ default: m.TellDialog })));
 const TimeBar = lazy(() => import("../operate/time_bar"));
 
 const places = [
@@ -31,6 +38,7 @@ const places = [
   { title: "Waiting", path: paths.board, icon: Timer, views: ["board"] },
   { title: "Desk", path: paths.desk, icon: ConciergeBell, views: ["desk"] },
 ];
+const isAtFact = create(QuadSchema, { predicate: iriTerm("https://w3id.org/docent#isAt") }); // told most often
 const timed = ["hall", "runs", "run"]; // views that can show the past
 
 export function App() {
@@ -38,9 +46,12 @@ export function App() {
   const theme = useTheme();
   usePast(); // links take the time along
   useServerClock();
-  const [open, setOpen] = useState<"commands" | "keys" | null>(null);
+  usePollLabels();
+  const names = useNames();
+  const [open, setOpen] = useState<"commands" | "keys" | "tell" | null>(null);
   useCommands([
     ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path()) })),
+    { title: "Tell a fact…", words: "visitor person robot is at place knowledge say assert", group: "Everywhere", icon: Megaphone, run: () => setOpen("tell") },
     { title: "All commands", group: "Everywhere", keys: "Mod+K", inFields: true, hidden: true, run: () => setOpen("commands") },
     { title: "Show the keys", group: "Everywhere", icon: Keyboard, keys: "?", run: () => setOpen("keys") },
     { title: themeShown() === "dark" ? "Light colours" : "Dark colours", words: "theme mode", group: "Everywhere", icon: theme === "dark" ? Sun : Moon, run: toggleTheme },
@@ -71,6 +82,7 @@ export function App() {
         {timed.includes(route.view) && <Suspense><TimeBar run={route.view === "run" ? route.run : ""} /></Suspense>}
       </div>
       {open === "commands" && <CommandPalette onClose={() => setOpen(null)} />}
+      {open === "tell" && <Suspense><TellDialog title="Tell a fact" quads={[isAtFact]} patterns={[]} names={names} onClose={() => setOpen(null)} /></Suspense>}
       {open === "keys" && <KeysDialog onClose={() => setOpen(null)} />}
       <Toasts />
     </div>
@@ -125,22 +137,4 @@ function copyLink() {
     () => toast("good", "The link is copied", window.location.href),
     () => toast("bad", "The link could not be copied", window.location.href),
   );
-}
-
-// A mistake of the app in one view leaves the rest usable.
-class Guard extends Component<{ children: ReactNode }, { error: Error | null }> {
-  override state = { error: null as Error | null };
-  static getDerivedStateFromError(error: Error) {
-    return { error };
-  }
-  override render() {
-    if (!this.state.error) return this.props.children;
-    return (
-      <main className="view nothing">
-        <h1>This view has stopped</h1>
-        <p>{this.state.error.message}</p>
-        <p>Your text is kept. <button className="button" onClick={() => this.setState({ error: null })}>Open the view again</button></p>
-      </main>
-    );
-  }
 }

@@ -2,7 +2,7 @@
 import { Circle, CircleCheck, CircleDashed, Clock3, FlaskConical, Plus, Trash2, X } from "lucide-react";
 import { useMemo, useState } from "react";
 import { useNames } from "../api/prefixes";
-import { localName, shorten } from "../api/sparql";
+import { shorten } from "../api/sparql";
 import { type CawlDocument, type Condition, type Constraint, type Context, type Invoke, prefixesOf, type Rule } from "../cawl/document";
 import type { Edits, Words } from "../cawl/edits";
 import { termWords, verbWords } from "../cawl/phrases";
@@ -11,8 +11,9 @@ import { Combo, type Choice } from "../ui/combo";
 import type { XmlElement } from "../cawl/xml";
 import { TellDialog } from "../operate/tell";
 import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
-import type { NearestMiss } from "./nearest_miss";
-import type { Vocabulary } from "./vocabulary";
+import type { Lack, NearestMiss } from "./nearest_miss";
+import { termName } from "./term_name";
+import { ofClass, type Vocabulary, type Word } from "./vocabulary";
 import "./condition.css";
 
 export interface ConditionProps {
@@ -31,7 +32,7 @@ export function ConditionEditor(props: ConditionProps) {
   const rows = condition?.contexts.flatMap((context, c) => context.rules.flatMap((rule, r) => rule.constraints.map((constraint, k) => ({ id: `${c}.${r}.${k}`, constraint })))) ?? [];
   const asks = [
     ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint) })),
-    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: props.compiled.find((x) => x.place === `${props.place} / context ${context.name}`)?.ask ?? "" })),
+    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: askOf(props.compiled, props.place, context, c) })),
   ];
   const kinds = new Map(props.variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const live = useLive(props.document, asks.map((a) => ({ ...a, ask: ofKinds(props.document, a.ask, rowsOf(a.id, rows), kinds) })));
@@ -57,6 +58,11 @@ export function ConditionEditor(props: ConditionProps) {
   );
 }
 
+// The ask of a whole situation. The server names a situation without a name by its number.
+export function askOf(compiled: readonly CompiledCondition[], place: string, context: Context, index: number): string {
+  return compiled.find((x) => x.place === `${place} / context ${context.name || index + 1}`)?.ask ?? "";
+}
+
 // The rows that an ask is made of: one, or all of a situation.
 export function rowsOf(id: string, rows: readonly { id: string; constraint: Constraint }[]): Constraint[] {
   return rows.filter((row) => row.id === id || row.id.startsWith(`${id}.`)).map((row) => row.constraint);
@@ -74,7 +80,7 @@ function useChoices(props: ConditionProps): Choices {
   return useMemo(() => {
     const own = variables.flatMap((v): Choice[] => [{ value: `$${v.name}`, label: v.type, group: "Values of the run" }]);
     const free = ["?robot", "?user", "?booth"].map((value): Choice => ({ value, label: "any that fits", group: "Found by the match" }));
-    const things = vocabulary.things.map((w): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" }));
+    const things = vocabulary.things.map(thingChoice);
     return {
       subjects: [...own, ...free, ...things],
       verbs: [{ value: "a", label: "is a" }, ...vocabulary.verbs.map((w) => ({ value: w.term, label: w.label, use: w.use }))],
@@ -83,6 +89,8 @@ function useChoices(props: ConditionProps): Choices {
     };
   }, [vocabulary, variables]);
 }
+
+const thingChoice = (w: Word): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" });
 
 type CardProps = ConditionProps & { condition: Condition; context: Context; index: number; live: ReadonlyMap<string, Live>; choices: Choices };
 
@@ -130,16 +138,18 @@ function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; 
   const set = (which: "subject" | "verb" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, value));
   const setType = (which: "subject" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, constraint[which].text, value));
   const typed = constraint.subject.type || constraint.object.type;
+  // Of the kind that the row says, where it says one.
+  const offered = (which: "subject" | "object", all: readonly Choice[]) => (constraint[which].type ? [...all.filter((c) => c.group !== "In the graph now"), ...ofClass(props.vocabulary, constraint[which].type).map(thingChoice)] : all);
   return (
     <div className="constraint">
       <div className="constraint-words">
-        <Combo label="Subject" placeholder="who or what" value={constraint.subject.text} choices={choices.subjects} onChange={set("subject")} />
+        <Combo label="Subject" placeholder="who or what" value={constraint.subject.text} choices={offered("subject", choices.subjects)} onChange={set("subject")} />
         <Combo label="Verb" placeholder="is or has" value={constraint.verb.text} choices={choices.verbs} onChange={set("verb")} className="verb" />
-        <Combo label="Object" placeholder="what" value={constraint.object.text} choices={constraint.verb.text === "a" ? choices.classes : choices.objects} onChange={set("object")} />
+        <Combo label="Object" placeholder="what" value={constraint.object.text} choices={constraint.verb.text === "a" ? choices.classes : offered("object", choices.objects)} onChange={set("object")} />
         <button className="button plain icon small" aria-label="Remove this row" title="Remove this row" onClick={() => edit((e) => e.removeConstraint(props.condition, props.context, props.rule, constraint))}><X size={13} /></button>
       </div>
       <div className="constraint-foot">
-        <RowState live={state} constraint={constraint} />
+        <RowState live={state} constraint={constraint} document={props.document} />
         {!kinds && <button className="constraint-kinds" onClick={() => setKinds(true)}>{typed ? kindWords(constraint) : "say the kind"}</button>}
       </div>
       {kinds && (
@@ -169,12 +179,13 @@ function Chip({ live }: { live: Live | undefined }) {
   return live.matches > 0 ? <span className="tag good"><CircleCheck size={12} />true now</span> : <span className="tag wait"><Circle size={12} />not now</span>;
 }
 
-function RowState({ live, constraint }: { live: Live | undefined; constraint: Constraint }) {
+function RowState({ live, constraint, document }: { live: Live | undefined; constraint: Constraint; document: CawlDocument }) {
   if (!live) return <span className="constraint-state faint"><CircleDashed size={11} />…</span>;
   if (live.matches < 0) return <span className="constraint-state faint" title={live.note}><CircleDashed size={11} />can't be asked</span>;
   if (live.matches === 0) {
     const [lack] = live.miss?.lacks ?? [];
-    return <span className="constraint-state none cut" title={lack?.pattern}><Circle size={11} /><span className="cut">no match now{lack?.now ? `: ${subjectWords(lack.pattern)} has ${termWords(lack.now)}` : ""}</span></span>;
+    const instead = lack?.now ? `: ${insteadWords(lack, prefixesOf(document))}` : "";
+    return <span className="constraint-state none cut" title={`no match now${instead}`}><Circle size={11} /><span className="cut">no match now{instead}</span></span>;
   }
   const words = matchWords(constraint, live.found);
   return <span className="constraint-state some cut" title={live.witness}><CircleCheck size={11} /><span className="cut">{count(live.matches)}{words && `${live.matches === 1 ? ": " : ", one is "}${words}`}</span></span>;
@@ -187,11 +198,13 @@ export function matchWords(constraint: Constraint, found: Readonly<Record<string
   if (!free) return "";
   return [/^[?$]/.test(constraint.subject.text.trim()) ? word(constraint.subject.text) : termWords(constraint.subject.text), verbWords(constraint.verb.text), /^[?$]/.test(constraint.object.text.trim()) ? word(constraint.object.text) : termWords(constraint.object.text)].join(" ");
 }
-function subjectWords(pattern: string): string {
-  return termWords(pattern.split(" ")[0] ?? "");
+// What is there in place of what is missing: "John is at B10".
+function insteadWords({ pattern, now }: Lack, prefixes: ReadonlyMap<string, string>): string {
+  const [subject = "", verb = ""] = pattern.split(" ");
+  return `${termName(subject, prefixes)} ${verbWords(verb)} ${now.replace(/[^\s,]+/g, (term) => termName(term, prefixes))}`;
 }
 
-// What is nearest to the situation, what lacks of it, and a way to try it.
+// What is nearest to the situation, what is missing, and a way to try it.
 function Miss({ miss, name, document }: { miss: NearestMiss; name: string; document: CawlDocument }) {
   const [telling, setTelling] = useState(false);
   const names = useNames();
@@ -201,14 +214,14 @@ function Miss({ miss, name, document }: { miss: NearestMiss; name: string; docum
     <div className="situation-lacks" role="status">
       {miss.where && <p>Nearest: {miss.where}{miss.holds > 0 && <span className="faint"> ({miss.holds === 1 ? "one fact of it is" : `${miss.holds} facts of it are`} there)</span>}</p>}
       <ul>
-        {miss.lacks.map((lack, i) => <li key={i}>lacks <code>{lack.pattern}</code>{lack.now && <> — now <code>{lack.now}</code></>}</li>)}
+        {miss.lacks.map((lack, i) => <li key={i}>missing: <code>{lack.pattern}</code>{lack.now && <> — now <code>{lack.now}</code></>}</li>)}
         {miss.tooMuch.map((text, i) => <li key={`x${i}`}>must not be <code>{text}</code></li>)}
       </ul>
       <p className="row">
         {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />Simulate or tell</button>}
         {miss.others > 0 && <span className="faint small">{miss.others === 1 ? "One other way is" : `${miss.others} other ways are`} as near</span>}
       </p>
-      {telling && <TellDialog title={`What lacks for ${name || "the situation"}`} quads={miss.add} patterns={miss.lacks.map((l) => l.pattern)} names={{ ...names, prefixes, short: (iri) => shorten(iri, prefixes), name: localName }} onClose={() => setTelling(false)} />}
+      {telling && <TellDialog title={`What is missing for ${name || "the situation"}`} quads={miss.add} patterns={miss.lacks.map((l) => l.pattern)} names={{ ...names, prefixes, short: (iri) => shorten(iri, prefixes), name: names.name }} onClose={() => setTelling(false)} />}
     </div>
   );
 }

@@ -1,7 +1,8 @@
 // Whether conditions hold now, in how many ways, and one match in words; if not, what lacks.
 import { live } from "../api/live";
 import { usePoll } from "../api/poll";
-import { query, valueWords } from "../api/sparql";
+import { valueWords } from "../api/labels";
+import { query } from "../api/sparql";
 import { useEffect, useRef } from "react";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
 import { type NearestMiss, nearestMiss } from "./nearest_miss";

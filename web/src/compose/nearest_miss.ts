@@ -1,6 +1,7 @@
 // Of a condition that does not hold: the nearest to it that there is, what lacks of that, and what is there instead.
 import { context } from "../api/client";
-import { query, shorten, valueWords } from "../api/sparql";
+import { valueWords } from "../api/labels";
+import { query, shorten } from "../api/sparql";
 import { quadOf, termText } from "../api/terms";
 import type { ExplainReply, MissingSet } from "../gen/docent/v1/context_pb";
 import type { Quad } from "../gen/docent/v1/term_pb";

@@ -3,7 +3,7 @@ import { ChevronDown, ChevronUp, CircleAlert, CircleCheck, Download, GitCompareA
 import { replays } from "../api/client";
 import { sentence } from "../api/errors";
 import type { Names } from "../api/prefixes";
-import { localName } from "../api/sparql";
+import { nameOf } from "../api/labels";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import type { ReplayDifference, ReplayReply } from "../gen/docent/v1/replays_pb";
@@ -53,7 +53,7 @@ function TrialRow(props: { trials: Trials; trial: Trial; old: boolean; open: boo
       <div className="trial">
         <button className="button plain icon small" aria-pressed={trial.kept} aria-label={trial.kept ? `Drop the test ${trial.run}` : `Keep ${trial.run} as a test`} title={trial.kept ? "A test: it is tried after each edit" : "Keep it as a test, which is tried after each edit"} onClick={() => trials.keep(trial.run, !trial.kept)}><Star size={14} fill={trial.kept ? "currentColor" : "none"} /></button>
         <Link href={paths.run(trial.run)} className="run-id cut">{runWords(trial.run)}</Link>
-        <span className="faint small cut grow">{trial.of ? [clock(trial.of.startedUs), user?.case === "iri" && `for ${localName(user.value)}`, trial.of.state].filter(Boolean).join(" · ") : "no longer in the list of runs"}</span>
+        <span className="faint small cut grow">{trial.of ? [clock(trial.of.startedUs), user?.case === "iri" && `for ${nameOf(user.value)}`, trial.of.state].filter(Boolean).join(" · ") : "no longer in the list of runs"}</span>
         <Verdict trial={trial} old={props.old} />
         <button className="button small" disabled={trial.busy} onClick={attempt}>{trial.busy ? <LoaderCircle size={12} className="turn" /> : <History size={12} />}Try</button>
         <button className="button plain icon small" aria-label={`Save ${trial.run} as a file`} title="Save it as a file for docent test" onClick={() => void save()}><Download size={13} /></button>

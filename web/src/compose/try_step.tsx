@@ -5,7 +5,6 @@ import { useState } from "react";
 import { replays } from "../api/client";
 import { sentence } from "../api/errors";
 import { useNames, type Names } from "../api/prefixes";
-import { localName } from "../api/sparql";
 import { termText } from "../api/terms";
 import type { CawlDocument, Step } from "../cawl/document";
 import { words } from "../cawl/names";
@@ -13,7 +12,7 @@ import type { TryNodeReply } from "../gen/docent/v1/replays_pb";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { clock } from "../operate/states";
 import { factsOf } from "../operate/waits";
-import { rowsOf } from "./condition_editor";
+import { askOf, rowsOf } from "./condition_editor";
 import { ofKinds, useLive, type Live } from "./live";
 import type { PaletteEntry } from "./palette_data";
 import type { Trial } from "./trials";
@@ -51,7 +50,7 @@ function Now({ document, step, place, variables, compiled, palette }: TryStepPro
   const contexts = step.condition?.contexts ?? [];
   const kinds = new Map(variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const rows = contexts.flatMap((context, c) => context.rules.flatMap((rule) => rule.constraints.map((constraint, k) => ({ id: `${c}.${k}`, constraint }))));
-  const live = useLive(document, contexts.map((context, c) => ({ id: `${c}`, ask: ofKinds(document, compiled.find((x) => x.place === `${place} / context ${context.name}`)?.ask ?? "", rowsOf(`${c}`, rows), kinds) })));
+  const live = useLive(document, contexts.map((context, c) => ({ id: `${c}`, ask: ofKinds(document, askOf(compiled, place, context, c), rowsOf(`${c}`, rows), kinds) })));
   const holds = [...live.values()].find((l) => l.matches > 0);
   if (contexts.length > 0 && live.size === 0) return <p className="faint small">Not asked yet: the text has to be without mistakes.</p>;
   if (contexts.length > 0 && !holds) return <p className="row small"><Hourglass size={13} />It would wait: its situation is not true now. What lacks stands above.</p>;
@@ -97,7 +96,7 @@ export function Answer({ reply, names }: { reply: TryNodeReply; names: Names }) 
       <p className="row">{reply.opens ? <CircleCheck size={13} /> : <Hourglass size={13} />}{reply.opens ? "It opens" : "It does not open"} on the facts of turn {String(reply.turn)}.</p>
       {reply.bindings.length > 0 && <p>The match gives <code>{values(reply.bindings)}</code></p>}
       {reply.variables.length > 0 && <p className="faint">The run had <code>{values(reply.variables)}</code></p>}
-      {reply.commands.length > 0 && <ul>{reply.commands.map((c, i) => <li key={i}>{localName(c.robot) || "a robot"} would get <code>{c.operation}({values(c.arguments)})</code></li>)}</ul>}
+      {reply.commands.length > 0 && <ul>{reply.commands.map((c, i) => <li key={i}>{names.name(c.robot) || "a robot"} would get <code>{c.operation}({values(c.arguments)})</code></li>)}</ul>}
       {reply.pending && <p>It sends nothing yet: {reply.pending.replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))}</p>}
       {reply.missing && <p>It lacks {factsOf(reply.missing, names).map((fact) => <code key={fact}>{fact} </code>)}</p>}
       {reply.state === "failed" && <p>{reply.reason}</p>}

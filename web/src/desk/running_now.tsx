@@ -1,6 +1,6 @@
 // What runs now, and what has ended a moment ago, for the front desk: state, where it stands, who does it, and an end to it.
 import { CircleCheck } from "lucide-react";
-import { localName } from "../api/sparql";
+import { nameOf } from "../api/labels";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import { words } from "../cawl/names";
@@ -44,9 +44,9 @@ export function RunningNow() {
 }
 
 function robotsOf(run: Run): string {
-  return [...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(localName).join(", ");
+  return [...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ");
 }
 // "John, B05": what the run is for, without the robot.
 function valuesOf(run: Run): string {
-  return run.variables.filter((v) => v.name !== "robot" && v.value?.kind.case === "iri").slice(0, 3).map((v) => (v.value?.kind.case === "iri" ? localName(v.value.kind.value).replace(/^urn:uuid:.*(.{4})$/, "guest $1") : "")).join(", ");
+  return run.variables.filter((v) => v.name !== "robot" && v.value?.kind.case === "iri").slice(0, 3).map((v) => (v.value?.kind.case === "iri" ? nameOf(v.value.kind.value) : "")).join(", ");
 }

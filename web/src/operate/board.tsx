@@ -1,11 +1,11 @@
-// Everything that is waited for: all live runs, grouped by what lacks, the oldest first, with what can be done about it.
+// Everything that is waited for: all live runs, grouped by what is missing, the oldest first, with what can be done about it.
 import { Bot, CircleAlert, CircleCheck, CirclePause, Clock3, FlaskConical, Hourglass, LoaderCircle, Unplug, type LucideIcon } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { context, workflows } from "../api/client";
 import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { useNames, type Names } from "../api/prefixes";
-import { localName } from "../api/sparql";
+import { nameOf } from "../api/labels";
 import { quadOf } from "../api/terms";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
@@ -23,7 +23,7 @@ const asked = 60; // runs that are explained at a time, the oldest first
 const shownAtOnce = 12;
 const looks: Record<WaitKind, { words: string; icon: LucideIcon }> = {
   operator: { words: "Somebody has to decide", icon: CircleAlert },
-  fact: { words: "A fact lacks", icon: Hourglass },
+  fact: { words: "A fact is missing", icon: Hourglass },
   robot: { words: "A robot is needed", icon: Bot },
   time: { words: "A time has to come", icon: Clock3 },
   resume: { words: "Paused", icon: CirclePause },
@@ -54,13 +54,13 @@ export default function Board() {
       <header className="head"><h1>Waiting</h1><span className="faint small">{groups.length > 0 ? waitWords(count, groups.length) : ""}</span></header>
       <div className="view" tabIndex={0} aria-label="What is waited for">
         {runs.error && !runs.data && <div className="nothing"><Unplug size={28} /><h2>{runs.error.title}</h2><p>{runs.error.detail}</p></div>}
-        {runs.data && groups.length === 0 && <div className="nothing"><CircleCheck size={28} /><h2>Nothing waits</h2><p>As soon as a run waits for a fact, a robot or a person, it stands here: what lacks, for how long, and what you can do.</p></div>}
+        {runs.data && groups.length === 0 && <div className="nothing"><CircleCheck size={28} /><h2>Nothing waits</h2><p>As soon as a run waits for a fact, a robot or a person, you see it here: what is missing, for how long, and what you can do.</p></div>}
         <div className="board">
           {groups.map((group) => <GroupCard key={group.key} group={group} names={names} again={refresh} onTell={(quads) => setTelling({ group, quads })} />)}
           {left > 0 && <p className="faint small">{left} younger runs are not asked about.</p>}
         </div>
       </div>
-      {telling && <TellDialog title="What lacks" quads={telling.quads} patterns={telling.group.title} names={names} onTold={refresh} onClose={() => setTelling(null)} />}
+      {telling && <TellDialog title="What is missing" quads={telling.quads} patterns={telling.group.title} names={names} onTold={refresh} onClose={() => setTelling(null)} />}
     </main>
   );
 }
@@ -116,5 +116,5 @@ function waitWords(runs: number, things: number): string {
 // The person that a run is for, if it names one.
 function runFor(run: Run): string {
   const user = run.variables.find((v) => v.name === "user" || v.name === "visitor")?.value?.kind;
-  return user?.case === "iri" ? `, for ${localName(user.value)}` : "";
+  return user?.case === "iri" ? `, for ${nameOf(user.value)}` : "";
 }

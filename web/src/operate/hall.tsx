@@ -41,6 +41,10 @@ export default function Hall({ picked }: { picked: string }) {
     if (shape && tour) setTour([...tour, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }]);
   };
   const pick = (iri: string) => navigate(paths.hall(iri === pickedIri ? "" : iri && (names.short(iri) || iri)), true);
+  const tellPlace = (iri: string) => {
+    if (iri !== pickedIri) pick(iri);
+    window.setTimeout(() => document.querySelector<HTMLSelectElement>(".tell-place select")?.focus(), 400);
+  };
   const trails = useTrails(robots.data?.robots, past);
   useEffect(() => void (document.title = "Hall – Docent"), []);
   const list = robots.data?.robots ?? [];
@@ -52,6 +56,7 @@ export default function Hall({ picked }: { picked: string }) {
     { title: "Select nothing", group: "Hall", keys: "Escape", hidden: true, run: () => pick("") },
     { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => setTour([]) },
     ...list.slice(0, drawnRobots).map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
+    ...(past ? [] : (people.data ?? []).slice(0, 100).map((p) => ({ title: `${p.name || names.name(p.iri)} is at…`, group: "Hall", icon: User, words: "tell place where", run: () => tellPlace(p.iri) }))),
     ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => pick(s.iri) })),
   ]);
   const empty = layout.data?.shapes.length === 0 && list.length === 0;

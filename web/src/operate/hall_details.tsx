@@ -2,14 +2,23 @@
 import { Bot, Map as MapIcon, MonitorSmartphone, QrCode, User, X } from "lucide-react";
 import { useShown } from "../api/as_of";
 import type { Names } from "../api/prefixes";
-import { query } from "../api/sparql";
+import { query, type Row } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Lately } from "./lately";
 import type { Layout } from "./layout";
 import { RobotPanel } from "./robot_panel";
+import { TellPlace } from "./tell_place";
+import { usePast } from "../api/past";
 import { RobotTag } from "./robot_words";
 import type { Way } from "./ways";
 import { Fact } from "./why";
+
+const nothingSaid = /^http:\/\/www\.w3\.org\/(2002\/07\/owl|2000\/01\/rdf-schema)#/;
+// Facts of Docent's own words and of the documents' first; those of other vocabularies follow, and what says nothing is left out.
+function readable(rows: readonly Row[]): Row[] {
+  const rank = (iri: string) => (/^http:\/\/www\.w3\.org\/|^http:\/\/www\.opengis\.net\//.test(iri) ? 2 : /^https?:\/\/schema\.org\//.test(iri) ? 1 : 0);
+  return rows.filter((row) => !(row["p"]?.text.endsWith("#type") && nothingSaid.test(row["o"]?.text ?? ""))).sort((a, b) => rank(a["p"]?.text ?? "") - rank(b["p"]?.text ?? ""));
+}
 
 export function Details(props: { iri: string; robots: readonly RobotStatus[]; layout: Layout | undefined; way: Way | undefined; names: Names; onClose: () => void; again: () => void }) {
   const { iri, names } = props;
@@ -18,6 +27,7 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
   const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
   const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
   const screen = facts.data?.rows.find((row) => row["p"]?.text === "https://w3id.org/docent#screenPage" && /^https?:\/\//.test(row["o"]?.text ?? ""))?.["o"]?.text;
+  const past = usePast() !== null;
   const here = props.robots.filter((r) => r.regions.includes(iri));
   return (
     <>
@@ -30,13 +40,14 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
       <div className="hall-details" tabIndex={0} aria-label="Details">
         {shape?.detail && <p className="quiet">{shape.detail}</p>}
         {robot && <RobotPanel robot={robot} way={props.way} names={names} again={props.again} />}
+        {!past && !shape && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
         {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
         {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
         <Lately key={iri} iri={iri} />
         <h3>Facts</h3>
         {facts.error && !facts.data && <p className="faint small">{facts.error.title}</p>}
-        <ul>{(facts.data?.rows ?? []).map((row) => {
+        <ul>{readable(facts.data?.rows ?? []).map((row) => {
           const fact = [names.short(iri) || `<${iri}>`, word(row["p"]), word(row["o"])];
           return <Fact key={fact.join(" ")} words={fact} names={names} short />;
         })}</ul>

@@ -1,5 +1,6 @@
 // Robots as they were: from a past version of the graph, in the form in which the fleet tells of them now.
 import { create } from "@bufbuild/protobuf";
+import { nameOf } from "../api/labels";
 import { localName, query, type Row } from "../api/sparql";
 import { ListRobotsReplySchema, type ListRobotsReply, RobotStatusSchema } from "../gen/docent/v1/fleet_pb";
 import { runOf } from "./past_runs";
@@ -20,7 +21,7 @@ export function readRobots(rows: readonly Row[]): ListRobotsReply {
       const text = (name: string) => row[name]?.text ?? "";
       const run = runOf(text("run"));
       return [create(RobotStatusSchema, {
-        robot, label: text("label") || localName(robot), state: localName(text("status")).toLowerCase() || "offline", hasPose: row["x"] !== undefined && row["y"] !== undefined,
+        robot, label: text("label") || nameOf(robot), state: localName(text("status")).toLowerCase() || "offline", hasPose: row["x"] !== undefined && row["y"] !== undefined,
         xM: Number(text("x")), yM: Number(text("y")), headingRad: Number(text("heading")), regions: row["region"] ? [text("region")] : [],
         outOfService: row["reason"] !== undefined, outOfServiceReason: text("reason"), heldBy: run, heldFor: row["operation"] ? [{ run, node: text("node"), operation: text("operation") }] : [],
       })];

@@ -5,7 +5,6 @@ import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { readTriples, useNames, type Names } from "../api/prefixes";
-import { localName } from "../api/sparql";
 import { termText } from "../api/terms";
 import { Link } from "../app/link";
 import { usePast } from "../api/past";
@@ -143,8 +142,8 @@ function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node
         <div key={k} className="invocation">
           <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
           {i.state === "running" && <div className="progress" role="progressbar" aria-valuenow={Math.round(i.progress * 100)} aria-label={i.operation}><span style={{ width: `${Math.max(2, i.progress * 100)}%` }} /></div>}
-          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{localName(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && ` ${i.reason}`]}</p>
-          {i.awaits.map((a) => <p key={a.robot} className="small faint">{localName(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{a.heldBy}</Link></>}</p>)}
+          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && ` ${i.reason}`]}</p>
+          {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{a.heldBy}</Link></>}</p>)}
         </div>
       ))}
       {node.waitsFor && <><h3>Why not yet?</h3>{past ? <PastWhyNot run={run.id} node={node.name} names={names} /> : <WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} />}</>}

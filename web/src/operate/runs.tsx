@@ -4,7 +4,7 @@ import { useEffect, useState } from "react";
 import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
-import { localName } from "../api/sparql";
+import { nameOf } from "../api/labels";
 import { useCommands } from "../app/commands";
 import { Link } from "../app/link";
 import { usePast } from "../api/past";
@@ -76,7 +76,7 @@ export default function Runs(props: { state: string; workflow: string }) {
                   <td><Link href={paths.run(run.id)} className="run-id">{runWords(run.id)}</Link>{run.parent && <span className="faint small"> in {runWords(run.parent)}</span>}</td>
                   <td><StateTag state={stateOf(run)} /></td>
                   <td className="run-where">{whereWords(run)}</td>
-                  <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(localName).join(", ")}</td>
+                  <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ")}</td>
                   <td className="number faint">{clock(run.startedUs)}</td>
                   <td className="number faint right">{duration(run.startedUs, run.endedUs || nowUs())}</td>
                 </tr>

@@ -1,4 +1,4 @@
-// Facts that lack: tried on a copy of the graph ("simulate"), or told for real; and the fields of a fact.
+// Facts that are missing: tried on a copy of the graph ("simulate"), or told for real; and the fields of a fact.
 import { CircleAlert, FlaskConical, Megaphone, X } from "lucide-react";
 import { useMemo, useState } from "react";
 import { context } from "../api/client";
@@ -16,6 +16,7 @@ import { toast } from "../ui/toasts";
 
 // What somebody wrote as subject, verb and object. Throws RangeError with what is wrong.
 export function quadOfRow([s = "", p = "", o = ""]: readonly string[], prefixes: ReadonlyMap<string, string>): Quad {
+  if (!s.trim() || !p.trim() || !o.trim()) throw new RangeError("The subject, the verb and the object are all needed.");
   return create(QuadSchema, { subject: termOf(s, prefixes), predicate: termOf(p === "a" ? "rdf:type" : p, prefixes), object: termOf(o, prefixes) });
 }
 
@@ -50,7 +51,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
         props.onClose();
       }
     } catch (failure) {
-      setError(failure instanceof RangeError ? { kind: "refused", title: "A word can't be read", detail: failure.message } : plain(failure));
+      setError(failure instanceof RangeError ? { kind: "refused", title: "That is no whole fact yet", detail: failure.message } : plain(failure));
     }
     setBusy(false);
   };
@@ -58,7 +59,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
     <Dialog label={props.title} width={600} onClose={props.onClose}>
       <div className="sheet-head"><h2 className="grow">{props.title}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
-        <p className="quiet">{props.patterns.length > 0 ? <>What lacks is {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Choose what is meant."}</p>
+        <p className="quiet">{props.patterns.length > 0 ? <>What is missing: {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Who or what, what is so of it, and the value. A text stands in quotes."}</p>
         {rows.map((row, i) => <FactFields key={i} row={row} names={names} onChange={(changed) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? changed : r))))} />)}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         {effect && (
