@@ -1,10 +1,14 @@
 // The drawing of the hall: metres in, y to the north. The layout is drawn once; what moves is drawn above it.
-import { memo, useCallback, useRef } from "react";
+import { memo, useCallback, useMemo, useRef } from "react";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { type Box, placeLabels, textBox } from "./label_places";
 import { centre, type Layout, type Person, type Point, type Shape } from "./layout";
 import { taskWords } from "./robot_words";
 import { restOf, type Way } from "./ways";
 
+const robotText = 0.62; // metres
+const personText = 0.5;
+const labelsPlaced = 60; // things that move whose names are placed with care
 const shownDeviations = 2; // the robot is within this circle at about 95 %
 
 export interface Camera {
@@ -31,6 +35,12 @@ export function HallDrawing(props: {
     return size ? Math.max(box.width / size.width, box.height / size.height) : 0.05;
   };
   const size = Math.max(0.32, 0.62 * Math.sqrt(now.scale)); // of a robot: seen from far, and not huge near by
+  const people = placePeople(props.people, layout);
+  const names = useMemo(() => namesOf(layout), [layout]);
+  const labels = placeLabels(names, [
+    ...props.robots.filter((r) => r.hasPose).slice(0, labelsPlaced).map((r) => ({ key: r.robot, x: r.xM, y: -r.yM, radius: size, text: r.label, size: robotText })),
+    ...people.slice(0, labelsPlaced).map(({ person, at }) => ({ key: person.iri, x: at.x, y: -at.y, radius: size * 0.42, text: person.name, size: personText })),
+  ]);
   return (
     <svg
       ref={svg} className={`hall-svg${props.tour ? " touring" : ""}`} viewBox={`${box.x} ${box.y} ${box.width} ${box.height}`} preserveAspectRatio="xMidYMid meet" role="group" aria-label="Map of the hall"
@@ -65,10 +75,10 @@ export function HallDrawing(props: {
       {props.robots.filter((r) => r.hasPose).map((r) => <WayMark key={r.robot} way={props.ways.get(r.robot)} at={{ x: r.xM, y: r.yM }} />)}
       {props.tour && <polyline className="hall-tourline" points={props.tour.map((p) => `${p.x},${-p.y + 1.25}`).join(" ")} />}
       {props.tour?.map((p, i) => <g key={i} className="hall-tourstop" transform={`translate(${p.x} ${-p.y + 1.25})`}><circle r={0.52} /><text y={0.2} fontSize={0.56}>{i + 1}</text></g>)}
-      {placePeople(props.people, layout).map(({ person, at }) => (
+      {people.map(({ person, at }) => (
         <g key={person.iri} className={`hall-person${props.picked === person.iri ? " picked" : ""}`} data-iri={person.iri} transform={`translate(${at.x} ${-at.y})`}>
           <circle r={size * 0.42} />
-          <text y={size * 0.42 + 0.5} fontSize={0.5}>{person.name}</text>
+          <text {...labels.get(person.iri)} fontSize={personText}>{person.name}</text>
         </g>
       ))}
       {props.robots.filter((r) => r.hasPose).map((r) => (
@@ -79,7 +89,7 @@ export function HallDrawing(props: {
             <circle className="hall-body" r={size} />
             <path className="hall-nose" d={`M${size * 0.15},${-size * 0.5} L${size * 0.72},0 L${size * 0.15},${size * 0.5}`} />
           </g>
-          <text y={-size - 0.35} fontSize={0.62}>{r.label}</text>
+          <text {...labels.get(r.robot)} fontSize={robotText}>{r.label}</text>
         </g>
       ))}
     </svg>
@@ -103,7 +113,7 @@ const Shapes = memo(function Shapes({ layout, picked, onPick }: { layout: Layout
   return (
     <g>
       {layout.shapes.map((shape) => <ShapeMark key={shape.iri} shape={shape} picked={picked === shape.iri} onPick={onPick} />)}
-      {layout.shapes.filter((s) => s.kind === "booth" || s.kind === "region").map((s) => <ShapeLabel key={s.iri} shape={s} />)}
+      {layout.shapes.filter(isNamed).map((s) => <ShapeLabel key={s.iri} shape={s} />)}
     </g>
   );
 }, (a, b) => a.layout === b.layout && a.picked === b.picked);
@@ -119,17 +129,30 @@ function ShapeMark({ shape, picked, onPick }: { shape: Shape; picked: boolean; o
   return <path {...common} d={shape.rings.map((ring) => `M${ring.map((p) => `${p.x},${-p.y}`).join("L")}Z`).join("")} />;
 }
 
+function linesOf(shape: Shape): { name: { y: number; size: number }; lines: { text: string; y: number }[] } {
+  const xs = shape.rings[0]?.map((p) => p.x) ?? [0];
+  const wide = Math.max(...xs) - Math.min(...xs);
+  const lines = shape.kind === "booth" && shape.detail && wide > 3 ? wrap(shape.detail, Math.floor(wide / 0.31)) : [];
+  return { name: { y: -shape.label.y - (lines.length > 0 ? 0.15 : -0.2), size: shape.kind === "booth" ? 0.74 : 0.56 }, lines: lines.map((text, i) => ({ text, y: -shape.label.y + 0.55 + i * 0.6 })) };
+}
+const isNamed = (shape: Shape) => shape.kind === "booth" || shape.kind === "region";
+
+// What the names of places cover.
+function namesOf(layout: Layout): Box[] {
+  return layout.shapes.filter(isNamed).flatMap((shape) => {
+    const { name, lines } = linesOf(shape);
+    return [textBox(shape.label.x, name.y, shape.name, name.size), ...lines.map((line) => textBox(shape.label.x, line.y, line.text, detailText))];
+  });
+}
+const detailText = 0.5;
+
 function ShapeLabel({ shape }: { shape: Shape }) {
-  const ring = shape.rings[0];
-  if (!ring) return null;
-  const at = shape.label;
-  const wide = Math.max(...ring.map((p) => p.x)) - Math.min(...ring.map((p) => p.x));
-  const room = Math.floor(wide / 0.31);
-  const lines = shape.kind === "booth" && shape.detail && wide > 3 ? wrap(shape.detail, room) : [];
+  if (!shape.rings[0]) return null;
+  const { name, lines } = linesOf(shape);
   return (
     <g className={`shape-label ${shape.kind}`} aria-hidden>
-      <text x={at.x} y={-at.y - (lines.length > 0 ? 0.15 : -0.2)} fontSize={shape.kind === "booth" ? 0.74 : 0.56}>{shape.name}</text>
-      {lines.map((line, i) => <text key={i} className="shape-detail" x={at.x} y={-at.y + 0.55 + i * 0.6} fontSize={0.5}>{line}</text>)}
+      <text x={shape.label.x} y={name.y} fontSize={name.size}>{shape.name}</text>
+      {lines.map((line) => <text key={line.y} className="shape-detail" x={shape.label.x} y={line.y} fontSize={detailText}>{line.text}</text>)}
     </g>
   );
 }

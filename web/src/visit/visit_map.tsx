@@ -1,5 +1,6 @@
 // The hall on a phone: booths to touch, the visitor, and the robot that comes.
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { placeLabels, textBox } from "../operate/label_places";
 import type { Shape } from "../operate/layout";
 import type { Place, Places } from "./places";
 import { useWords } from "./words";
@@ -9,14 +10,18 @@ export function VisitMap(props: { places: Places; offered?: readonly Place[]; pi
   const { layout } = props.places;
   const box = `${layout.min.x - 0.6} ${-layout.max.y - 0.6} ${layout.max.x - layout.min.x + 1.2} ${layout.max.y - layout.min.y + 1.2}`;
   const offered = new Map(props.offered?.map((p) => [p.iri, p]));
+  const labels = placeLabels(layout.shapes.filter((s) => s.kind === "booth").map((s) => textBox(s.label.x, -s.label.y + 0.35, s.name, 1)), [
+    ...(props.at ? [{ key: "you", x: props.at.at.x, y: -props.at.at.y, radius: 0.75, text: say("map.you"), size: 1.1 }] : []),
+    ...(props.robot?.hasPose ? [{ key: "robot", x: props.robot.xM, y: -props.robot.yM, radius: 0.85, text: props.robot.label, size: 1.1 }] : []),
+  ]);
   return (
     <svg className="visit-map" viewBox={box} role="group" aria-label={say("map")}>
       {layout.shapes.map((shape) => <Mark key={shape.iri} shape={shape} place={offered.get(shape.iri)} picked={props.picked === shape.iri} onPick={props.onPick} />)}
       {layout.shapes.filter((s) => s.kind === "booth").map((s) => <text key={s.iri} x={s.label.x} y={-s.label.y + 0.35} fontSize={1} aria-hidden>{s.name}</text>)}
       {layout.shapes.filter((s) => s.kind === "region" && offered.has(s.iri)).map((s) => <text key={s.iri} className="region" x={s.label.x} y={-s.label.y + 0.3} fontSize={0.85} aria-hidden>{s.name}</text>)}
       {props.robot?.hasPose && props.at && <line className="visit-way" x1={props.robot.xM} y1={-props.robot.yM} x2={props.at.at.x} y2={-props.at.at.y} />}
-      {props.at && <g className="visit-you" transform={`translate(${props.at.at.x} ${-props.at.at.y})`}><circle r={0.75} /><text y={-1.05} fontSize={1.1}>{say("map.you")}</text></g>}
-      {props.robot?.hasPose && <g className="visit-robot" style={{ transform: `translate(${props.robot.xM}px, ${-props.robot.yM}px)` }}><circle className="halo" r={1.5} /><circle r={0.85} /><text y={-1.2} fontSize={1.1}>{props.robot.label}</text></g>}
+      {props.at && <g className="visit-you" transform={`translate(${props.at.at.x} ${-props.at.at.y})`}><circle r={0.75} /><text {...labels.get("you")} fontSize={1.1}>{say("map.you")}</text></g>}
+      {props.robot?.hasPose && <g className="visit-robot" style={{ transform: `translate(${props.robot.xM}px, ${-props.robot.yM}px)` }}><circle className="halo" r={1.5} /><circle r={0.85} /><text {...labels.get("robot")} fontSize={1.1}>{props.robot.label}</text></g>}
     </svg>
   );
 }
