@@ -5,14 +5,12 @@ import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { navigate, paths } from "../app/router";
 import { type CawlDocument, readCawl, type Flow, type Step } from "../cawl/document";
-import { Edits } from "../cawl/edits";
 import { Dialog } from "../ui/dialog";
 import { DeployFlow } from "./deploy_flow";
 import { toast } from "../ui/toasts";
 import type { Findings } from "./findings";
-import { Field } from "./properties";
 import type { Session } from "./session";
-import { diffLines } from "./text_diff";
+import { diffLines, nextVersion } from "./text_diff";
 import "./deploy.css";
 
 export function DeployDialog(props: { session: Session; document: CawlDocument; findings: Findings; deployed: string | null; onDeployed: (text: string) => void; onClose: () => void }) {
@@ -23,6 +21,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
   const warnings = findings.list.filter((f) => !f.error);
   const diff = useMemo(() => (deployed === null ? [] : diffLines(deployed, document.text)), [deployed, document.text]);
   const old = useMemo(() => (deployed === null ? null : readCawl(deployed)), [deployed]);
+  const [version, setVersion] = useState(() => (old && old.version === document.version && deployed !== document.text ? nextVersion(old.version) : document.version)); // is written into the text with the deployment
   const drawn = old ? document.flows.filter((flow) => flowText(document, flow) !== flowText(old, old.flows.find((f) => f.name === flow.name))).slice(0, 3) : [];
   const textOf = (side: "before" | "after", step: Step) => stepText(side === "before" && old ? old : document, step);
   const steps = useMemo(() => (old === null ? null : stepDiff(old, document)), [old, document]);
@@ -30,6 +29,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
     setBusy(true);
     setError(null);
     try {
+      if (version.trim() !== document.version) session.edit(document.flows[0]?.key ?? "", (e) => document.root && e.set(document.root, "version", version.trim() || null));
       const text = session.written;
       const reply = await workflows.deploy({ name: `${document.name}.cawl.xml`, cawl: text });
       toast("good", `${reply.workflow} is deployed`, `From now on it runs as you see it here (revision ${reply.revision}).`, { label: "Its runs", run: () => navigate(paths.runs("", reply.workflow)) });
@@ -48,10 +48,10 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
       </div>
       <div className="sheet-body deploy">
         <p className="quiet">
-          {deployed === null ? "Its activator is armed and its flows can be started. Runs of an older version go on with that version." : deployed === document.text ? "This is the text that is deployed already." : "It takes the place of the deployed version. Live runs go on with the version that they began with."}
+          {deployed === null ? (document.activator ? "From now on it starts by itself when its situation is true. It can be started by hand, too." : "From now on it can be started by hand, and be a step of other workflows.") : deployed === document.text ? "This is the text that is deployed already." : "It takes the place of the deployed version. Live runs go on with the version that they began with."}
         </p>
         <div style={{ maxWidth: 160 }}>
-          <Field label="Version" value={document.version} placeholder="1.0" onDone={(value) => session.edit(document.flows[0]?.key ?? "", (e: Edits) => document.root && e.set(document.root, "version", value.trim() || null))} />
+          <label className="property"><span>Version</span><input className="field" aria-label="Version" value={version} placeholder="1.0" onChange={(e) => setVersion(e.target.value)} /></label>
         </div>
         {errors.length > 0 && <div className="notice bad"><CircleAlert size={15} /><div><b>{errors.length} to mend first.</b> {errors[0]?.message}</div></div>}
         {errors.length === 0 && warnings.length > 0 && <div className="notice wait"><CircleAlert size={15} /><div><b>{warnings.length} to look at.</b> {warnings[0]?.message}</div></div>}

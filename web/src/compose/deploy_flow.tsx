@@ -13,6 +13,7 @@ import "./deploy.css";
 const nodeTypes = { step: StepCard };
 const edgeTypes = { link: LinkEdge };
 const words: Record<Change, string> = { new: "new", changed: "changed", gone: "goes" };
+const readable = 0.6; // of a card's full size
 const nobody: ReadonlySet<string> = new Set();
 
 export function DeployFlow(props: DeployFlowProps) {
@@ -44,15 +45,19 @@ function Drawing(props: DeployFlowProps) {
     const [source, target] = [keys.get(link.from), keys.get(link.to)];
     return source === undefined || target === undefined ? [] : [{ id: `${i}`, source, target, type: "link", className: `${link.kind} ${change && `diff-${change}`}`, data: { link: { ...link, stale: false } }, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" } }];
   });
-  // The whole of it in view, as soon as the dialog has its size.
+  // What changes in view, in a size that can be read, as soon as the dialog has its size.
   useEffect(() => {
     const box = pane.current;
     if (!box) return;
     const observer = new ResizeObserver(() => {
-      const left = Math.min(...nodes.map((n) => n.position.x));
-      const top = Math.min(...nodes.map((n) => n.position.y));
-      const bounds = { x: left, y: top, width: Math.max(...nodes.map((n) => n.position.x + stepWidth)) - left, height: Math.max(...nodes.map((n) => n.position.y + (n.height ?? 0))) - top };
-      if (box.clientWidth > 0) void view.setViewport(getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.06));
+      const marked = nodes.filter((n) => n.data.state);
+      const shown = marked.length > 0 ? marked : nodes;
+      const left = Math.min(...shown.map((n) => n.position.x));
+      const top = Math.min(...shown.map((n) => n.position.y));
+      const bounds = { x: left, y: top, width: Math.max(...shown.map((n) => n.position.x + stepWidth)) - left, height: Math.max(...shown.map((n) => n.position.y + (n.height ?? 0))) - top };
+      const fitting = getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.12);
+      // Where not all of it can be read at once, its beginning.
+      if (box.clientWidth > 0) void view.setViewport(fitting.zoom >= readable ? fitting : { x: box.clientWidth / 2 - (bounds.x + bounds.width / 2) * readable, y: 16 - bounds.y * readable, zoom: readable });
     });
     observer.observe(box);
     return () => observer.disconnect();

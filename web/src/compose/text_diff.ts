@@ -85,3 +85,8 @@ function changes(a: string[], b: string[], head: number): DiffLine[] {
   }
   return lines;
 }
+
+// "1.0" is followed by "1.1".
+export function nextVersion(version: string): string {
+  return version.replace(/\d+(?=\D*$)/, (number) => `${Number(number) + 1}`);
+}
