@@ -19,7 +19,7 @@ export class DraftSync {
   constructor(
     private readonly name: string,
     private readonly session: Session,
-    private readonly deployed: string | null,
+    private deployed: string | null,
   ) {
     this.shared = session.written;
     const leave = () => this.leave();
@@ -48,6 +48,12 @@ export class DraftSync {
     this.shared = this.conflict ?? this.shared;
     this.become(null);
     this.write();
+  }
+
+  // From now on the draft is what differs from this.
+  isDeployed(text: string) {
+    this.deployed = text;
+    this.save();
   }
 
   private become(conflict: string | null) {

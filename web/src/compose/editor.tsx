@@ -18,7 +18,6 @@ import { Canvas } from "./canvas";
 import { Crumbs } from "./crumbs";
 import { DeployDialog } from "./deploy_dialog";
 import { DraftSync } from "./draft_sync";
-import { dropDraft } from "./drafts";
 import { saveFile } from "./files";
 import { type Finding, useFindings } from "./findings";
 import { FindingsPanel } from "./findings_panel";
@@ -108,6 +107,10 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     const step = session.document.flows.flatMap((f) => f.steps).find((s) => s.key === props.step);
     if (step) session.reveal(step.element.from, step.element.openTo);
   }, [session]); // the step of the address, once
+  useEffect(() => {
+    const { from, to } = session.view.state.selection.main;
+    if (panels.text) session.reveal(from, to);
+  }, [session, panels.text]); // a text that was hidden has no place yet
   useEffect(() => {
     setSteps(new Set(props.step ? [props.step] : []));
     setLinks(new Set());
@@ -214,7 +217,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         <ServerDraftButton draft={serverDraft} dirty={dirty} />
         <button className="button plain wide-only" title="Arrange the steps (Shift-T)" onClick={() => actions.tidy()}><Sparkles size={14} />Tidy</button>
         <button className="button plain wide-only" aria-pressed={panels.text} title="Show or hide the text (T)" onClick={() => panels.toggle("text")}><Columns2 size={15} />Text</button>
-        {deployed !== null || !dirty ? <button className="button wide-only" title="Start a run by hand (R)" onClick={() => setOpen({ what: "start" })}><Play size={13} />Run</button> : null}
+        {deployed !== null || !dirty ? <button className="button" title="Start a run by hand (R)" aria-label="Run" onClick={() => setOpen({ what: "start" })}><Play size={13} /><span className="wide-only">Run</span></button> : null}
         <button className="button primary" onClick={() => setOpen({ what: "deploy" })}><Rocket size={14} />Deploy</button>
       </header>
       <ServerDraftBar draft={serverDraft} session={session} />
@@ -267,7 +270,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         </Dialog>
       )}
       {open?.what === "import" && <ImportDialog onImported={(entries) => (keepImported(entries), palette.again(), toast("good", `${entries.length} steps are in the palette`))} onClose={() => setOpen(null)} />}
-      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), dropDraft(name), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
+      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), sync.isDeployed(text), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
       {open?.what === "start" && <StartDialog workflow={document.name} variables={variables} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>
   );

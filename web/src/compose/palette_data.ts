@@ -1,4 +1,5 @@
 // What a step can do: operations of robots, robot services, and other workflows, as the server has them now.
+import { useMemo } from "react";
 import { fleet, services, workflows } from "../api/client";
 import type { PlainError } from "../api/errors";
 import { nameOf } from "../api/labels";
@@ -78,8 +79,9 @@ function takes(inputs: PaletteEntry["inputs"]): string {
 }
 
 export function usePalette(): PaletteData {
+  const operations = usePoll("operation inputs", operationInputs, 6000);
   const polled = usePoll("palette", async (signal) => {
-    const [robots, registered, deployed, operationsTake] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal }), operationInputs(signal)]);
+    const [robots, registered, deployed] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal })]);
     const taken = new Set(registered.services.map((s) => s.name));
     const operations = new Map<string, string[]>();
     for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || nameOf(robot.robot)]);
@@ -90,12 +92,15 @@ export function usePalette(): PaletteData {
     }
     for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
       if (taken.has(operation)) continue;
-      const inputs = operationsTake.get(operation) ?? [];
-      entries.push({ kind: "operation", id: operation, title: words(operation), inputs, detail: [takes(inputs), by.length > 2 ? `${by.length} robots` : by.join(", ")].filter(Boolean).join(" · ") });
+      entries.push({ kind: "operation", id: operation, title: words(operation), inputs: [], detail: by.length > 2 ? `${by.length} robots` : by.join(", ") });
     }
     for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
     for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [] });
     return entries;
   }, 6000);
-  return { entries: polled.data ?? [], error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error, again: polled.again };
+  const entries = useMemo(() => (polled.data ?? []).map((e): PaletteEntry => {
+    const inputs = e.kind === "operation" ? (operations.data?.get(e.id) ?? []) : [];
+    return inputs.length > 0 ? { ...e, inputs, detail: [takes(inputs), e.detail].filter(Boolean).join(" · ") } : e;
+  }), [polled.data, operations.data]);
+  return { entries, error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error, again: polled.again };
 }

@@ -8,9 +8,9 @@ import type { PaletteData, PaletteEntry } from "./palette_data";
 import { KindIcon } from "./step_card";
 
 const groups = [
-  { kind: "service", title: "Services", hint: "Register RSEL documents to have some." },
-  { kind: "operation", title: "Robots' operations", hint: "They come when a robot joins." },
-  { kind: "workflow", title: "Workflows", hint: "Deployed ones; each can be a step of another." },
+  { kind: "service", title: "Services", says: "What any robot that is free can do for the run.", hint: "Register RSEL documents to have some." },
+  { kind: "operation", title: "Robots' operations", says: "Single commands that the robots here know.", hint: "They come when a robot joins." },
+  { kind: "workflow", title: "Workflows", says: "Whole flows that are deployed, run as one step.", hint: "Deployed ones; each can be a step of another." },
 ] as const;
 
 export function PalettePanel(props: { palette: PaletteData; name: string; onAdd: (what: NewKind) => void; onImport: () => void; onHide: () => void }) {
@@ -39,6 +39,7 @@ export function PalettePanel(props: { palette: PaletteData; name: string; onAdd:
           return (
             <section key={group.kind}>
               <h3>{group.title}</h3>
+              {entries.length > 0 && typed === "" && <p className="faint small palette-hint">{group.says}</p>}
               {entries.length === 0 && <p className="faint small palette-hint">{group.hint}</p>}
               {entries.map((e) => <PaletteItem key={e.id} what={e} title={e.title} detail={e.detail} onAdd={props.onAdd} />)}
             </section>

@@ -10,7 +10,7 @@ interface Panels {
 const key = "docent.panels";
 
 function load(): Panels {
-  const usual: Panels = { palette: window.innerWidth > 900, text: true, width: Math.round(Math.min(520, Math.max(360, window.innerWidth * 0.34))), tab: "canvas" };
+  const usual: Panels = { palette: window.innerWidth > 900, text: false, width: Math.round(Math.min(520, Math.max(360, window.innerWidth * 0.34))), tab: "canvas" };
   try {
     return { ...usual, ...(JSON.parse(localStorage.getItem(key) ?? "{}") as Partial<Panels>), tab: "canvas", ...(window.innerWidth <= 900 && { palette: false }) };
   } catch {

@@ -19,7 +19,7 @@ export function QuickAdd(props: { palette: readonly PaletteEntry[]; name: string
   const add = (what: NewKind) => () => props.actions.add(what, props.where);
   const items: PickerItem[] = [
     { id: "empty", title: "Empty step", detail: "waits for a situation", icon: <Plus size={15} />, run: add({ kind: "empty", title: "Step" }) },
-    ...props.palette.filter((e) => e.id !== props.name).map((e): PickerItem => ({ id: `${e.kind} ${e.id}`, title: e.title, words: e.id, detail: e.detail, group: groups[e.kind], icon: <KindIcon kind={e.kind} />, run: add(e) })),
+    ...props.palette.filter((e) => e.id !== props.name).map((e): PickerItem => ({ id: `${e.kind} ${e.id}`, title: e.title, words: e.id, detail: [e.kind, e.detail].filter(Boolean).join(" · "), group: groups[e.kind], icon: <KindIcon kind={e.kind} />, run: add(e) })),
   ];
   return (
     <Dialog label="Add a step" top onClose={props.onClose}>

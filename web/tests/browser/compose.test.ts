@@ -27,6 +27,12 @@ async function add(page: Page, words: string) {
   await page.keyboard.press("Enter");
   await page.locator(".picker").waitFor({ state: "detached" });
 }
+// The text is closed at first.
+async function openText(page: Page) {
+  await page.waitForSelector(".react-flow__node");
+  if (!(await page.locator(".cm-content").isVisible())) await page.keyboard.press("t");
+  await page.waitForSelector(".cm-content");
+}
 const step = (name: string) => `.react-flow__node[data-id="${name}"]`;
 
 describe("without a mouse", () => {
@@ -86,6 +92,7 @@ describe("canvas and text", () => {
     await page.keyboard.press("Enter");
     await page.waitForSelector(step("Lead the way"));
     await draft(page, "BoothGuide").toBe(guide.replace(/(name|to|from)="Move2Booth"/g, '$1="Lead the way"'));
+    await openText(page);
     await page.click(".cm-content");
     await page.keyboard.press("Control+End");
     await page.keyboard.type("<!-- the end -->");
@@ -94,6 +101,7 @@ describe("canvas and text", () => {
   it("broken text keeps the last good canvas", async () => {
     const page = await stage.page("/compose/BoothGuide");
     await page.waitForSelector(step("InfoBooth"));
+    await openText(page);
     await page.click(".cm-content");
     await page.keyboard.press("Control+Home");
     await page.keyboard.type("<");
@@ -123,6 +131,8 @@ describe("canvas and text", () => {
       return box && line && line.top >= box.top && line.bottom <= box.bottom;
     }, `<node name="${name}"`);
     await page.waitForSelector(`${step("Move2Booth")} .step.selected`);
+    expect(await page.locator(".cm-content").isVisible()).toBe(false); // closed at first
+    await openText(page);
     await seen("Move2Booth");
     await page.click(step("Move2User"));
     await page.waitForFunction(() => location.search === "?step=Move2User");
