@@ -29,6 +29,7 @@ const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
 const Desk = lazy(() => import("../desk/desk"));
 const TellDialog = lazy(() => import("../operate/tell").then((m) => ({ default: m.TellDialog })));
+const WaitingCount = lazy(() => import("../operate/waiting_count").then((m) => ({ default: m.WaitingCount })));
 const TimeBar = lazy(() => import("../operate/time_bar"));
 
 const places = [
@@ -65,6 +66,7 @@ export function App() {
           <Link key={place.title} href={place.path()} aria-current={place.views.includes(route.view) ? "page" : undefined}>
             <place.icon size={18} strokeWidth={1.8} />
             {place.title}
+            {place.title === "Waiting" && <Suspense><WaitingCount /></Suspense>}
           </Link>
         ))}
         <span className="rail-space" />

@@ -44,11 +44,11 @@ export function useCommandsVersion(): number {
 
 export const isMac = /Mac|iPhone|iPad/.test(navigator.platform);
 export function keyLabels(keys: string): string[] {
-  return (keys.split("|")[0] ?? "").split(/[+ ]/).map((key) => (key === "Mod" ? (isMac ? "⌘" : "Ctrl") : key === "Shift" ? "⇧" : key === "Delete" ? "Del" : key));
+  return (keys.split("|")[0] ?? "").split(/\+(?=.)| /).map((key) => (key === "Mod" ? (isMac ? "⌘" : "Ctrl") : key === "Shift" ? "⇧" : key === "Delete" ? "Del" : key));
 }
 
 function matches(keys: string, event: KeyboardEvent): boolean {
-  const parts = keys.split("+");
+  const parts = keys.split(/\+(?=.)/); // "+" is a key, too
   const key = parts.at(-1) ?? "";
   const mod = parts.includes("Mod");
   if (mod !== (isMac ? event.metaKey : event.ctrlKey) || event.altKey) return false;

@@ -47,8 +47,8 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
             <ul>{inSimulation.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
           </section>
         )}
-        <p className="faint small keys-licences"><a href="/licences.txt">Licences of the packages that the app is made of</a></p>
       </div>
+      <p className="faint small sheet-foot"><a href="/licences.txt">Licences of the packages that the app is made of</a></p>
     </Dialog>
   );
 }

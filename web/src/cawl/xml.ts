@@ -132,7 +132,7 @@ class TreeReader {
         break;
       case "CloseTag":
         element.closeFrom = child.from;
-        if (child.lastChild?.type.isError) this.broken(child, element, `</${element.name} lacks its ">".`);
+        if (child.lastChild?.type.isError) this.broken(child, element, `</${element.name} has no ">" at its end.`);
         break;
       case "MismatchedCloseTag":
         this.broken(child, element, `${this.slice(child)} closes nothing that is open here; <${element.name}> is open.`);
@@ -152,7 +152,7 @@ class TreeReader {
           element.closeFrom = child.from;
           this.broken({ from: element.from, to: element.openTo }, element, `<${element.name}> is never closed. Add </${element.name}>.`);
         } else if (child.type.isError || child.name === "InvalidEntity") {
-          this.broken(child, element, `${JSON.stringify(this.slice(child))} can't stand here. Write "&" as &amp; and "<" as &lt;.`);
+          this.broken(child, element, `${JSON.stringify(this.slice(child))} is not allowed here. Write "&" as &amp; and "<" as &lt;.`);
         }
     }
   }
@@ -191,7 +191,7 @@ class TreeReader {
       return;
     }
     if (element.attributes.some((a) => a.name === this.slice(name)))
-      this.broken(node, element, `The attribute ${this.slice(name)} stands twice.`);
+      this.broken(node, element, `The attribute ${this.slice(name)} is there twice.`);
     const valueFrom = value.from + 1;
     const valueTo = value.to - 1;
     element.attributes.push({

@@ -77,7 +77,7 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
       if (quads.length > 0) onTell(quads);
       else toast(reply.holds ? "good" : "bad", reply.holds ? "It holds now" : "Nothing that could be told would make it hold", reply.holds ? "The step opens with the next turn." : reply.text);
     } catch (error) {
-      toast("bad", "It could not be asked what lacks", sentence(error));
+      toast("bad", "It could not be asked what is missing", sentence(error));
     }
     setBusy(false);
   };
@@ -88,7 +88,7 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
         <span className={`board-icon ${group.kind}`}><Icon size={16} /></span>
         <div className="grow">
           <p className="board-kind faint small">{words}</p>
-          <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{i > 0 && " or "}{t}</span>))}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{group.heldBy}</Link> has</span>}</div>
+          <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{i > 0 && " or "}{t}</span>))}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
         </div>
         <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
         {group.ask && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}

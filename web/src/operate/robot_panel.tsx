@@ -12,7 +12,7 @@ import type { RobotReservation, RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { ReserveDialog } from "./reserve_dialog";
 import { taskWords } from "./robot_words";
 import { attempt } from "./run_actions";
-import { clock } from "./states";
+import { clock, runWords } from "./states";
 import type { Way } from "./ways";
 
 export function RobotPanel({ robot, way, names, again }: { robot: RobotStatus; way: Way | undefined; names: Names; again: () => void }) {
@@ -21,7 +21,7 @@ export function RobotPanel({ robot, way, names, again }: { robot: RobotStatus; w
   const task = robot.heldFor[0];
   return (
     <>
-      <p className="quiet">{taskWords(robot)}{task?.step ? `, step ${task.step}` : ""}{robot.heldBy && <> for <Link href={paths.run(robot.heldBy, task?.node ?? "")}>{robot.heldBy}</Link></>}</p>
+      <p className="quiet">{taskWords(robot)}{task?.step ? `, step ${task.step}` : ""}{robot.heldBy && <> for <Link href={paths.run(task?.run || robot.heldBy, task?.node ?? "")}>{runWords(task?.run || robot.heldBy)}</Link>{task?.run && task.run !== robot.heldBy && <>, a part of <Link href={paths.run(robot.heldBy)}>{runWords(robot.heldBy)}</Link></>}</>}</p>
       {robot.hasPose && <p className="faint small number">{robot.xM.toFixed(2)} m, {robot.yM.toFixed(2)} m, {Math.round((robot.headingRad * 180) / Math.PI)}°{way?.deviationM != null && ` ± ${(way.deviationM * 2).toFixed(2)} m`}</p>}
       {robot.state === "offline" && robot.lastSeenUs > 0n && <p className="faint small">last seen {clock(robot.lastSeenUs)}</p>}
       {!past && (
@@ -45,7 +45,7 @@ function Reservation({ reservation, names, again, fixed }: { reservation: RobotR
   return (
     <li className="reservation">
       <span className="grow">
-        <b>{keptFor ? `for ${keptFor}` : "for none"}</b> {untilUs > 0n ? `until ${clock(untilUs)}` : "until it is released"}
+        <b>{keptFor ? `for ${runWords(keptFor)}` : "for none"}</b> {untilUs > 0n ? `until ${clock(untilUs)}` : "until it is released"}
         <span className="faint small">{[priority !== 0 && `priority ${priority}`, robots.length > 1 && `with ${robots.length - 1} more`, reason].filter(Boolean).map((part) => `, ${part}`).join("")}</span>
       </span>
       {!fixed && <button className="button plain icon small" aria-label={`Release the reservation ${keptFor ? `for ${keptFor}` : "for none"}`} title={`Release ${names.name(reservation.reservation)}`} onClick={() => attempt("The reservation is released", () => fleet.release({ reservation: reservation.reservation }), again)}><X size={13} /></button>}

@@ -8,7 +8,7 @@ import { usePast } from "../api/past";
 import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
-import { isLive } from "./states";
+import { isLive, runWords } from "./states";
 
 export function attempt(what: string, call: () => Promise<unknown>, then: () => void) {
   call().then(
@@ -37,7 +37,7 @@ export function RunActions({ run, again, keys }: { run: Run; again: () => void; 
       <button className="button danger" onClick={() => setAsking(true)}><Ban size={13} />Cancel</button>
       {asking && (
         <Dialog label="Cancel the run" width={440} onClose={() => setAsking(false)}>
-          <div className="sheet-head"><h2 className="grow">Cancel {run.id}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}><X size={15} /></button></div>
+          <div className="sheet-head"><h2 className="grow">Cancel {runWords(run.id)}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}><X size={15} /></button></div>
           <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
             <p className="quiet">Its commands are cancelled; its robot is free when it has stopped. A cancelled run does not come back.</p>
             <input className="field" placeholder="Why, for the record" aria-label="Reason" value={reason} onChange={(e) => setReason(e.target.value)} />

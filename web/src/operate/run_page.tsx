@@ -1,10 +1,11 @@
 // One run: its flow with live states, what it waits for and why, its history and its values.
-import { ChevronRight, CircleAlert, History, Workflow } from "lucide-react";
+import { ArrowLeft, ChevronRight, CircleAlert, History, Workflow } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { readTriples, useNames, type Names } from "../api/prefixes";
+import { query } from "../api/sparql";
 import { termText } from "../api/terms";
 import { Link } from "../app/link";
 import { usePast } from "../api/past";
@@ -17,7 +18,8 @@ import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
 import { FlowView } from "./flow_view";
 import { askRun } from "./past_runs";
 import { RunActions, SettleButtons } from "./run_actions";
-import { stateOf, useRuns, useTicks, whereWords } from "./runs";
+import { useRuns, useTicks, whereWords } from "./runs";
+import { progressOf, stateOf } from "./runs_within";
 import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
@@ -40,6 +42,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   const serviceNames = useMemo(() => new Set(serviceKey.split("\n")), [serviceKey]);
   const [tab, setTab] = useState<"now" | "history" | "values">("now");
   const pick = (name: string) => navigate(paths.run(id, name), true);
+  const all = useRuns().data?.runs ?? [];
   const chosen = run?.nodes.find((n) => n.name === node);
   if (!run)
     return (
@@ -51,8 +54,9 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
     <main className="editor">
       <header className="head">
         <Link href={paths.runs()} className="faint crumb">Runs</Link><ChevronRight size={13} className="faint crumb" />
+        <Link href={run.parent ? paths.run(run.parent) : paths.runs()} className="button plain icon narrow-only" aria-label={run.parent ? `Back to ${runWords(run.parent)}` : "Back to all runs"}><ArrowLeft size={16} /></Link>
         <h1 className="cut">{runWords(run.id)}</h1>
-        <StateTag state={stateOf(run)} />
+        <StateTag state={stateOf(run, all)} />
         <span className="faint small cut number">{clock(run.startedUs)} · {duration(run.startedUs, run.endedUs || nowUs())}</span>
         <span className="grow" />
         {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
@@ -72,7 +76,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
             {([["now", chosen ? chosen.name : at === null ? "Now" : "Then"], ["history", "History"], ["values", "Values"]] as const).map(([key, title]) => <button key={key} role="tab" aria-selected={tab === key} className="cut" onClick={() => setTab(key)}>{title}</button>)}
           </div>
           <div className="run-details" tabIndex={0} aria-label="Details">
-            {tab === "now" && (chosen ? <NodeDetails run={run} node={chosen} names={names} again={polled.again} /> : <Now run={run} names={names} again={polled.again} />)}
+            {tab === "now" && (chosen ? <NodeDetails run={run} runs={all} node={chosen} names={names} again={polled.again} /> : <Now run={run} runs={all} names={names} again={polled.again} />)}
             {tab === "history" && <Timeline run={id} names={names} picked={node} onPick={pick} />}
             {tab === "values" && <Values run={run} names={names} />}
           </div>
@@ -113,20 +117,20 @@ function useFlow(run: Run | undefined): Flow | null {
   }, [texts, run?.flow, nodes]);
 }
 
-function Now({ run, names, again }: { run: Run; names: Names; again: () => void }) {
+function Now({ run, runs, names, again }: { run: Run; runs: readonly Run[]; names: Names; again: () => void }) {
   const active = run.nodes.filter((n) => ["waiting", "running", "incident", ...(run.state === "failed" ? ["failed"] : [])].includes(n.state));
-  const within = (useRuns().data?.runs ?? []).filter((r) => r.parent === run.id);
+  const within = runs.filter((r) => r.parent === run.id);
   const parts = within.length > 0 && (
     <section className="run-section">
       <h3>Runs within</h3>
-      <ul className="runs-within">{within.map((r) => <li key={r.id}><Link href={paths.run(r.id)} className="run-id cut grow">{runWords(r.id)}</Link><span className="faint small cut">{whereWords(r)}</span><StateTag state={stateOf(r)} /></li>)}</ul>
+      <ul className="runs-within">{within.map((r) => <li key={r.id}><Link href={paths.run(r.id)} className="run-id cut grow">{runWords(r.id)}</Link><span className="faint small cut">{whereWords(r)}</span><StateTag state={stateOf(r, runs)} /></li>)}</ul>
     </section>
   );
   if (active.length === 0) return <>{parts}<p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p></>;
-  return <>{parts}{active.map((n) => <NodeDetails key={n.name} run={run} node={n} names={names} again={again} titled />)}</>;
+  return <>{parts}{active.map((n) => <NodeDetails key={n.name} run={run} runs={runs} node={n} names={names} again={again} titled />)}</>;
 }
 
-function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node; names: Names; again: () => void; titled?: boolean }) {
+function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs: readonly Run[]; node: Node; names: Names; again: () => void; titled?: boolean }) {
   const because = readTriples(node.firedBecause, names.short);
   const past = usePast() !== null;
   return (
@@ -141,15 +145,25 @@ function NodeDetails({ run, node, names, again, titled }: { run: Run; node: Node
       {node.invocations.map((i, k) => (
         <div key={k} className="invocation">
           <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
-          {i.state === "running" && <div className="progress" role="progressbar" aria-valuenow={Math.round(i.progress * 100)} aria-label={i.operation}><span style={{ width: `${Math.max(2, i.progress * 100)}%` }} /></div>}
+          {i.state === "running" && <Progress part={progressOf(run, i, runs)} label={i.operation} />}
           <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && ` ${i.reason}`]}</p>
-          {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{a.heldBy}</Link></>}</p>)}
+          {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{runWords(a.heldBy)}</Link></>}</p>)}
         </div>
       ))}
       {node.waitsFor && <><h3>Why not yet?</h3>{past ? <PastWhyNot run={run.id} node={node.name} names={names} /> : <WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} />}</>}
-      {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} />)}</ul></>}
+      {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} heldAt={() => firedAt(run.id, node.name)} />)}</ul></>}
     </section>
   );
+}
+
+// When the step opened last, as the graph has it; 0: not known.
+async function firedAt(run: string, node: string): Promise<bigint> {
+  const { rows } = await query(`PREFIX docent: <https://w3id.org/docent#> SELECT ?t { GRAPH docent:runs { ?n docent:ofRun <urn:docent:run:${run.replace(/[<>"{}|^`\\\s]/g, encodeURIComponent)}> ; docent:nodeName ${JSON.stringify(node)} ; docent:firedAt ?t } } ORDER BY DESC(?t) LIMIT 1`);
+  return BigInt(Date.parse(rows[0]?.["t"]?.text ?? "") || 0) * 1000n;
+}
+
+function Progress({ part, label }: { part: number; label: string }) {
+  return <div className="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label={label}><span style={{ width: `${Math.max(2, part * 100)}%` }} /></div>;
 }
 
 function Values({ run, names }: { run: Run; names: Names }) {

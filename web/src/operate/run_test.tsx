@@ -18,7 +18,7 @@ export function RunTest({ run }: { run: Run }) {
   return (
     <>
       <button className="button plain icon" aria-pressed={kept} aria-label={kept ? "Drop the test" : "Keep as a test"} title={kept ? "A test: it is tried after each edit" : "Keep as a test, which is tried after each edit"} onClick={() => void keep()}><Star size={15} fill={kept ? "currentColor" : "none"} /></button>
-      <Link className="button plain wide-only" href={paths.trial(run.workflow, run.flow === run.workflow ? "" : run.flow, run.id)} title="Live it again with the document as it is now, without robots"><History size={14} />Try again</Link>
+      <Link className="button plain wide-only" href={paths.trial(run.workflow, run.flow === run.workflow ? "" : run.flow, run.id)} title="See what this run would have done with the document as it is now, without robots"><History size={14} />Try with changes</Link>
     </>
   );
 }

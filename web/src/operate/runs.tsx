@@ -12,10 +12,11 @@ import { navigate, paths } from "../app/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
 import { words } from "../cawl/names";
 import { askRuns } from "./past_runs";
+import { stateOf } from "./runs_within";
 import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import "./runs.css";
 
-const filters = [["", "All"], ["live", "Live"], ["incident", "Needs you"], ["done", "Done"], ["failed", "Failed"], ["cancelled", "Cancelled"]] as const;
+const filters = [["", "All"], ["live", "Live"], ["waiting", "Waiting"], ["incident", "Needs you"], ["done", "Done"], ["failed", "Failed"], ["cancelled", "Cancelled"]] as const;
 const shownAtOnce = 200;
 
 export function useRuns() {
@@ -25,12 +26,6 @@ export function useRuns() {
   return useKept("runs", at === null ? now : then);
 }
 
-// "running", and "paused" or "incident" where that says more.
-export function stateOf(run: Run): string {
-  if (run.state === "running" && run.nodes.some((n) => n.state === "incident")) return "incident";
-  return run.paused && run.state === "running" ? "paused" : run.state;
-}
-
 export default function Runs(props: { state: string; workflow: string }) {
   const polled = useRuns();
   const [count, setCount] = useState(shownAtOnce);
@@ -38,10 +33,10 @@ export default function Runs(props: { state: string; workflow: string }) {
   useEffect(() => void (document.title = "Runs – Docent"), []);
   const all = polled.data?.runs ?? [];
   const names = [...new Set(all.map((r) => r.workflow))].sort();
-  const fits = (run: Run, state: string) => (state === "" ? true : state === "live" ? isLive(run.state) : stateOf(run) === state);
+  const fits = (run: Run, state: string) => (state === "" ? true : state === "live" ? isLive(run.state) : stateOf(run, all) === state);
   const ofWorkflow = all.filter((r) => props.workflow === "" || r.workflow === props.workflow);
   const runs = ofWorkflow.filter((r) => fits(r, props.state));
-  useCommands(runs.slice(0, 30).map((r) => ({ title: `Open ${r.id}`, group: "Runs", icon: ListChecks, words: r.workflow, run: () => navigate(paths.run(r.id)) })));
+  useCommands(runs.slice(0, 30).map((r) => ({ title: `Open ${runWords(r.id)}`, group: "Runs", icon: ListChecks, words: r.workflow, run: () => navigate(paths.run(r.id)) })));
   return (
     <main className="page view-page">
       <header className="head">
@@ -69,12 +64,12 @@ export default function Runs(props: { state: string; workflow: string }) {
         )}
         {runs.length > 0 && (
           <table className="runs">
-            <thead><tr><th>Run</th><th>State</th><th>Where it stands</th><th>Robot</th><th>Began</th><th className="right">Took</th></tr></thead>
+            <thead><tr><th>Run</th><th>State</th><th>What it does</th><th>Robot</th><th>Began</th><th className="right">Took</th></tr></thead>
             <tbody>
               {runs.slice(0, count).map((run) => (
                 <tr key={run.id} onClick={() => navigate(paths.run(run.id))}>
                   <td><Link href={paths.run(run.id)} className="run-id">{runWords(run.id)}</Link>{run.parent && <span className="faint small"> in {runWords(run.parent)}</span>}</td>
-                  <td><StateTag state={stateOf(run)} /></td>
+                  <td><StateTag state={stateOf(run, all)} /></td>
                   <td className="run-where">{whereWords(run)}</td>
                   <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ")}</td>
                   <td className="number faint">{clock(run.startedUs)}</td>

@@ -5,11 +5,14 @@ import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { randomUuid } from "../api/ids";
 import { navigate, paths } from "../app/router";
+import { words } from "../cawl/names";
 import { ofClass, type Vocabulary } from "../compose/vocabulary";
 import { termOf } from "../api/terms";
+import { writtenValue } from "../cawl/values";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
+import { runWords } from "./states";
 
 export interface StartVariable {
   name: string;
@@ -21,15 +24,19 @@ export function startVariables(variables: readonly StartVariable[]): StartVariab
   return variables.filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i).map(({ name, type, initial }) => ({ name, type, initial }));
 }
 // Throws RangeError with what is wrong.
-export function startArguments(values: Readonly<Record<string, string>>, prefixes: ReadonlyMap<string, string>) {
-  return Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(text, prefixes) }));
+export function startArguments(values: Readonly<Record<string, string>>, prefixes: ReadonlyMap<string, string>, variables: readonly StartVariable[] = []) {
+  const typeOf = (name: string) => {
+    const [prefix = "", local = ""] = (variables.find((v) => v.name === name)?.type ?? "").split(":");
+    return local ? (prefixes.get(prefix) ?? "") + local : "";
+  };
+  return Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(writtenValue(text, typeOf(name)), prefixes) }));
 }
 
 // One field a variable; things of its class are offered.
 export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
   return props.variables.map((v) => (
     <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
-      <span><code>${v.name}</code> <span className="faint small">{v.type}</span></span>
+      <span>{words(v.name)} <span className="faint small">{words(v.type.replace(/^[\w-]+:/, "")).toLowerCase()}</span></span>
       <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
     </div>
   ));
@@ -45,8 +52,8 @@ export function StartDialog(props: {
   const start = async () => {
     setBusy(true);
     try {
-      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: startArguments(values, props.prefixes), requestId: randomUuid() });
-      toast("good", "The run has begun", reply.run);
+      const reply = await workflows.start({ workflow: props.workflow, flow: props.flow, variables: startArguments(values, props.prefixes, variables), requestId: randomUuid() });
+      toast("good", "The run has begun", runWords(reply.run));
       props.onClose();
       navigate(paths.run(reply.run));
     } catch (failure) {

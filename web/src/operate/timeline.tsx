@@ -8,6 +8,7 @@ import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
 import { showTime, usePast } from "../api/past";
 import { clock, look } from "./states";
+import { eventsInWords } from "./timeline_words";
 
 const kept = 2000;
 
@@ -63,34 +64,24 @@ function streamEvents(run: string, take: (event: RunEvent) => void, notWhole: ()
   return () => abort.abort();
 }
 
-// What an event says, without the ids that only the server needs.
-export function detailWords(event: RunEvent, names: Names): string {
-  return event.detail
-    .replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))
-    .replace(/^\S+@\d+(?: to )?/, "")
-    .replace(/, guard as of[\s\S]*$/, "")
-    .replace(new RegExp(`^${event.run.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}/\\S*?/\\d+:? ?`), "")
-    .replace(/:\s*$/, "")
-    .trim();
-}
-
 export function Timeline({ run, names, picked, onPick }: { run: string; names: Names; picked: string; onPick: (node: string) => void }) {
   const { events, whole } = useRunEvents(run);
   const at = usePast();
   const until = at === null ? events : events.filter((e) => Number(e.timeUs) / 1000 <= at);
-  const shown = picked ? until.filter((e) => e.node === picked) : until;
-  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{until.length === 0 && at !== null ? "Nothing had happened yet." : events.length === 0 ? "What happens from now on stands here." : `Nothing of ${picked} yet.`}</p>;
+  const said = eventsInWords(until, names);
+  const shown = until.map((event, i) => ({ event, words: said[i] })).filter(({ event, words }) => words && (!picked || event.node === picked));
+  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{until.length === 0 && at !== null ? "Nothing had happened yet." : events.length === 0 ? "What happens from now on is listed here." : `Nothing of ${picked} yet.`}</p>;
   return (
     <ol className="timeline">
       {!whole && <li className="faint small">What was before is no longer kept.</li>}
-      {shown.map((e, i) => {
-        const { icon: Icon, tone, words } = look(e.to);
+      {shown.map(({ event: e, words: line }, i) => {
+        const { icon: Icon, tone } = look(e.to);
         return (
           <li key={i}>
             <span className={`timeline-icon ${tone}`}><Icon size={13} /></span>
             <div className="grow">
-              <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "run"}</button> <span className="faint">{e.kind !== "node" && e.kind !== "run" ? `${e.kind} ` : ""}{words}</span></div>
-              {detailWords(e, names) && <div className="timeline-detail">{detailWords(e, names)}</div>}
+              <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "The run"}</button> <span className="faint">{line?.words}</span></div>
+              {line?.detail && <div className="timeline-detail">{line.detail}</div>}
             </div>
             <button className="timeline-time faint number small" title="Show this time" onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}>{clock(e.timeUs)}</button>
           </li>

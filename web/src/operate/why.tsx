@@ -1,4 +1,4 @@
-// Why a fact holds: its proof down to who told what; and why a condition does not: what lacks.
+// Why a fact holds: its proof down to who told what; and why a condition does not: what is missing.
 import { ChevronRight, FlaskConical, HelpCircle, LoaderCircle, Unplug } from "lucide-react";
 import { useState } from "react";
 import { context } from "../api/client";
@@ -18,11 +18,12 @@ export function shortPattern(pattern: string, names: Names): string {
   return pattern.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole).replace(/\s*\.$/, "");
 }
 
-// A fact that can be asked why. `short`: its subject is known.
-export function Fact({ words, names, short }: { words: readonly string[]; names: Names; short?: boolean }) {
+// A fact that can be asked why. `short`: its subject is known. `heldAt`: when it was so, for one that may no longer be so; 0: not known.
+export function Fact({ words, names, short, heldAt }: { words: readonly string[]; names: Names; short?: boolean; heldAt?: () => Promise<bigint> }) {
   const [proof, setProof] = useState<Proof | null>(null);
   const [state, setState] = useState<"closed" | "asking" | "open">("closed");
   const [error, setError] = useState<PlainError | null>(null);
+  const [held, setHeld] = useState(0n);
   const past = usePast() !== null; // proofs are of now
   const ask = async () => {
     if (state !== "closed") return setState("closed");
@@ -33,6 +34,7 @@ export function Fact({ words, names, short }: { words: readonly string[]; names:
       const fact = create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p, names.prefixes), object: termOf(o, names.prefixes) });
       const reply = await context.explain({ question: { case: "whyFact", value: fact }, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000 });
       setProof(reply.proof ?? null);
+      if (!reply.proof && heldAt) setHeld(await heldAt().catch(() => 0n));
     } catch (failure) {
       setError(failure instanceof RangeError ? { kind: "failed", title: "It can't be asked", detail: failure.message } : plain(failure));
     }
@@ -44,11 +46,12 @@ export function Fact({ words, names, short }: { words: readonly string[]; names:
         <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
         {!past && <button className="button plain small" aria-expanded={state === "open"} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>}
       </div>
-      {state === "open" && !past && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It does not hold any more.</p>)}
+      {state === "open" && !past && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It is no longer so.{held > 0n && ` It was so at ${clock(held)}.`}</p>)}
     </li>
   );
 }
 
+const defaultGraph = "https://w3id.org/docent#default";
 export function ProofTree({ proof, names }: { proof: Proof; names: Names }) {
   const row = (index: number, depth: number, seen: readonly number[]): React.ReactNode => {
     const step = proof.steps[index];
@@ -58,7 +61,7 @@ export function ProofTree({ proof, names }: { proof: Proof; names: Names }) {
         {depth > 0 && step.fact && <div className="fact-words">{quadText(step.fact, names.short)}</div>}
         <div className="proof-source">
           {step.rule && <span>by {step.rule}</span>}
-          {step.told.map((t, i) => <span key={i}>told by {names.short(t.graph) || t.graph}{t.by ? `, ${t.by}` : ""}{t.timeUs > 0n ? ` at ${clock(t.timeUs)}` : ""}</span>)}
+          {step.told.map((t, i) => <span key={i}>{t.graph === defaultGraph ? `told without a source${t.by ? `, by ${t.by}` : ""}` : `told by ${names.short(t.graph) || t.graph}${t.by ? `, ${t.by}` : ""}`}{t.timeUs > 0n ? ` at ${clock(t.timeUs)}` : ""}</span>)}
         </div>
         {step.premises.length > 0 && <ul>{step.premises.map((p) => row(p, depth + 1, [...seen, index]))}</ul>}
       </li>
@@ -71,12 +74,12 @@ export function useWhyNot(ask: string, everyMs = 2500) {
   return usePoll(ask && `whynot ${ask}`, (signal) => context.explain({ question: { case: "whyNot", value: ask }, sets: 3, timeoutMs: 4000 }, { signal }), everyMs);
 }
 
-// What lacks for a condition, with ways to try it and to tell it.
+// What is missing for a condition, with ways to try it and to tell it.
 export function WhyNot({ ask, names, title }: { ask: string; names: Names; title: string }) {
   const polled = useWhyNot(ask);
   const [telling, setTelling] = useState<MissingSet | null>(null);
   if (polled.error && !polled.data) return <p className="notice"><Unplug size={14} />{polled.error.title}. {polled.error.detail}</p>;
-  if (!polled.data) return <p className="faint small">Looking for what lacks…</p>;
+  if (!polled.data) return <p className="faint small">Looking for what is missing…</p>;
   if (polled.data.holds) return <p className="notice">It holds now; the step opens with the next turn.</p>;
   return (
     <div className="lacks">

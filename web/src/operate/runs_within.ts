@@ -1,0 +1,33 @@
+// Runs that steps of another run have started: how far they are, and whether they wait. Pure functions.
+import type { Invocation, Run } from "../gen/docent/v1/workflows_pb";
+import { isLive } from "./states";
+
+const deepest = 8;
+
+// The run that an invocation of a sub-flow has started; the newest, where it was tried again.
+export function innerRun(run: Run, invocation: Invocation, runs: readonly Run[]): Run | undefined {
+  const mine = runs.filter((r) => r.parent === run.id && [r.workflow, r.flow, `${r.workflow}/${r.flow}`].includes(invocation.operation));
+  return mine.filter((r) => isLive(r.state)).at(-1) ?? mine.at(-1);
+}
+
+// 0 to 1: what the robots say; of a sub-flow, the part of its steps that are done.
+export function progressOf(run: Run, invocation: Invocation, runs: readonly Run[], depth = 0): number {
+  const inner = depth < deepest ? innerRun(run, invocation, runs) : undefined;
+  if (!inner) return invocation.progress;
+  const steps = inner.nodes.filter((n) => n.state !== "skipped");
+  const done = steps.map((n) => (n.state === "done" ? 1 : n.invocations.length > 0 ? n.invocations.reduce((sum, i) => sum + progressOf(inner, i, runs, depth + 1), 0) / n.invocations.length : 0));
+  return steps.length > 0 ? done.reduce((sum, part) => sum + part, 0) / steps.length : invocation.progress;
+}
+
+// "running", and "waiting", "paused" or "incident" where that says more: also where only its inner runs wait.
+export function stateOf(run: Run, runs: readonly Run[] = [], depth = 0): string {
+  if (run.state !== "running") return run.state;
+  if (run.nodes.some((n) => n.state === "incident")) return "incident";
+  if (run.paused) return "paused";
+  const active = run.nodes.filter((n) => n.state === "running");
+  if (active.length === 0) return run.nodes.some((n) => n.state === "waiting") ? "waiting" : "running";
+  const under = active.flatMap((n) => n.invocations.filter((i) => i.state === "running").map((i) => (depth < deepest ? innerRun(run, i, runs) : undefined)));
+  const states = new Set(under.map((inner) => (inner ? stateOf(inner, runs, depth + 1) : "running")));
+  const [only] = states;
+  return states.size === 1 && only && ["waiting", "paused", "incident"].includes(only) ? only : "running";
+}
