@@ -65,7 +65,7 @@ function useNodes(props: CanvasProps): StepNode[] {
       return order.map((step): StepNode => {
         const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
         const tried = trial?.get(step.name);
-        const data = { step, serviceNames, errors, warnings, breakpoint: breakpoints.has(step.name), onBreakpoint, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would go otherwise here" }) };
+        const data = { step, serviceNames, errors, warnings, breakpoint: breakpoints.has(step.name), onBreakpoint, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would differ here" }) };
         return {
           id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
           deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),

@@ -12,7 +12,7 @@ import type { XmlElement } from "../cawl/xml";
 import { TellDialog } from "../operate/tell";
 import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
 import type { Lack, NearestMiss } from "./nearest_miss";
-import { termName } from "./term_name";
+import { patternWords, termName, valuesWords } from "./term_name";
 import { ofClass, type Vocabulary, type Word } from "./vocabulary";
 import "./condition.css";
 
@@ -201,7 +201,7 @@ export function matchWords(constraint: Constraint, found: Readonly<Record<string
 // What is there in place of what is missing: "John is at B10".
 function insteadWords({ pattern, now }: Lack, prefixes: ReadonlyMap<string, string>): string {
   const [subject = "", verb = ""] = pattern.split(" ");
-  return `${termName(subject, prefixes)} ${verbWords(verb)} ${now.replace(/[^\s,]+/g, (term) => termName(term, prefixes))}`;
+  return `${termName(subject, prefixes)} ${verbWords(verb)} ${valuesWords(now, prefixes)}`;
 }
 
 // What is nearest to the situation, what is missing, and a way to try it.
@@ -214,8 +214,8 @@ function Miss({ miss, name, document }: { miss: NearestMiss; name: string; docum
     <div className="situation-lacks" role="status">
       {miss.where && <p>Nearest: {miss.where}{miss.holds > 0 && <span className="faint"> ({miss.holds === 1 ? "one fact of it is" : `${miss.holds} facts of it are`} there)</span>}</p>}
       <ul>
-        {miss.lacks.map((lack, i) => <li key={i}>missing: <code>{lack.pattern}</code>{lack.now && <> — now <code>{lack.now}</code></>}</li>)}
-        {miss.tooMuch.map((text, i) => <li key={`x${i}`}>must not be <code>{text}</code></li>)}
+        {miss.lacks.map((lack, i) => <li key={i} title={lack.pattern}>missing: <b>{patternWords(lack.pattern, prefixes)}</b>{lack.now && <>, now {valuesWords(lack.now, prefixes)}</>}</li>)}
+        {miss.tooMuch.map((text, i) => <li key={`x${i}`} title={text}>must not be: <b>{patternWords(text, prefixes)}</b></li>)}
       </ul>
       <p className="row">
         {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />Simulate or tell</button>}

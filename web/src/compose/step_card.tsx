@@ -48,7 +48,7 @@ export const StepCard = memo(function StepCard({ data, selected, isConnectable }
         {data.onBreakpoint && !step.stale && <button className="step-breakpoint nodrag" tabIndex={-1} aria-pressed={data.breakpoint ?? false} aria-label={`Breakpoint at ${step.name}`} title={data.breakpoint ? "Breakpoint: a simulation stops here (B)" : "Set a breakpoint (B)"} onClick={(e) => (e.stopPropagation(), data.onBreakpoint?.(step.name))} onDoubleClick={(e) => e.stopPropagation()}><span /></button>}
         <span className="cut" title={step.documentation || undefined}>{step.name || "(no name)"}</span>
         {data.stateLabel && <span className={`state-chip ${data.state}`}>{data.stateLabel}</span>}
-        {data.differs && <span className="step-differs" title={data.differs}><GitCompareArrows size={12} aria-hidden />otherwise</span>}
+        {data.differs && <span className="step-differs" title={data.differs}><GitCompareArrows size={12} aria-hidden />differs</span>}
         {step.forEach && <span className="step-mark" title={`Once for each ${step.forEach}`}><Repeat2 size={13} /></span>}
         {step.retry && <span className="step-mark" title={`Tried again ${step.retry} times`}><RotateCw size={12} /></span>}
         {step.timeout && <span className="step-mark" title={`Ends after ${step.timeout}`}><Clock3 size={12} />{step.timeout}</span>}

@@ -23,7 +23,7 @@ export function TrialsPanel(props: { trials: Trials; text: string; names: Names;
         <History size={14} />
         <span>Try on past runs</span>
         {kept > 0 && trials.differing === 0 && <span className="faint">{kept === 1 ? "1 test" : `${kept} tests`}{trials.list.some((t) => t.kept && t.busy) ? ", trying" : ""}</span>}
-        {trials.differing > 0 && <span className="row" style={{ gap: 5 }}><GitCompareArrows size={14} className="warn" />{trials.differing} of {kept} {kept === 1 ? "test" : "tests"} would go otherwise</span>}
+        {trials.differing > 0 && <span className="row" style={{ gap: 5 }}><GitCompareArrows size={14} className="warn" />{trials.differing} of {kept} {kept === 1 ? "test" : "tests"} would go differently</span>}
         <span className="grow" />
         {props.open ? <ChevronDown size={14} /> : <ChevronUp size={14} />}
       </button>
@@ -70,7 +70,7 @@ function Verdict({ trial, old }: { trial: Trial; old: boolean }) {
   if (!trial.reply) return null;
   const aged = old ? " before the edit" : "";
   if (trial.reply.same) return <span className={`tag ${old ? "" : "good"}`}><CircleCheck size={12} />goes the same{aged}</span>;
-  return <span className={`tag ${old ? "" : "wait"}`}><GitCompareArrows size={12} />otherwise at {firstDifference(trial.reply) || "its end"}{aged}</span>;
+  return <span className={`tag ${old ? "" : "wait"}`}><GitCompareArrows size={12} />differs at {firstDifference(trial.reply) || "its end"}{aged}</span>;
 }
 
 // What a difference is about, for people.
@@ -90,7 +90,7 @@ function Differences({ reply, names, onStep }: { reply: ReplayReply; names: Name
         <div key={n.node} className="difference-node">
           <button className="difference-step" onClick={() => onStep(n.node)}>{n.node || "The run"}</button>
           {n.differences.slice(0, 6).map(row)}
-          {n.missing && <p><span className="faint">lacks</span> {factsOf(n.missing, names).join(", ")}</p>}
+          {n.missing && <p><span className="faint">missing:</span> {factsOf(n.missing, names).join(", ")}</p>}
         </div>
       ))}
       {reply.stopped && <p className="notice wait"><CircleAlert size={14} /><span>It was tried up to {reply.stoppedNode || "there"}: {short(reply.stopped)}</span></p>}

@@ -53,7 +53,7 @@ function Now({ document, step, place, variables, compiled, palette }: TryStepPro
   const live = useLive(document, contexts.map((context, c) => ({ id: `${c}`, ask: ofKinds(document, askOf(compiled, place, context, c), rowsOf(`${c}`, rows), kinds) })));
   const holds = [...live.values()].find((l) => l.matches > 0);
   if (contexts.length > 0 && live.size === 0) return <p className="faint small">Not asked yet: the text has to be without mistakes.</p>;
-  if (contexts.length > 0 && !holds) return <p className="row small"><Hourglass size={13} />It would wait: its situation is not true now. What lacks stands above.</p>;
+  if (contexts.length > 0 && !holds) return <p className="row small"><Hourglass size={13} />It would wait: its situation is not true now. What is missing is listed above.</p>;
   return (
     <div role="status" className="small try-step">
       <p className="row"><CircleCheck size={13} />It would open{holds?.witness ? ` with ${holds.witness}` : " as soon as its turn comes"}.</p>
@@ -98,7 +98,7 @@ export function Answer({ reply, names }: { reply: TryNodeReply; names: Names }) 
       {reply.variables.length > 0 && <p className="faint">The run had <code>{values(reply.variables)}</code></p>}
       {reply.commands.length > 0 && <ul>{reply.commands.map((c, i) => <li key={i}>{names.name(c.robot) || "a robot"} would get <code>{c.operation}({values(c.arguments)})</code></li>)}</ul>}
       {reply.pending && <p>It sends nothing yet: {reply.pending.replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))}</p>}
-      {reply.missing && <p>It lacks {factsOf(reply.missing, names).map((fact) => <code key={fact}>{fact} </code>)}</p>}
+      {reply.missing && <p>Missing: {factsOf(reply.missing, names).map((fact) => <code key={fact}>{fact} </code>)}</p>}
       {reply.state === "failed" && <p>{reply.reason}</p>}
     </div>
   );

@@ -14,6 +14,7 @@ import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 import { titleOf } from "./desk";
 import type { Favourite } from "./favourites";
+import { runWords } from "../operate/states";
 import { start } from "./start";
 
 export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; edit: boolean; names: Names; onKeep: (favourite: Favourite) => void; onClose: () => void }) {
@@ -31,7 +32,7 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
     setError(null);
     try {
       const run = await start(favourite, values, names.prefixes);
-      toast("good", `${titleOf(favourite)} has begun`, run, { label: "Open it", run: () => navigate(paths.run(run)) });
+      toast("good", `${titleOf(favourite)} has begun`, runWords(run), { label: "Open it", run: () => navigate(paths.run(run)) });
       props.onClose();
     } catch (failure) {
       setError(failure instanceof RangeError ? { kind: "refused", title: "A value can't be read", detail: failure.message } : plain(failure));
@@ -52,7 +53,7 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
       <form className="desk-ask" onSubmit={(e) => (e.preventDefault(), edit ? keep() : void go())}>
         <div className="sheet-head"><h2 className="grow">{edit ? words(favourite.name) : titleOf(favourite)}</h2><button type="button" className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
         <div className="sheet-body" style={{ display: "grid", gap: 12 }}>
-          {edit && <label className="property"><span>What stands on the button</span><input className="field" data-first value={title} placeholder={words(favourite.name)} maxLength={60} onChange={(e) => setTitle(e.target.value)} /></label>}
+          {edit && <label className="property"><span>Text on the button</span><input className="field" data-first value={title} placeholder={words(favourite.name)} maxLength={60} onChange={(e) => setTitle(e.target.value)} /></label>}
           {edit && inputs.length > 0 && <p className="quiet">Values that are always the same. What is left empty is asked for at each start.</p>}
           {inputs.map((input, i) => (
             <label key={input.name} className="property"><span>{words(input.name)}</span><Combo label={words(input.name)} placeholder={input.optional ? "any" : edit ? "asked for" : names.short(input.type).replace(/^[\w-]+:/, "").toLowerCase()} value={values[input.name] ?? ""} choices={things.data?.get(input.type) ?? []} autoFocus={!edit && i === 0} onChange={(value) => setValues((before) => ({ ...before, [input.name]: value }))} /></label>

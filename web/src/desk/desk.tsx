@@ -14,6 +14,7 @@ import { toast } from "../ui/toasts";
 import { type Favourite, favouritesSearch, favouriteText, keepFavourites, keptFavourites, mostFavourites, readFavourites } from "./favourites";
 import { AskDialog } from "./ask_dialog";
 import { RunningNow } from "./running_now";
+import { runWords } from "../operate/states";
 import { start } from "./start";
 import "./desk.css";
 
@@ -79,7 +80,7 @@ export default function Desk({ search }: { search: string }) {
       {adding && (
         <Dialog label="Add a favourite" width={520} top onClose={() => setAdding(false)}>
           <Picker label="Workflows and services" placeholder="What should be started by one touch?" empty="Nothing here has this name. Deploy a workflow, or register services." onDone={() => setAdding(false)}
-            items={offered.map((e) => ({ id: `${e.kind} ${e.id}`, title: e.title, group: e.kind === "workflow" ? "Workflows" : "Services", detail: e.detail, words: e.id, icon: e.kind === "workflow" ? <Workflow size={16} /> : <Wrench size={16} />, run: () => void add(e) }))} />
+            items={offered.map((e) => ({ id: `${e.kind} ${e.id}`, title: e.title, group: e.kind === "workflow" ? "Workflows" : "Services", detail: [e.kind, e.detail].filter(Boolean).join(" · "), words: e.id, icon: e.kind === "workflow" ? <Workflow size={16} /> : <Wrench size={16} />, run: () => void add(e) }))} />
         </Dialog>
       )}
       {asking && (
@@ -125,7 +126,7 @@ function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names;
     setBusy(true);
     timer.current = window.setTimeout(() => setBusy(false), rest);
     start(favourite, favourite.values, names.prefixes).then(
-      (run) => toast("good", `${titleOf(favourite)} has begun`, run, { label: "Open it", run: () => navigate(paths.run(run)) }),
+      (run) => toast("good", `${titleOf(favourite)} has begun`, runWords(run), { label: "Open it", run: () => navigate(paths.run(run)) }),
       (error: unknown) => {
         const { title, detail } = error instanceof RangeError ? { title: "A value can't be read", detail: error.message } : plain(error);
         toast("bad", `${titleOf(favourite)} did not begin`, [title, detail].filter(Boolean).join(". "));
@@ -141,7 +142,7 @@ function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names;
         <span className="grow">
           <b>{titleOf(favourite)}</b>
           <span className="quiet">{Object.entries(favourite.values).filter(([, v]) => v).map(([, v]) => label(v)).join(", ")}</span>
-          <span className="faint small">{missing ? `No ${favourite.kind} of this name is here now` : asked.length > 0 ? `asks for ${asked.map((i) => words(i.name).toLowerCase()).join(", ")}` : inputs ? "starts at once" : ""}</span>
+          <span className="faint small">{missing ? "" : `${favourite.kind}${inputs ? ", " : ""}`}{missing ? `No ${favourite.kind} of this name is here now` : asked.length > 0 ? `asks for ${asked.map((i) => words(i.name).toLowerCase()).join(", ")}` : inputs ? "starts at once" : ""}</span>
         </span>
         {props.number < 10 && <kbd aria-hidden>{props.number}</kbd>}
       </button>

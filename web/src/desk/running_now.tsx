@@ -6,7 +6,8 @@ import { paths } from "../app/router";
 import { words } from "../cawl/names";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { RunActions, SettleButtons } from "../operate/run_actions";
-import { stateOf, useRuns, useTicks, whereWords } from "../operate/runs";
+import { useRuns, useTicks, whereWords } from "../operate/runs";
+import { stateOf } from "../operate/runs_within";
 import { duration, isLive, nowUs, StateTag } from "../operate/states";
 
 const shownUs = 5n * 60_000_000n; // how long what has ended stands here
@@ -18,27 +19,31 @@ export function RunningNow() {
   const roots = (runs.data?.runs ?? []).filter((r) => !r.parent);
   const live = roots.filter((r) => isLive(r.state));
   const ended = roots.filter((r) => !isLive(r.state) && r.endedUs > nowUs() - shownUs);
-  return (
-    <section className="desk-runs" aria-labelledby="desk-runs">
-      <h2 id="desk-runs">Running now{live.length > 0 && <span className="faint number"> {live.length}</span>}</h2>
-      {runs.data && live.length + ended.length === 0 && <p className="quiet desk-quiet"><CircleCheck size={16} />Nothing runs. What is started stands here until a few minutes after its end.</p>}
-      {runs.error && !runs.data && <p className="notice wait">{runs.error.title}. {runs.error.detail}</p>}
-      <ul>
-        {[...live, ...ended].slice(0, shownAtOnce).map((run) => (
-          <li key={run.id} className={isLive(run.state) ? "" : "ended"}>
-            <StateTag state={stateOf(run)} />
-            <span className="grow desk-run">
-              <span><Link href={paths.run(run.id)} className="run-id">{words(run.workflow.replace(/^service /, ""))}</Link> <span className="faint small">{valuesOf(run)}</span></span>
-              <span className="quiet small cut">{whereWords(run)}</span>
-            </span>
+  const list = (some: readonly Run[]) => (
+    <ul>
+      {some.slice(0, shownAtOnce).map((run) => (
+        <li key={run.id} className={isLive(run.state) ? "" : "ended"}>
+          <span className="desk-state"><StateTag state={stateOf(run, runs.data?.runs)} /></span>
+          <span className="desk-run">
+            <span><Link href={paths.run(run.id)} className="run-id">{words(run.workflow.replace(/^service /, ""))}</Link> <span className="faint small">{valuesOf(run)}</span></span>
+            <span className="quiet small cut">{whereWords(run)}</span>
             {run.nodes.filter((n) => n.state === "incident").map((n) => <SettleButtons key={n.name} run={run.id} node={n} again={runs.again} />)}
-            <span className="faint small cut desk-robot">{robotsOf(run)}</span>
-            <span className="faint small number desk-time">{duration(run.startedUs, run.endedUs || nowUs())}</span>
-            <span className="desk-actions"><RunActions run={run} again={runs.again} /></span>
-          </li>
-        ))}
-        {live.length > shownAtOnce && <li><Link href={paths.runs("live")}>All {live.length}</Link></li>}
-      </ul>
+          </span>
+          <span className="faint small cut desk-robot">{robotsOf(run)}</span>
+          <span className="faint small number desk-time">{duration(run.startedUs, run.endedUs || nowUs())}</span>
+          <span className="desk-actions"><RunActions run={run} again={runs.again} /></span>
+        </li>
+      ))}
+    </ul>
+  );
+  return (
+    <section className="desk-runs" aria-label="Runs">
+      <h2>Running now{live.length > 0 && <span className="faint number"> {live.length}</span>}</h2>
+      {runs.data && live.length === 0 && <p className="quiet desk-quiet"><CircleCheck size={16} />Nothing runs.</p>}
+      {runs.error && !runs.data && <p className="notice wait">{runs.error.title}. {runs.error.detail}</p>}
+      {list(live)}
+      {live.length > shownAtOnce && <p><Link href={paths.runs("live")}>All {live.length}</Link></p>}
+      {ended.length > 0 && <><h2>Just finished</h2>{list(ended)}</>}
     </section>
   );
 }

@@ -37,7 +37,8 @@ export function Combo(props: {
   useLayoutEffect(() => {
     if (!open || !input.current) return;
     const box = input.current.getBoundingClientRect();
-    const below = window.innerHeight - box.bottom;
+    const foot = input.current.closest("dialog")?.querySelector(".sheet-foot")?.getBoundingClientRect().top; // its buttons stay seen
+    const below = (foot ?? window.innerHeight) - box.bottom;
     const width = Math.max(box.width, 250);
     const left = Math.min(box.left, window.innerWidth - width - 8);
     setPlace(below > 240 || below > box.top ? { left, width, top: box.bottom + 3, maxHeight: Math.min(260, below - 12) } : { left, width, bottom: window.innerHeight - box.top + 3, maxHeight: Math.min(260, box.top - 12) });

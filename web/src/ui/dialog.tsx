@@ -6,7 +6,7 @@ export function Dialog(props: { label: string; width?: number; top?: boolean; on
   useEffect(() => {
     const before = document.activeElement;
     ref.current?.showModal();
-    ref.current?.querySelector<HTMLElement>("[data-first]")?.focus(); // else the first thing that can have it
+    (ref.current?.querySelector<HTMLElement>("[data-first]") ?? ref.current?.querySelector<HTMLElement>(".sheet-body :is(input, select, textarea)"))?.focus(); // else the first thing that can have it
     return () => {
       if (before instanceof HTMLElement && before.isConnected) before.focus();
     };

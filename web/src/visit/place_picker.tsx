@@ -5,6 +5,7 @@ import type { Place, Places } from "./places";
 import { VisitMap } from "./visit_map";
 import { useWords } from "./words";
 
+const iconLetters = 4;
 let lastView: "list" | "map" = "list"; // so that Back leads to what was seen
 
 export function PlacePicker(props: { title: string; hint?: string; places: Places; list: readonly Place[]; picked: string; onPick: (place: Place) => void }) {
@@ -31,8 +32,8 @@ export function PlacePicker(props: { title: string; hint?: string; places: Place
           {shown.map((place) => (
             <li key={place.iri}>
               <button className="visit-card" aria-pressed={place.iri === props.picked} onClick={() => props.onPick(place)}>
-                <span className="visit-icon booth">{place.booth ? place.name.slice(0, 4) : "·"}</span>
-                <span className="grow"><b>{place.booth && place.detail ? place.detail : place.name}</b>{place.booth && place.detail && <span>{place.name}</span>}</span>
+                <span className="visit-icon booth">{place.booth ? place.name.slice(0, iconLetters) : "·"}</span>
+                <span className="grow"><b>{place.booth && place.detail ? place.detail : place.name}</b>{place.booth && place.detail && place.name.length > iconLetters && <span>{place.name}</span>}</span>
               </button>
             </li>
           ))}

@@ -22,20 +22,20 @@ describe.skipIf(why !== "")("the condition editor", () => {
     const row = (verb: string) => page.locator(".constraint", { has: page.locator(`input[aria-label="Verb"][value="${verb}"]`) });
     await row("docent:localised").locator(".constraint-state.some").waitFor();
     expect(await row("docent:localised").locator(".constraint-state").innerText()).toBe("1 match: R07 localised true");
-    expect(await row("docent:status").locator(".constraint-state").innerText()).toBe("no match now: R07 has Busy");
+    expect(await row("docent:status").locator(".constraint-state").innerText()).toBe("no match now: R07 status Busy");
     expect(await row("docent:isAt").locator(".constraint-state").innerText()).toMatch(/^no match now/);
     const lacks = page.locator(".situation-lacks");
     await lacks.getByText("Nearest: ").waitFor();
     const words = await lacks.innerText();
     expect(words).toContain("robot = R07");
-    expect(words).toContain("lacks expo:R07 docent:status docent:Standby — now docent:Busy");
-    expect(words).toMatch(/lacks expo:John docent:isAt/);
+    expect(words).toContain("missing: R07 status Standby, now Busy");
+    expect(words).toMatch(/missing: John is at/);
     await stage.picture(page, "condition-lacks");
     // The visitor comes: one thing lacks less.
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
     await row("docent:isAt").locator(".constraint-state.some").waitFor();
     expect(await row("docent:isAt").locator(".constraint-state").innerText()).toBe("1 match: John is at Entrance");
-    await lacks.getByText(/lacks expo:John/).waitFor({ state: "detached" });
+    await lacks.getByText(/missing: John/).waitFor({ state: "detached" });
     // What lacks is simulated, then told: the whole is true.
     await lacks.getByRole("button", { name: "Simulate or tell" }).click();
     expect(await page.locator('dialog input[aria-label="Subject"]').inputValue()).toBe("expo:R07");
@@ -57,7 +57,7 @@ describe.skipIf(why !== "")("the condition editor", () => {
     await object.waitFor();
     await object.fill("docent:Charging");
     await page.keyboard.press("Tab");
-    await page.locator(".situation-lacks").getByText("docent:status docent:Charging").waitFor();
+    await page.locator(".situation-lacks").getByText("status Charging").waitFor();
     await page.keyboard.press("Control+z");
     await page.locator(".situation.holds").waitFor();
   });

@@ -45,7 +45,7 @@ describe.skipIf(why !== "")("the front desk", () => {
     await page.getByRole("button", { name: "Add", exact: true }).click();
     await page.keyboard.type("brief information");
     await page.keyboard.press("Enter");
-    await page.getByLabel("What stands on the button").fill("Tell about B05");
+    await page.getByLabel("Text on the button").fill("Tell about B05");
     await page.locator('dialog input[aria-label="Booth"]').fill("expo:B05");
     await page.keyboard.press("Tab");
     await page.getByRole("button", { name: "Keep it" }).click();

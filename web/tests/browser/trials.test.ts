@@ -36,8 +36,8 @@ describe.skipIf(why !== "")("trials", () => {
     await page.getByRole("button", { name: "Drop the test BoothGuide-1" }).waitFor();
     await page.locator('.react-flow__node[data-id="InfoBooth"]').click();
     await page.getByRole("button", { name: "Remove briefInformation" }).click();
-    await row().getByText("otherwise at InfoBooth").waitFor();
-    await page.locator(".findings-bar", { hasText: "1 of 1 test would go otherwise" }).waitFor();
+    await row().getByText("differs at InfoBooth").waitFor();
+    await page.locator(".findings-bar", { hasText: "1 of 1 test would go differently" }).waitFor();
     await page.locator('.react-flow__node[data-id="InfoBooth"] .step-differs').waitFor();
     expect(await page.locator(".step-differs").count()).toBe(1);
     await page.locator(".difference").first().waitFor();
@@ -61,7 +61,7 @@ describe.skipIf(why !== "")("trials", () => {
     await run.getByRole("button", { name: "Keep as a test" }).click();
     await run.getByRole("button", { name: "Drop the test" }).waitFor();
     await stage.picture(run, "trial-run");
-    await run.getByRole("link", { name: "Try again" }).click();
+    await run.getByRole("link", { name: "Try with changes" }).click();
     await run.locator(".trials li", { hasText: "goes the same" }).waitFor();
     await run.locator('.react-flow__node[data-id="InfoBooth"] .state-chip.done').waitFor();
   });
