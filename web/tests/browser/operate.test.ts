@@ -98,7 +98,7 @@ describe("operating", () => {
     const page = await open("/board");
     await page.getByText("expo:John docent:selected ?booth").waitFor();
     expect(await page.locator(".board-group").count()).toBe(2);
-    expect(await page.locator(".board-group", { hasText: "A fact lacks" }).locator("li").count()).toBe(2);
+    expect(await page.locator(".board-group", { hasText: "A fact is missing" }).locator("li").count()).toBe(2);
     await stage.picture(page, "board");
   });
   it("the hall shows robots, people and booths; markup stays text", async () => {
