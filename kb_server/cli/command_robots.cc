@@ -84,6 +84,13 @@ struct ServiceArguments {
   bool cancel_commands = false;
 };
 
+// Says also where a robot was written with a prefix that is not known.
+int FailOf(const grpc::Status& status, const ClientOptions& options, const FactArguments& facts) {
+  const int code = Fail(status, options);
+  std::cerr << facts.taken_whole();
+  return code;
+}
+
 // What the robot goes on with, for people; nothing where the server does not say.
 void SayWork(v1::Fleet::Stub& fleet, const std::string& robot, bool cancels) {
   v1::ListRobotsReply reply;
@@ -112,7 +119,7 @@ int SetService(const ServiceArguments& arguments, bool in) {
     request.set_reason(arguments.reason);
     status = stub->TakeOutOfService(&context, request, &reply);
   }
-  if (!status.ok()) return Fail(status, arguments.client);
+  if (!status.ok()) return FailOf(status, arguments.client, facts);
   if (arguments.client.json) {
     PrintJson(reply);
     return kExitOk;
@@ -177,7 +184,7 @@ int Reserve(const ReserveArguments& arguments) {
   v1::ReserveReply reply;
   const grpc::Status status =
       v1::Fleet::NewStub(Connect(arguments.client))->Reserve(&context, request, &reply);
-  if (!status.ok()) return Fail(status, arguments.client);
+  if (!status.ok()) return FailOf(status, arguments.client, facts);
   if (arguments.client.json)
     PrintJson(reply);
   else

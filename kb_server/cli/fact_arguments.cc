@@ -123,7 +123,12 @@ std::string FactArguments::Iri(const std::string& text) {
   const std::string* name_space = NamespaceOf(prefix);
   const bool whole = absl::StartsWith(local, "//") || prefix == "urn";
   if (name_space == nullptr && !whole && AskServer()) name_space = NamespaceOf(prefix);
-  return name_space == nullptr ? text : *name_space + local;
+  if (name_space != nullptr) return *name_space + local;
+  if (!whole) {
+    absl::StrAppend(&taken_whole_, text, " was taken as a whole IRI: the prefix ", prefix,
+                    ": is not known; declare it with --prefix ", prefix.empty() ? ":" : prefix, "=IRI\n");
+  }
+  return text;
 }
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {

@@ -32,6 +32,9 @@ class FactArguments {
 
   // An IRI where no Turtle is expected: a name with a known prefix, <…>, or the IRI itself.
   std::string Iri(const std::string& text);
+  // Where a text given to Iri has a prefix that nobody knows, so that it was taken as a whole IRI: that, and how to declare it, on a
+  // line each; for commands that did not find what it names.
+  const std::string& taken_whole() const { return taken_whole_; }
 
   // What a prefix stands for; nullopt: the server does not know it, either.
   std::optional<std::string> Namespace(std::string_view prefix);
@@ -45,6 +48,7 @@ class FactArguments {
   const std::function<IriNames()> ask_server_;
   bool asked_ = false;
   PrefixList given_;
+  std::string taken_whole_;
   IriNames known_ = IriNames::WellKnown();
 };
 

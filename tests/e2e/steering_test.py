@@ -129,6 +129,7 @@ class Steering(StageTest):
         self.assertIn("a wheel squeaks", said)
         self.assertEqual(nodes(server)["Fetch"]["state"], "running")
         self.assert_refused(server.run("robots", "out", EXPO + "R99"), 2, "R99")
+        self.assert_refused(server.run("robots", "out", "hotel:R07"), 2, "no robot <hotel:R07>", "--prefix hotel=IRI")
         server.command("robots", "in", EXPO + "R07")
         self.wait_for_run(server)
 

@@ -63,6 +63,17 @@ TEST_F(FactArgumentsTest, AnUnknownPrefixIsDeclaredByTheCommandsOption) {
   EXPECT_EQ(hint("hotel:Ada a docent:Visitor").find("@prefix"), std::string::npos);
 }
 
+TEST_F(FactArgumentsTest, AnIriOfAnUnknownPrefixIsTakenWholeAndThatCanBeSaid) {
+  EXPECT_EQ(facts_.Iri("expo:R01"), "https://expo.example/R01");
+  EXPECT_EQ(facts_.Iri("https://w3id.org/x"), "https://w3id.org/x");
+  EXPECT_EQ(facts_.Iri("urn:x:y"), "urn:x:y");
+  EXPECT_EQ(facts_.taken_whole(), "");
+  EXPECT_EQ(facts_.Iri("hotel:R01"), "hotel:R01");
+  EXPECT_EQ(facts_.taken_whole(),
+            "hotel:R01 was taken as a whole IRI: the prefix hotel: is not known; declare it with --prefix "
+            "hotel=IRI\n");
+}
+
 TEST_F(FactArgumentsTest, AMistakeIsToldInTheTextAsItWasGiven) {
   const absl::Status status = facts_.Parse("docent:a docent:b", "facts").status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
