@@ -60,6 +60,9 @@ describe("without a mouse", () => {
     await page.keyboard.press("Enter");
     await page.waitForSelector(".toast.good");
     expect(stage.calls.find((c) => c.method === "Workflows/Deploy")?.request["cawl"]).toBe(built);
+    await page.locator("a.crumb").first().click();
+    await page.waitForSelector(".template");
+    expect(await page.getByText("draft of").count()).toBe(0); // what is deployed is no draft
   });
   it("steps are moved by arrows, copied, pasted and removed", async () => {
     const page = await newGreeter();

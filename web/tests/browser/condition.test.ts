@@ -30,6 +30,7 @@ describe.skipIf(why !== "")("the condition editor", () => {
     expect(words).toContain("robot = R07");
     expect(words).toContain("missing: R07 status Standby, now Busy");
     expect(words).toMatch(/missing: John is at/);
+    expect(await page.locator(".dock-properties").evaluate((box) => box.scrollWidth - box.clientWidth)).toBe(0);
     await stage.picture(page, "condition-lacks");
     // The visitor comes: one thing lacks less.
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");

@@ -64,5 +64,19 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     await page.locator(".combo-item", { hasText: "expo:B03" }).click();
     await draft(page, "Greeter").toContain('<ext:assign variable="booth" expression="expo:B03"/>');
   });
+  it("the situation that starts a workflow is asked, also where its activator has no name", async () => {
+    await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+    await page.getByRole("button", { name: "Start when something holds" }).click();
+    await draft(page, "Greeter").toContain('<activator name="OnStart">');
+    await page.locator(".situation .tag", { hasText: "not now" }).waitFor();
+    await page.locator(".situation").getByRole("button", { name: "Simulate or tell" }).waitFor();
+    await stage.picture(page, "starts-by-itself");
+    await page.evaluate(() => {
+      const text = (JSON.parse(localStorage.getItem("docent.draft.Greeter") ?? "{}") as { text: string }).text;
+      localStorage.setItem("docent.draft.Nameless", JSON.stringify({ text: text.replace(' name="OnStart"', "").replace('name="Greeter"', 'name="Nameless"'), base: "", savedMs: 1 }));
+    });
+    await page.goto(page.url().replace(/\/compose\/.*/, "/compose/Nameless"));
+    await page.locator(".situation .tag", { hasText: "not now" }).waitFor();
+  });
   it("no page has thrown", () => stage.noFaults());
 });
