@@ -140,7 +140,7 @@ function Notes({ simulation, names }: { simulation: Simulations; names: Names })
       <h3>What was assumed</h3>
       <ul className="faint">
         {reply.notes.map((note) => <li key={note}>{noteWords(note)}</li>)}
-        {lacks.length > 0 && <li>To start it lacks {lacks.map((lack) => <code key={lack.text}>{lack.text} </code>)}</li>}
+        {lacks.length > 0 && <li>To start it waits for {lacks.map((lack) => <code key={lack.text}>{lack.text} </code>)}</li>}
       </ul>
     </section>
   );

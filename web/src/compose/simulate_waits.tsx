@@ -19,7 +19,7 @@ export function SimulateWaits({ reply, ...props }: TellProps & { reply: Simulate
   const waits = reply.waits.filter((w) => w.node !== activatorNode);
   if (waits.length === 0 && !reply.pending) return null;
   return (
-    <section className="simulate-part" aria-label="What lacks">
+    <section className="simulate-part" aria-label="What is missing">
       <h3 className="row"><Hourglass size={13} />It ends waiting</h3>
       {waits.map((wait) => <Wait key={wait.node} wait={wait} {...props} />)}
       {reply.pending && <p>{plainIris(reply.pending)}</p>}
@@ -32,7 +32,7 @@ function Wait({ wait, ...props }: TellProps & { wait: SimulatedWait }) {
   const lacks = lacksOf(wait.missing, props.names);
   return (
     <div className="simulate-wait">
-      <p><b>{wait.node}</b> {lacks.length > 0 ? "lacks" : "waits"}</p>
+      <p><b>{wait.node}</b> {lacks.length > 0 ? "waits for" : "waits"}</p>
       {lacks.map((lack) => <LackRow key={lack.text} lack={lack} classes={classes} {...props} />)}
     </div>
   );

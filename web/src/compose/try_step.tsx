@@ -57,13 +57,14 @@ function Now({ document, step, place, variables, compiled, palette }: TryStepPro
   return (
     <div role="status" className="small try-step">
       <p className="row"><CircleCheck size={13} />It would open{holds?.witness ? ` with ${holds.witness}` : " as soon as its turn comes"}.</p>
-      {step.invokes.length > 0 && <ul>{step.invokes.map((invoke, i) => <li key={i}>would call <code>{words(invoke.target)}({argumentsOf(palette.find((p) => p.id === invoke.target), holds)})</code></li>)}</ul>}
+      {step.invokes.length > 0 && <ul>{step.invokes.map((invoke, i) => <li key={i}>would call <code>{words(invoke.target)}({argumentsOf(palette.find((p) => p.id === invoke.target), step, holds)})</code></li>)}</ul>}
     </div>
   );
 }
 
-function argumentsOf(entry: PaletteEntry | undefined, holds: Live | undefined): string {
-  return (entry?.inputs ?? []).map((i) => `${i.name} = ${holds?.found[i.name] ?? "as the run has it"}`).join(", ");
+function argumentsOf(entry: PaletteEntry | undefined, step: Step, holds: Live | undefined): string {
+  const own = (name: string) => step.assigns.findLast((a) => a.variable === name)?.expression;
+  return (entry?.inputs ?? []).map((i) => `${i.name} = ${own(i.name) ?? holds?.found[i.name] ?? "as the run has it"}`).join(", ");
 }
 
 function Then({ step, text, document, run }: TryStepProps & { run: string }) {

@@ -72,7 +72,7 @@ describe.skipIf(why !== "")("simulation", () => {
   it("an undeployed draft runs to where it waits for a fact, without any robot", async () => {
     await open();
     await simulate();
-    await panel().getByText("Move2User lacks").waitFor();
+    await panel().getByText("Move2User waits for").waitFor();
     await panel().locator(".simulate-lack", { hasText: "expo:John docent:isAt ?userRegion" }).waitFor();
     await step("Move2User").locator(".state-chip.waiting").waitFor();
     await panel().getByText("OnChoice does not start a run on these facts").waitFor();
@@ -80,10 +80,10 @@ describe.skipIf(why !== "")("simulation", () => {
   });
   it("what it lacks is told in the simulation, and it goes on to its end; the real graph knows nothing of it", async () => {
     await panel().getByRole("button", { name: "Tell it at 00:00" }).first().click();
-    await tell("What lacks", "", "", "expo:Entrance");
+    await tell("What is missing", "", "", "expo:Entrance");
     await list().getByText("R01 gets moveToUser(John)").waitFor();
     await toEnd();
-    await panel().getByText("Move2Booth lacks").waitFor();
+    await panel().getByText("Move2Booth waits for").waitFor();
     await tell("Tell a fact", "expo:John", "docent:selected", "expo:B03");
     await tell("Tell a fact", "expo:R01", "docent:isAt", "expo:Entrance");
     await list().getByText("R01 gets moveToBooth(B03)").waitFor();
@@ -104,7 +104,7 @@ describe.skipIf(why !== "")("simulation", () => {
     const before = await page.getByRole("timer").innerText();
     expect(before).not.toContain("00:00");
     await panel().getByRole("button", { name: "Take back: told: expo:John docent:isAt expo:B03" }).click();
-    await panel().getByText("InfoBooth lacks").waitFor();
+    await panel().getByText("InfoBooth waits for").waitFor();
     expect((await page.getByRole("timer").innerText()).slice(0, 5)).toBe(before.slice(0, 5));
     await panel().locator(".simulate-lack", { hasText: "expo:John docent:isAt expo:B03" }).getByRole("button", { name: /Tell it at/ }).click();
     await list().getByText("the run is done").waitFor();
@@ -152,12 +152,13 @@ describe.skipIf(why !== "")("simulation", () => {
   });
   it("after an edit it is simulated again; with an error in the text it is not, and says so", async () => {
     await simulate();
-    await panel().getByText("Move2User lacks").waitFor();
+    await panel().getByText("Move2User waits for").waitFor();
     await step("Move2User").click();
     await page.getByLabel("Properties of Move2User").getByRole("textbox", { name: "Name" }).fill("Fetch");
     await page.keyboard.press("Enter");
     await list().getByText("Fetch").first().waitFor();
-    await panel().getByText("Fetch lacks").waitFor();
+    await panel().getByText("Fetch waits for").waitFor();
+    await page.getByRole("button", { name: "Text", exact: true }).click();
     await page.locator(".cm-content").click();
     await page.keyboard.press("Control+Home");
     await page.keyboard.type("<");
@@ -196,9 +197,9 @@ describe.skipIf(why !== "")("simulation", () => {
       await step("Move2Booth").click();
       await page.keyboard.press("b");
       await simulate();
-      await panel().getByText("Move2User lacks").waitFor();
+      await panel().getByText("Move2User waits for").waitFor();
       await panel().getByRole("button", { name: "Tell it at 00:00" }).first().click();
-      await tell("What lacks", "", "", "expo:Entrance");
+      await tell("What is missing", "", "", "expo:Entrance");
       await list().getByText("R01 gets moveToUser(John)").waitFor();
       await page.getByRole("button", { name: "Play", exact: true }).click();
       await page.getByText("Stopped at Move2Booth").waitFor();
