@@ -84,6 +84,24 @@ describe("operating", () => {
     await page.getByText("condition holds with robot = R01").waitFor();
     await stage.picture(page, "run-history");
   });
+  it("a fact that is no longer so says when it was", async () => {
+    const page = await open("/runs/BoothGuide-1?node=Move2User");
+    const usual = answers();
+    stage.answers = { ...usual, "Context/Explain": () => ({ holds: false }), "Context/Query": (q) => (String(q["query"]).includes("firedAt") ? [{ header: { variables: ["t"] } }, { row: { values: [{ literal: { lexical: "2026-11-26T14:03:00Z" } }] } }] : usual["Context/Query"]?.(q)) };
+    await page.getByRole("button", { name: "Why?" }).click();
+    await page.getByText(/It is no longer so\. It was so at .*\d\d:03:00/).waitFor();
+  });
+  it("a robot's panel leads to the run and the step that it works for, also within another run", async () => {
+    const page = await open("/hall");
+    const usual = answers();
+    const robot = { robot: `${expo}R01`, label: "R01", state: "busy", operations: [], hasPose: true, xM: 3, yM: 9, headingRad: 0, heldBy: "John's%20Service-6", heldFor: [{ run: "BoothGuide-1", node: "Move2Booth", operation: "moveToBooth" }] };
+    stage.answers = { ...usual, "Fleet/List": () => ({ robots: [robot] }) };
+    await page.goto(`${stage.url}/hall?at=expo:R01`);
+    const panel = page.locator(".hall-details");
+    expect(await panel.getByRole("link", { name: "John's Service-6" }).getAttribute("href")).toBe("/runs/John's%20Service-6");
+    await panel.getByRole("link", { name: "BoothGuide-1" }).first().click();
+    await page.locator('.react-flow__node[data-id="Move2Booth"].selected').waitFor();
+  });
   it("an incident is settled", async () => {
     const page = await open("/runs/BoothGuide-3");
     await page.getByRole("button", { name: "Count as done" }).click();
