@@ -14,7 +14,6 @@
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/store/graph_reader.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/replay/answer_book.h"
@@ -188,7 +187,9 @@ class Player {
       values->assign(activation->values.begin(), activation->values.end());
       return absl::OkStatus();
     }
-    activation_ask_ = activation->ask;
+    PlayQuestions questions(&stages_, stages_.writer.Freeze(Revision(offset_)), now_us_,
+                            options_.cancellation);
+    play_.waits.push_back({kActivator, activation->ask, questions.Missing(activation->ask)});
     play_.notes.push_back(absl::StrCat("activator ", document_.activator->name.value,
                                        " does not fire on these facts; the run is started all the same"));
     return absl::OkStatus();
@@ -329,6 +330,10 @@ class Player {
         const Term value = Term::Literal(absl::StrFormat("%.3f", metres), std::string(kXsdDecimal));
         told.push_back({QuadOperation::Kind::kAdd, {robot, Term::Iri(DocentIri(property)), value, robot}});
       }
+      if (!pose.place.empty()) {
+        const Term place = Term::Iri(pose.place);
+        told.push_back({QuadOperation::Kind::kAdd, {robot, Term::Iri(DocentIri("isAt")), place, robot}});
+      }
       play_.poses.push_back(pose);
       moves_.erase(moves_.begin());
     }
@@ -418,7 +423,7 @@ class Player {
     SimulatedCommand simulated;
     simulated.ends_us = now_us_;
     if (command.operation != kNotifies)
-      simulated = SimulateCommand(command, GraphReader(dictionary_, stages_.writer.current()));
+      simulated = SimulateCommand(command, dictionary_, stages_.writer.current());
     for (const SimulatedPose& pose : simulated.poses) moves_.emplace(pose.time_us, pose);
     due_.push_back({0, simulated.ends_us, std::move(done)});
   }

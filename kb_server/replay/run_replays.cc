@@ -1,6 +1,7 @@
 #include "kb_server/replay/run_replays.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -149,6 +150,11 @@ absl::StatusOr<Simulation> RunReplays::Simulate(const SimulationRequest& request
   });
   for (SimulatedTelling& telling : told) {
     if (telling.after_us > request.lasting_us) break;
+    if (telling.after_us == 0) {  // before the run starts
+      std::move(telling.changes.begin(), telling.changes.end(),
+                std::back_inserter(world->turns.front().changes));
+      continue;
+    }
     CaseTurn turn;
     turn.offset = world->turns.back().offset + 1;
     turn.time_us = begin_us + telling.after_us;

@@ -12,6 +12,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/number_literal.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
 #include "maps/geometry.h"
 #include "maps/roadmap.h"
 
@@ -23,33 +24,54 @@ constexpr char kAsWkt[] = "http://www.opengis.net/ont/geosparql#asWKT";
 constexpr char kExtraRobot[] = "urn:docent:robot:simulated";
 constexpr TimeMicros kSecond = 1'000'000;
 
-std::optional<double> NumberOf(const GraphReader& graph, const std::string& thing, const char* property) {
-  for (const Term& value : graph.Objects(thing, DocentIri(property))) {
-    if (const std::optional<double> number = FiniteNumber(value)) return number;
-  }
-  return std::nullopt;
-}
+class Places {
+ public:
+  Places(const Dictionary& dictionary, const GraphVersion& graph)
+      : dictionary_(dictionary), graph_(dictionary, graph) {}
 
-// Where a thing stands itself: its pose, else the point where robots serve it, else its geometry.
-std::optional<maps::Point2> OwnPosition(const GraphReader& graph, const std::string& thing) {
-  const std::optional<double> x = NumberOf(graph, thing, "x"), y = NumberOf(graph, thing, "y");
-  if (x && y) return maps::Point2{*x, *y};
-  for (const std::string& property : {DocentIri("servicePoint"), std::string(kHasGeometry)}) {
-    for (const Term& point : graph.Objects(thing, property)) {
-      for (const Term& wkt : graph.Objects(point.lexical, kAsWkt)) {
-        if (const auto read = maps::ReadPoint(wkt.lexical); read.ok()) return *read;
+  // Where a thing stands itself: its pose, else the point where robots serve it, else its geometry.
+  std::optional<maps::Point2> Of(const Term& thing) const {
+    const std::optional<double> x = Number(thing, "x"), y = Number(thing, "y");
+    if (x && y) return maps::Point2{*x, *y};
+    for (const std::string& property : {DocentIri("servicePoint"), std::string(kHasGeometry)}) {
+      for (const Term& point : Objects(thing, property)) {
+        for (const Term& wkt : Objects(point, kAsWkt)) {
+          if (const auto read = maps::ReadPoint(wkt.lexical); read.ok()) return *read;
+        }
       }
     }
+    return std::nullopt;
   }
-  return std::nullopt;
-}
 
-// That, or where the place is that the thing is at.
-std::optional<maps::Point2> PositionOf(const GraphReader& graph, const Term& thing) {
+  std::vector<Term> Objects(const Term& subject, std::string_view property) const {
+    const std::optional<TermId> id = dictionary_.Find(subject);  // points are often blank nodes
+    return id ? graph_.Objects(*id, property) : std::vector<Term>();
+  }
+
+ private:
+  std::optional<double> Number(const Term& thing, const char* property) const {
+    for (const Term& value : Objects(thing, DocentIri(property))) {
+      if (const std::optional<double> number = FiniteNumber(value)) return number;
+    }
+    return std::nullopt;
+  }
+
+  const Dictionary& dictionary_;
+  const GraphReader graph_;
+};
+
+// A place, or where a person is.
+struct Destination {
+  maps::Point2 point;
+  std::string place;
+};
+std::optional<Destination> DestinationOf(const Places& places, const Term& thing) {
   if (!thing.IsIri()) return std::nullopt;
-  if (const auto own = OwnPosition(graph, thing.lexical)) return own;
-  for (const Term& place : graph.Objects(thing.lexical, DocentIri("isAt"))) {
-    if (const auto there = OwnPosition(graph, place.lexical)) return there;
+  const std::vector<Term> at = places.Objects(thing, DocentIri("isAt"));
+  if (const auto own = places.Of(thing))
+    return Destination{*own, at.empty() ? thing.lexical : at.front().lexical};
+  for (const Term& place : at) {
+    if (const auto there = places.Of(place)) return Destination{*there, place.lexical};
   }
   return std::nullopt;
 }
@@ -64,10 +86,10 @@ TimeMicros Micros(double seconds) {
 }
 
 // As the operation is described: other operations are about places, too.
-bool Drives(const GraphReader& graph, const std::string& operation) {
-  const std::string iri = OperationIri(operation);
-  const std::vector<Term> occupies = graph.Objects(iri, DocentIri("occupies")),
-                          capabilities = graph.Objects(iri, DocentIri("capability"));
+bool Drives(const Places& places, const std::string& operation) {
+  const Term iri = Term::Iri(OperationIri(operation));
+  const std::vector<Term> occupies = places.Objects(iri, DocentIri("occupies")),
+                          capabilities = places.Objects(iri, DocentIri("capability"));
   return std::count(occupies.begin(), occupies.end(), Term::Literal("base")) > 0 ||
          std::count(capabilities.begin(), capabilities.end(), Term::Iri(DocentIri("Navigation"))) > 0;
 }
@@ -79,7 +101,7 @@ void Drive(const Decision& command, maps::Point2 from, maps::Point2 to, Simulate
     const double share = seconds == 0 ? 1 : std::min(1.0, at / seconds);
     simulated->poses.push_back({command.time_us + Micros(at), command.command, command.robot,
                                 from.x_m + share * (to.x_m - from.x_m),
-                                from.y_m + share * (to.y_m - from.y_m)});
+                                from.y_m + share * (to.y_m - from.y_m), ""});
   };
   for (double at = 1; at < seconds; ++at) pose(at);
   pose(seconds);
@@ -88,7 +110,9 @@ void Drive(const Decision& command, maps::Point2 from, maps::Point2 to, Simulate
 
 }  // namespace
 
-SimulatedCommand SimulateCommand(const Decision& command, const GraphReader& graph) {
+SimulatedCommand SimulateCommand(const Decision& command, const Dictionary& dictionary,
+                                 const GraphVersion& graph) {
+  const Places places(dictionary, graph);
   SimulatedCommand simulated;
   simulated.ends_us = command.time_us + Micros(kSimulatedMoment);
   double speaking = 0;
@@ -97,11 +121,12 @@ SimulatedCommand SimulateCommand(const Decision& command, const GraphReader& gra
       speaking = std::max(speaking, SecondsOfText(value.lexical));
   }
   if (speaking > 0) simulated.ends_us = command.time_us + Micros(speaking);
-  if (!Drives(graph, command.operation)) return simulated;
+  if (!Drives(places, command.operation)) return simulated;
   for (const auto& [name, value] : command.arguments) {
-    const auto to = PositionOf(graph, value);
+    const auto to = DestinationOf(places, value);
     if (!to) continue;
-    Drive(command, OwnPosition(graph, command.robot.value()).value_or(*to), *to, &simulated);
+    Drive(command, places.Of(Term::Iri(command.robot.value())).value_or(to->point), to->point, &simulated);
+    simulated.poses.back().place = to->place;
     break;
   }
   return simulated;
@@ -109,7 +134,7 @@ SimulatedCommand SimulateCommand(const Decision& command, const GraphReader& gra
 
 std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, RunCase* world) {
   std::vector<std::string> notes;
-  std::set<std::string> robots, joined, hindered;
+  std::set<std::string> robots, joined, offering, hindered;
   std::set<std::string> offered;
   for (const TermQuad& fact : world->facts) {
     const std::string& predicate = fact.predicate.lexical;
@@ -117,15 +142,18 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
       robots.insert(fact.subject.lexical);
     if (predicate == DocentIri("incarnation")) joined.insert(fact.subject.lexical);
     if (predicate != DocentIri("offers")) continue;
+    offering.insert(fact.subject.lexical);
     if (const auto name = OperationOfIri(fact.object.lexical)) offered.insert(*name);
   }
   std::erase_if(world->facts, [&](TermQuad& fact) {
     if (!robots.contains(fact.subject.lexical)) return false;
-    // Where it drives is told in its own graph: one that was told elsewhere must not stay behind.
-    if (fact.predicate.lexical == DocentIri("x") || fact.predicate.lexical == DocentIri("y"))
+    const std::string& property = fact.predicate.lexical;
+    // Where it drives is told in its own graph: what was told elsewhere must not stay behind.
+    if (property == DocentIri("x") || property == DocentIri("y") || property == DocentIri("isAt"))
       fact.graph = fact.subject;
-    const bool status = fact.predicate.lexical == DocentIri("status");
-    if (!status && fact.predicate.lexical != DocentIri("outOfService")) return false;
+    if (property == DocentIri("localised")) return true;
+    const bool status = property == DocentIri("status");
+    if (!status && property != DocentIri("outOfService")) return false;
     if (!status || fact.object.lexical != DocentIri("Standby")) hindered.insert(fact.subject.lexical);
     return true;
   });
@@ -134,10 +162,12 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
     world->facts.push_back(
         {Term::Iri(robot), Term::Iri(DocentIri(property)), std::move(value), Term::Iri(robot)});
   };
-  for (const std::string& robot : robots) {
+  const auto ready = [&](const std::string& robot) {
     tell(robot, "status", Term::Iri(DocentIri("Standby")));
+    tell(robot, "localised", Term::Boolean(true));
     if (!joined.contains(robot)) tell(robot, "incarnation", Term::Literal("simulated"));
-  }
+  };
+  for (const std::string& robot : robots) ready(robot);
   if (!hindered.empty()) {
     notes.push_back(absl::StrCat(
         "taken to be ready: ", absl::StrJoin(hindered, ", ", [](std::string* out, const std::string& robot) {
@@ -148,14 +178,20 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
   std::set_difference(operations.begin(), operations.end(), offered.begin(), offered.end(),
                       std::back_inserter(missing));
   if (missing.empty()) return notes;
-  world->facts.push_back({Term::Iri(kExtraRobot), Term::Iri(std::string(kRdfType)),
-                          Term::Iri(DocentIri("Robot")), Term::Iri(kExtraRobot)});
-  tell(kExtraRobot, "status", Term::Iri(DocentIri("Standby")));
-  tell(kExtraRobot, "incarnation", Term::Literal("simulated"));
-  for (const std::string& operation : operations)
-    tell(kExtraRobot, "offers", Term::Iri(OperationIri(operation)));
+  std::vector<std::string> simulated;  // robots of which only descriptions are known
+  std::set_difference(robots.begin(), robots.end(), offering.begin(), offering.end(),
+                      std::back_inserter(simulated));
+  if (simulated.empty()) {
+    simulated = {kExtraRobot};
+    world->facts.push_back({Term::Iri(kExtraRobot), Term::Iri(std::string(kRdfType)),
+                            Term::Iri(DocentIri("Robot")), Term::Iri(kExtraRobot)});
+    ready(kExtraRobot);
+  }
+  for (const std::string& robot : simulated) {
+    for (const std::string& operation : operations) tell(robot, "offers", Term::Iri(OperationIri(operation)));
+  }
   notes.push_back(absl::StrCat("no robot offers ", absl::StrJoin(missing, ", "), ": a simulated one does (<",
-                               kExtraRobot, ">)"));
+                               simulated.front(), ">)"));
   return notes;
 }
 

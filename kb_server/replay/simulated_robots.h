@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/store/graph_reader.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_version.h"
 #include "kb_server/replay/run_case.h"
 
 namespace docent::server {
@@ -23,6 +24,7 @@ struct SimulatedPose {
   CommandId command;
   RobotId robot;
   double x_m = 0, y_m = 0;
+  std::string place;  // IRI: where it arrives with it; empty: on the way
 };
 
 struct SimulatedCommand {
@@ -30,10 +32,12 @@ struct SimulatedCommand {
   std::vector<SimulatedPose> poses;  // one a second, the last where it ends; none: it does not drive
 };
 // The graph has the pose of the robot, and the places.
-SimulatedCommand SimulateCommand(const Decision& command, const GraphReader& graph);
+SimulatedCommand SimulateCommand(const Decision& command, const Dictionary& dictionary,
+                                 const GraphVersion& graph);
 
-// Makes the robots of a case ready: none is offline, busy, charging, out of service or held. Where robots do not offer all of
-// `operations`, one more robot offers them. What was done, for people.
+// Makes the robots of a case ready: they know where they are, and none is offline, busy, charging, out of service or held. A robot
+// that never joined offers all of `operations`; where there is none and robots do not offer all of them, one more robot does.
+// What was done, for people.
 std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, RunCase* world);
 
 }  // namespace docent::server

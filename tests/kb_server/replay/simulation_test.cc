@@ -106,6 +106,26 @@ TEST_F(SimulationTest, OperationThatNoRobotOffersHasASimulatedRobot) {
   EXPECT_THAT(absl::StrJoin(simulation->play.notes, "\n"), HasSubstr("no robot offers bye, come, lead"));
 }
 
+TEST_F(SimulationTest, WhatIsToldAtTheBeginStartsTheRun) {
+  World();
+  SimulationRequest request = Request();
+  request.told = {Telling(0, "John", "docent:chose", "Guide"), Telling(9, "John", "docent:selected", "B03")};
+  const auto simulation = Simulate(request);
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  EXPECT_EQ(simulation->play.course.state, "done") << absl::StrJoin(Steps(simulation), "\n");
+  EXPECT_THAT(simulation->play.notes, IsEmpty());
+}
+
+TEST_F(SimulationTest, DescribedRobotThatNeverJoinedIsSimulated) {
+  Turn(test::Tell({Fact("docent:selected", "a", "docent:StateProperty"), Fact("R7", "a", "docent:Robot"),
+                   Fact("John", "docent:isAt", "Hall"), Fact("John", "docent:chose", "Guide"),
+                   Fact("John", "docent:selected", "B03")}));
+  const auto simulation = Simulate(Request());
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  EXPECT_EQ(simulation->play.course.state, "done") << absl::StrJoin(Steps(simulation), "\n");
+  EXPECT_THAT(absl::StrJoin(simulation->play.notes, "\n"), HasSubstr(Iri("R7").lexical));
+}
+
 TEST_F(SimulationTest, RobotDrivesToThePlaceAndIsThere) {
   World();
   const auto says = [lead = Term::Iri(OperationIri("lead"))](const std::string& property, Term value) {
@@ -116,8 +136,9 @@ TEST_F(SimulationTest, RobotDrivesToThePlaceAndIsThere) {
                    says("docent:inputsKnown", Term::Boolean(true)),
                    Fact("R1", "docent:x", Term::Literal("1.0", std::string(kXsdDecimal))),
                    Fact("R1", "docent:y", Term::Literal("2.0", std::string(kXsdDecimal))),
-                   Fact("B03", "docent:x", Term::Literal("7.0", std::string(kXsdDecimal))),
-                   Fact("B03", "docent:y", Term::Literal("2.0", std::string(kXsdDecimal))),
+                   TermQuad{Iri("B03"), Iri("docent:servicePoint"), Term::Blank("p"), Term()},
+                   TermQuad{Term::Blank("p"), Term::Iri("http://www.opengis.net/ont/geosparql#asWKT"),
+                            Term::Literal("POINT(7 2)"), Term()},
                    Fact("John", "docent:chose", "Guide"), Fact("John", "docent:selected", "B03")}));
   SimulationRequest request = Request();
   request.arguments = {{"user", Iri("John")}};
@@ -127,6 +148,7 @@ TEST_F(SimulationTest, RobotDrivesToThePlaceAndIsThere) {
   ASSERT_EQ(simulation->play.poses.size(), 10u) << absl::StrJoin(Steps(simulation), "\n");
   EXPECT_DOUBLE_EQ(simulation->play.poses.front().x_m, 1.6);
   EXPECT_DOUBLE_EQ(simulation->play.poses.back().x_m, 7);
+  EXPECT_EQ(simulation->play.poses.back().place, Iri("B03").lexical);
   EXPECT_EQ(simulation->play.poses.back().time_us - simulation->play.poses.front().time_us, 9 * kSecond);
 }
 
