@@ -40,7 +40,7 @@ const places = [
   { title: "Desk", path: paths.desk, icon: ConciergeBell, views: ["desk"] },
 ];
 const isAtFact = create(QuadSchema, { predicate: iriTerm("https://w3id.org/docent#isAt") }); // told most often
-const timed = ["hall", "runs", "run"]; // views that can show the past
+const timed = ["hall", "runs", "board", "run"]; // views that can show the past
 
 export function App() {
   const route = useRoute();

@@ -45,7 +45,7 @@ export const paths = {
   runs: (state = "", workflow = "") => `/runs${query({ state, workflow, t: timeInAddress() })}`,
   run: (id: string, node = "") => `/runs/${encodeURIComponent(decode(id))}${query({ node, t: timeInAddress() })}`,
   hall: (at = "") => `/hall${query({ at, t: timeInAddress() })}`,
-  board: () => "/board",
+  board: () => `/board${query({ t: timeInAddress() })}`,
   desk: (search = "") => `/desk${search}`,
 };
 

@@ -3,7 +3,8 @@ import { Bot, CircleAlert, CircleCheck, CirclePause, Clock3, FlaskConical, Hourg
 import { useEffect, useMemo, useState } from "react";
 import { context, workflows } from "../api/client";
 import { sentence } from "../api/errors";
-import { usePoll } from "../api/poll";
+import { useShown } from "../api/as_of";
+import { usePast } from "../api/past";
 import { useNames, type Names } from "../api/prefixes";
 import { nameOf } from "../api/labels";
 import { quadOf } from "../api/terms";
@@ -31,8 +32,8 @@ const looks: Record<WaitKind, { words: string; icon: LucideIcon }> = {
 
 function useWaits(runs: readonly Run[]) {
   const ids = runs.filter((r) => !r.parent && isLive(r.state)).sort((a, b) => Number(a.startedUs - b.startedUs)).slice(0, asked).map((r) => r.id);
-  const polled = usePoll(ids.length > 0 ? `waits ${ids.join(" ")}` : "", async (signal) =>
-    new Map(await Promise.all(ids.map(async (run): Promise<[string, readonly Wait[]]> => [run, (await workflows.explain({ run }, { signal }).catch(() => ({ waits: [] }))).waits]))), 2000);
+  const polled = useShown(ids.length > 0 ? `waits ${ids.join(" ")}` : "", async (asOf, signal) =>
+    new Map(await Promise.all(ids.map(async (run): Promise<[string, readonly Wait[]]> => [run, (await workflows.explain({ run, asOf }, { signal }).catch(() => ({ waits: [] }))).waits]))), 2000);
   const [last, setLast] = useState<ReadonlyMap<string, readonly Wait[]>>(new Map());
   useEffect(() => void (polled.data && setLast(polled.data)), [polled.data]);
   return { waits: last, again: polled.again, left: Math.max(0, runs.filter((r) => !r.parent && isLive(r.state)).length - asked) };
@@ -69,6 +70,7 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
   const { words, icon: Icon } = looks[group.kind];
   const [busy, setBusy] = useState(false);
   const [all, setAll] = useState(false);
+  const past = usePast() !== null; // can't be changed
   const tell = async () => {
     setBusy(true);
     try {
@@ -91,7 +93,7 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
           <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{i > 0 && " or "}{t}</span>))}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
         </div>
         <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
-        {group.ask && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}
+        {group.ask && !past && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}
       </header>
       <ul>
         {shown.map(({ run, node, root, sinceUs }) => (

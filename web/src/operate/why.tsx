@@ -5,7 +5,7 @@ import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
-import { usePast } from "../api/past";
+import { timeText, usePast } from "../api/past";
 import { quadOf, quadText, termOf } from "../api/terms";
 import type { MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";
@@ -24,15 +24,18 @@ export function Fact({ words, names, short, heldAt }: { words: readonly string[]
   const [state, setState] = useState<"closed" | "asking" | "open">("closed");
   const [error, setError] = useState<PlainError | null>(null);
   const [held, setHeld] = useState(0n);
-  const past = usePast() !== null; // proofs are of now
+  const at = usePast();
+  const [askedAt, setAskedAt] = useState(at);
+  const open = state === "open" && askedAt === at; // a proof is of one time
   const ask = async () => {
-    if (state !== "closed") return setState("closed");
+    if (open) return setState("closed");
     setState("asking");
+    setAskedAt(at);
     setError(null);
     try {
       const [s = "", p = "", o = ""] = words;
       const fact = create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p, names.prefixes), object: termOf(o, names.prefixes) });
-      const reply = await context.explain({ question: { case: "whyFact", value: fact }, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000 });
+      const reply = await context.explain({ question: { case: "whyFact", value: fact }, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000, asOf: at === null ? "" : timeText(at) });
       setProof(reply.proof ?? null);
       if (!reply.proof && heldAt) setHeld(await heldAt().catch(() => 0n));
     } catch (failure) {
@@ -44,9 +47,9 @@ export function Fact({ words, names, short, heldAt }: { words: readonly string[]
     <li className="fact">
       <div className="fact-row">
         <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
-        {!past && <button className="button plain small" aria-expanded={state === "open"} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>}
+        <button className="button plain small" aria-expanded={open} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>
       </div>
-      {state === "open" && !past && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">It is no longer so.{held > 0n && ` It was so at ${clock(held)}.`}</p>)}
+      {open && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">{at === null ? "It is no longer so." : "It was not so then."}{held > 0n && ` It was so at ${clock(held)}.`}</p>)}
     </li>
   );
 }

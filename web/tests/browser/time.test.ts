@@ -40,6 +40,14 @@ describe.skipIf(why !== "")("the time bar", () => {
     await page.waitForFunction(() => /[?&]t=2/.test(location.search));
     await stage.picture(page, "time-run");
   });
+  it("what was waited for then is on the board, where nothing can be changed", async () => {
+    await page.getByRole("link", { name: "Waiting" }).click();
+    await page.waitForFunction(() => location.pathname === "/board" && /[?&]t=2/.test(location.search));
+    await page.locator(".board-group", { hasText: "docent:selected" }).waitFor();
+    expect(await page.getByRole("button", { name: "Simulate or tell" }).count()).toBe(0);
+    expect(await page.getByRole("button", { name: "Cancel" }).count()).toBe(0);
+    await stage.picture(page, "time-board");
+  });
   it("hall and facts go along, and the address restores it", async () => {
     await page.getByRole("link", { name: "Hall" }).click();
     await page.waitForFunction(() => location.pathname === "/hall" && /[?&]t=2/.test(location.search));
@@ -48,6 +56,8 @@ describe.skipIf(why !== "")("the time bar", () => {
     await page.locator(".hall-row", { hasText: "John" }).click();
     await page.locator(".hall-details").getByText("expo:Entrance").waitFor();
     expect(await page.locator(".hall-details").getByText("docent:selected").count()).toBe(0);
+    await page.locator(".hall-details .fact", { hasText: "expo:Entrance" }).getByRole("button", { name: "Why?" }).click();
+    await page.locator(".hall-details .proof", { hasText: "reading of" }).waitFor(); // as of then: John is elsewhere now
     await stage.picture(page, "time-hall");
     await page.reload();
     await page.locator(".hall-details").getByText("expo:Entrance").waitFor();
