@@ -24,9 +24,9 @@ export function useLabels(): ReadonlyMap<string, string> {
 }
 
 const longest = 24;
-// "162c0914-5b1e-…" as "162c0914…".
+// "urn:uuid:162c0914-5b1e-…" as "162c0914…".
 export function shortName(name: string): string {
-  return name.length > longest ? `${/^[0-9a-f]{8}(?=-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…` : name;
+  return name.length > longest ? `${/[0-9a-f]{8}(?=-[0-9a-f]{4}-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…` : name;
 }
 export function nameOf(iri: string): string {
   return labels.get(iri) || shortName(localName(iri));

@@ -32,11 +32,17 @@ export function startArguments(values: Readonly<Record<string, string>>, prefixe
   return Object.entries(values).filter(([, text]) => text.trim() !== "").map(([name, text]) => ({ name, value: termOf(writtenValue(text, typeOf(name)), prefixes) }));
 }
 
+// Of which class it is, where its name does not say so.
+function kindWords(v: StartVariable): string {
+  const kind = words(v.type.replace(/^[\w-]+:/, "")).toLowerCase();
+  return kind === words(v.name).toLowerCase() ? "" : kind;
+}
+
 // One field a variable; things of its class are offered.
 export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
   return props.variables.map((v) => (
     <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
-      <span>{words(v.name)} <span className="faint small">{words(v.type.replace(/^[\w-]+:/, "")).toLowerCase()}</span></span>
+      <span>{words(v.name)} <span className="faint small">{kindWords(v)}</span></span>
       <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
     </div>
   ));

@@ -115,6 +115,16 @@ describe("canvas and text", () => {
     await page.keyboard.press("Backspace");
     await page.waitForSelector(".broken", { state: "detached" });
   });
+  it("completion offers what has an effect in a step, and no variable", async () => {
+    const page = await stage.page("/compose/BoothGuide?step=InfoBooth");
+    await openText(page);
+    await page.locator(".cm-line", { hasText: '<node name="InfoBooth"' }).click();
+    await page.keyboard.press("End");
+    await page.keyboard.type("<");
+    await page.locator(".cm-tooltip-autocomplete li", { hasText: "invoke" }).waitFor();
+    expect(await page.locator(".cm-tooltip-autocomplete li", { hasText: "ext:assign" }).count()).toBe(1);
+    expect(await page.locator(".cm-tooltip-autocomplete li", { hasText: "variable" }).count()).toBe(0);
+  });
   it("a misspelt verb is mended by the offered remedy", async () => {
     const page = await stage.page("/compose/BoothGuide");
     await page.click(step("InfoBooth"));

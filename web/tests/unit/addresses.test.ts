@@ -14,6 +14,7 @@ it("the id of a run is encoded once in its address, and comes back whole", () =>
 it("a long id without a label is shortened", () => {
   expect(shortName("162c0914-5b1e-4c6e-9d9a-1f6d5f7d0a11")).toBe("162c0914…");
   expect(nameOf("urn:docent:visitor/162c0914-5b1e-4c6e-9d9a-1f6d5f7d0a11")).toBe("162c0914…");
+  expect(nameOf("urn:uuid:162c0914-5b1e-4c6e-9d9a-1f6d5f7d0a11")).toBe("162c0914…");
   expect(shortName("B04")).toBe("B04");
 });
 it("a pattern is a sentence in the property's own words", () => {
