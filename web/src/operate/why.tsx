@@ -49,7 +49,7 @@ export function Fact({ words, names, short, heldAt }: { words: readonly string[]
         <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
         <button className="button plain small" aria-expanded={open} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>
       </div>
-      {open && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">{at === null ? "It is no longer so." : "It was not so then."}{held > 0n && ` It was so at ${clock(held)}.`}</p>)}
+      {open && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">{at === null ? "It is no longer so." : "It was not so then."}{at === null && held > 0n && ` It was so at ${clock(held)}.`}</p>)}
     </li>
   );
 }
