@@ -227,6 +227,7 @@ describe("for everybody", () => {
     const page = await stage.page("/compose/BoothGuide", { width: 390, height: 780 });
     await page.waitForSelector(step("InfoBooth"));
     await stage.picture(page, "compose-small");
+    expect(await page.getByRole("button", { name: "Run", exact: true }).isVisible()).toBe(true);
     await page.getByRole("tab", { name: "Text" }).click();
     await page.waitForSelector(".cm-content");
     await fitsTheWindow(page);

@@ -161,6 +161,8 @@ describe("for everybody", () => {
       await page.waitForSelector(wait);
       await stage.picture(page, `small-${path.replace(/\W+/g, "-")}`);
       await fitsTheWindow(page);
+      const seen = { "/runs": page.getByRole("button", { name: "Cancelled" }), "/runs/BoothGuide-1": page.getByRole("link", { name: "Back to all runs" }) }[path as string];
+      if (seen) expect(await seen.evaluate((thing) => thing.getBoundingClientRect().right <= window.innerWidth && thing.getBoundingClientRect().width > 0)).toBe(true);
     }
   });
 });
