@@ -161,6 +161,7 @@ describe("what is not usual", () => {
     stage.answers = null;
     const page = await stage.page("/compose");
     await page.waitForSelector(".stale");
+    await page.waitForSelector(".template");
     await page.keyboard.press("n");
     await page.keyboard.press("Enter");
     await page.waitForSelector(".palette .notice");
