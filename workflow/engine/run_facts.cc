@@ -145,30 +145,6 @@ void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t
 
 }  // namespace
 
-std::string_view ToString(WorkState state) {
-  switch (state) {
-    case WorkState::kInactive:
-      return "inactive";
-    case WorkState::kWaiting:
-      return "waiting";
-    case WorkState::kPending:
-      return "pending";
-    case WorkState::kRunning:
-      return "running";
-    case WorkState::kDone:
-      return "done";
-    case WorkState::kFailed:
-      return "failed";
-    case WorkState::kSkipped:
-      return "skipped";
-    case WorkState::kCancelled:
-      return "cancelled";
-    case WorkState::kIncident:
-      return "incident";
-  }
-  return "";
-}
-
 std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
   Writer out(terms);
   const std::string run_iri = RunIri(run.id);

@@ -1,0 +1,29 @@
+#include "workflow/engine/state/run_state.h"
+
+namespace docent::engine {
+
+std::string_view ToString(WorkState state) {
+  switch (state) {
+    case WorkState::kInactive:
+      return "inactive";
+    case WorkState::kWaiting:
+      return "waiting";
+    case WorkState::kPending:
+      return "pending";
+    case WorkState::kRunning:
+      return "running";
+    case WorkState::kDone:
+      return "done";
+    case WorkState::kFailed:
+      return "failed";
+    case WorkState::kSkipped:
+      return "skipped";
+    case WorkState::kCancelled:
+      return "cancelled";
+    case WorkState::kIncident:
+      return "incident";
+  }
+  return "";
+}
+
+}  // namespace docent::engine
