@@ -117,7 +117,8 @@ grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* c
   return OnWorker(context->DefaultReactor(), ports_.workers,
                   [this, reply](grpc::ServerUnaryReactor* reactor) {
                     const GraphVersionPtr version = ports_.queries->Newest();
-                    for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
+                    const auto catalog = ports_.catalog->Get();
+                    for (const ModuleEntry& module : catalog->modules) {
                       auto* out = reply->add_modules();
                       out->set_name(module.name);
                       out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES

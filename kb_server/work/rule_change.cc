@@ -11,7 +11,8 @@ absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::s
   // The version first: the catalog that goes with it may be a turn newer, never older than its rules.
   const GraphVersionPtr version = ports.queries->Newest();
   std::vector<rules::RuleSetText> current;
-  for (const ModuleEntry& module : ports.catalog->Get()->modules) {
+  const auto catalog = ports.catalog->Get();
+  for (const ModuleEntry& module : catalog->modules) {
     if (module.kind == Document::Kind::kRules && module.text != nullptr)
       current.push_back({module.name, *module.text});
   }

@@ -42,7 +42,7 @@ absl::Status Materialiser::TakeAway(int stratum) {
   const int64_t left = cancellation->steps_left();
   cancellation->Lend(loan);
   absl::Status status = TakeAwayLost(stratum);
-  const int64_t spent = left + static_cast<int64_t>(loan) - cancellation->steps_left();
+  const int64_t spent = static_cast<int64_t>(loan) + (left - cancellation->steps_left());
   cancellation->Spend(loan - std::min(loan, static_cast<uint64_t>(std::max<int64_t>(spent, 0))));
   return status;
 }

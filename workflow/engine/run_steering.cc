@@ -175,7 +175,8 @@ absl::Status CheckRobot(const Engine::Core& core, const cawl::Node& node, const 
                         const RobotDirectory& robots) {
   for (const cawl::Invoke& invoke : node.invokes) {
     if (invoke.operation.value.empty()) continue;
-    for (const rsel::PlanStep& step : core.PlanOf(invoke.operation.value)->steps) {
+    const rsel::PlanPtr plan = core.PlanOf(invoke.operation.value);
+    for (const rsel::PlanStep& step : plan->steps) {
       const std::vector<RobotOffer>& offers = robots.Offers(step.operation);
       const bool is_one = std::any_of(offers.begin(), offers.end(), [&](const RobotOffer& offer) {
         return offer.robot.value() == request.robot;

@@ -108,7 +108,7 @@ TEST_F(ConnectRoutesTest, ErrorsHaveTheirCodeAndStatus) {
   const HttpReply unknown = Post("Fleet/Nothing", "{}");
   EXPECT_EQ(unknown.status, 404);
   EXPECT_THAT(unknown.body, HasSubstr("\"code\":\"unimplemented\""));
-  EXPECT_THAT(unknown.body, HasSubstr("docent.v1.Fleet has Join, List"));
+  EXPECT_THAT(unknown.body, HasSubstr("docent.v1.Fleet has Join, Leave, List"));
   EXPECT_EQ(Post("Fleet/List/x", "{}").status, 404);
   HttpClient client(http_->port());
   EXPECT_EQ(client.Ask("GET", "/docent.v1.Fleet/Join?encoding=json&message=%7B%7D").status, 405);

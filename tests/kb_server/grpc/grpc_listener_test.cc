@@ -1,4 +1,5 @@
 #include "kb_server/grpc/grpc_listener.h"
+#include "spdlog/spdlog.h"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -150,6 +151,7 @@ TEST_F(GrpcListenerTest, ConnectionsWithACallAreKept) {
 TEST_F(GrpcListenerTest, AcceptingGoesOnAfterDescriptorsHaveRunOut) {
   Start(1000);
   ASSERT_TRUE(Answers(Connect()));
+  spdlog::error("the next errors of the listener are expected");  // UBSan reads a type once, by a descriptor
   std::vector<int> taken;
   rlimit before;
   getrlimit(RLIMIT_NOFILE, &before);
