@@ -169,13 +169,13 @@ void FireLater(Engine::Core* core, const std::string& workflow, const ArmedCondi
   if (deployment.disabled) return Ignore(core, workflow, *firing, "ignored: the workflow is disabled");
   const Activations::Place place = PlaceOf(workflow, binding);
   const Activations::Key* known = core->activations.Find(place);
+  const bool live = known != nullptr && !known->live.empty();
   const bool newest = deployment.document->activator->mode == Mode::kRestart || IsOccurrence(by.ask);
   const bool replaces = newest && known != nullptr && !known->waiting.empty() && !LeavesOutMissed(by.ask);
-  if (replaces) {
+  if (replaces) {  // `known` may be gone afterwards
     Ignore(core, workflow, core->activations.Next(place),
            "ignored: the workflow is paused, and a later one of the same key waits for the resume");
   }
-  const bool live = known != nullptr && !known->live.empty();
   if (const std::string why = WhyNotKept(*core, by.ask, place, live); !why.empty())
     return Ignore(core, workflow, *firing, absl::StrCat("ignored: the workflow is paused, and ", why));
   SayOf(core, workflow, "queued", *firing, "the workflow is paused: it waits for the resume");
