@@ -255,7 +255,7 @@ class Checker {
   }
 
   std::vector<ontology::Finding> CheckCawl(const std::string& file, const std::string& text) {
-    // Workflows by themselves say nothing of what there is beside them.
+    // Where only workflows are given, it is not known which robots, services and other flows there are.
     environment_.SetKnowsServices(has_operations_ || !rdf_texts_.empty() || !arguments_.ontologies.empty());
     const bool knows = environment_.KnowsServices() || environment_.HasWords();
     cawl::CheckReport report = cawl::CheckDocument(text, file, knows ? &environment_ : nullptr);

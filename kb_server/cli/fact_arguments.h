@@ -32,8 +32,8 @@ class FactArguments {
 
   // An IRI where no Turtle is expected: a name with a known prefix, <…>, or the IRI itself.
   std::string Iri(const std::string& text);
-  // Where a text given to Iri has a prefix that nobody knows, so that it was taken as a whole IRI: that, and how to declare it, on a
-  // line each; for commands that did not find what it names.
+  // A line for each text given to Iri whose prefix is unknown, so that it was taken as a whole IRI: says so, and how to declare the
+  // prefix. For commands that do not find the thing with that IRI.
   const std::string& taken_whole() const { return taken_whole_; }
 
   // What a prefix stands for; nullopt: the server does not know it, either.

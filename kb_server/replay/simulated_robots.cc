@@ -94,7 +94,7 @@ bool Drives(const Places& places, const std::string& operation) {
          std::count(capabilities.begin(), capabilities.end(), Term::Iri(DocentIri("Navigation"))) > 0;
 }
 
-// The robot drives from where it is, or is at once where nobody knows where it is.
+// A straight line at a constant speed.
 void Drive(const Decision& command, maps::Point2 from, maps::Point2 to, SimulatedCommand* simulated) {
   const double seconds = maps::Distance(from, to) / kSimulatedSpeed;
   const auto pose = [&](double at) {

@@ -90,12 +90,13 @@ bool RunStepper::GoOnOpening(size_t index, bool at_once) {
 }
 
 // The bindings of forEach, each with the number of the match that it comes from: of the condition's matches, times the
-// solutions of assignments. Without forEach: one, of the first match.
-std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index) const {
+// solutions of assignments. Without forEach: one, of the first match. RESOURCE_EXHAUSTED: they are more than a node can have
+// invocations.
+absl::StatusOr<std::vector<std::pair<size_t, TermBinding>>> RunStepper::EachBinding(size_t index) const {
   const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
   const std::vector<TermBinding>& matches = run_.nodes[index].actions.bindings;
   std::vector<std::pair<size_t, TermBinding>> all;
-  if (for_each.empty()) return {{0, TermBinding()}};
+  if (for_each.empty()) return std::vector<std::pair<size_t, TermBinding>>{{0, TermBinding()}};
   for (size_t i = 0; i < matches.size(); ++i) all.emplace_back(i, matches[i]);
   if (matches.empty()) all.emplace_back(0, TermBinding());
   std::set<const std::vector<TermBinding>*> lists;
@@ -106,13 +107,13 @@ std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index
     std::vector<std::pair<size_t, TermBinding>> more;
     for (const auto& [match, binding] : all) {
       for (const TermBinding& solution : *list->second) {
-        if (more.size() == kEachLimit) break;
+        if (more.size() == kRunLimits.node_invocations) return TooManyBindings();
         more.emplace_back(match, binding).second.insert(solution.begin(), solution.end());
       }
     }
     all = std::move(more);
   }
-  if (lists.empty() || all.size() == kEachLimit) return all;  // those are too many
+  if (lists.empty()) return all;
   std::set<std::vector<Term>> seen;
   std::erase_if(all, [&](const auto& binding) {
     std::vector<Term> key;
@@ -125,10 +126,18 @@ std::vector<std::pair<size_t, TermBinding>> RunStepper::EachBinding(size_t index
   return all;
 }
 
+absl::Status RunStepper::TooManyBindings() {
+  return absl::ResourceExhaustedError(absl::StrCat("ext:forEach has more than ", kRunLimits.node_invocations,
+                                                   " matches; the limit node_invocations is ",
+                                                   kRunLimits.node_invocations));
+}
+
 // Of what has not been done for a value before the node began again.
-std::vector<TermBinding> RunStepper::BindingsOf(size_t index) const {
+absl::StatusOr<std::vector<TermBinding>> RunStepper::BindingsOf(size_t index) const {
+  auto all = EachBinding(index);
+  if (!all.ok()) return all.status();
   std::vector<TermBinding> bindings;
-  for (auto& [match, binding] : EachBinding(index)) {
+  for (auto& [match, binding] : *all) {
     const bool was_done = !run_.nodes[index].actions.begun && !flow_.nodes[index].invokes.empty() &&
                           DoneFor(index, binding, 0) != nullptr;
     if (!was_done) bindings.push_back(std::move(binding));
@@ -176,12 +185,12 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
   std::vector<InvocationState> invocations;
   node.actions.begun = true;
   auto bindings = EachBinding(index);
-  const size_t count = bindings.size() * syntax.invokes.size();
+  if (!bindings.ok()) return bindings.status();
+  const size_t count = bindings->size() * syntax.invokes.size();
   if (count > kRunLimits.node_invocations) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("it would have ", bindings.size() == kEachLimit ? "at least " : "", count,
-                     " invocations: ", syntax.invokes.size(),
-                     " for each binding; the limit node_invocations is ", kRunLimits.node_invocations));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "it would have ", count, " invocations: ", syntax.invokes.size(), " for each of ", bindings->size(),
+        " bindings; the limit node_invocations is ", kRunLimits.node_invocations));
   }
   if (count > 1) {
     if (const std::string full = core_.WhyNoNodes(count); !full.empty())
@@ -190,7 +199,7 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
   core_.nodes_live += count;
   run_.counted += count;
   core_.bounds.Worked(count);
-  for (auto& [match, binding] : bindings) {
+  for (auto& [match, binding] : *bindings) {
     for (size_t i = 0; i < syntax.invokes.size(); ++i) {
       if (const InvocationState* done = DoneFor(index, binding, i)) {
         invocations.push_back(*done);
@@ -302,7 +311,9 @@ absl::StatusOr<TermQuad> RunStepper::FactOf(const cawl::Constraint& fact, const 
 // All facts of all bindings, or none.
 absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
   std::vector<TermQuad> facts;
-  for (const TermBinding& binding : BindingsOf(index)) {
+  const auto bindings = BindingsOf(index);
+  if (!bindings.ok()) return bindings.status();
+  for (const TermBinding& binding : *bindings) {
     for (const cawl::Constraint& fact : action.facts) {
       absl::StatusOr<TermQuad> quad = FactOf(fact, &binding);
       if (!quad.ok())
@@ -331,7 +342,9 @@ void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action) {
 absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
   std::vector<TermQuad> facts;
   bool of_others = false;
-  for (const TermBinding& binding : BindingsOf(index)) {
+  const auto bindings = BindingsOf(index);
+  if (!bindings.ok()) return bindings.status();
+  for (const TermBinding& binding : *bindings) {
     for (const cawl::Constraint& fact : action.facts) {
       absl::StatusOr<std::vector<TermQuad>> found =
           ToldFacts(fact, PatternOf(index, fact, action.any_source, &binding), &of_others);

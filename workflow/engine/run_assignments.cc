@@ -80,7 +80,6 @@ void RunStepper::KeepSolutions(const cawl::Action& action, std::vector<TermBindi
     }
   }
   if (wanted.empty()) return;
-  if (solutions.size() > kEachLimit) solutions.resize(kEachLimit);
   const auto kept = std::make_shared<const std::vector<TermBinding>>(std::move(solutions));
   for (const std::string& name : wanted) run_.actions.solutions[name] = kept;
 }

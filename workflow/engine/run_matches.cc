@@ -244,10 +244,7 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set
     return true;
   }
   if (solutions->size() == kEachLimit) {
-    GiveUp(index,
-           absl::ResourceExhaustedError(absl::StrCat(
-               "its condition has more than ", kRunLimits.node_invocations,
-               " matches for ext:forEach; the limit node_invocations is ", kRunLimits.node_invocations)));
+    GiveUp(index, TooManyBindings());
     return true;
   }
   const std::vector<TermBinding> chosen = ChooseMatches(index, armed, *std::move(solutions), busy);

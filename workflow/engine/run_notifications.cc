@@ -30,7 +30,9 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
     return WithMessage(why, absl::StrCat("it cannot notify: ", why.message()));
   };
   std::vector<Notification> all;
-  for (const TermBinding& binding : BindingsOf(index)) {
+  const auto bindings = BindingsOf(index);
+  if (!bindings.ok()) return bindings.status();
+  for (const TermBinding& binding : *bindings) {
     Notification one;
     // With the time, as commands: a server whose older backup was put back counts its runs anew. A node that opens again in the
     // same turn notifies again.

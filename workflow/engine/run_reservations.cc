@@ -117,7 +117,9 @@ void Engine::Core::EndReservations(const RunId& root) {
 absl::Status RunStepper::Reserve(size_t index, const cawl::Action& action) {
   if (core_.input->facts == nullptr) return absl::FailedPreconditionError("there is no graph");
   std::set<Term> robots;
-  for (const TermBinding& binding : BindingsOf(index)) {
+  const auto bindings = BindingsOf(index);
+  if (!bindings.ok()) return bindings.status();
+  for (const TermBinding& binding : *bindings) {
     for (const cawl::Constraint& fact : action.facts) {
       absl::StatusOr<Term> robot = ValueOf(fact.subject, &binding);
       if (!robot.ok())
@@ -166,7 +168,9 @@ absl::Status RunStepper::Reserve(size_t index, const cawl::Action& action) {
 absl::Status RunStepper::GiveBack(size_t index, const cawl::Action& action) {
   const RunId root = core_.RootOf(run_);
   std::set<Term> robots;
-  for (const TermBinding& binding : BindingsOf(index)) {
+  const auto bindings = BindingsOf(index);
+  if (!bindings.ok()) return bindings.status();
+  for (const TermBinding& binding : *bindings) {
     for (const cawl::Constraint& fact : action.facts) {
       absl::StatusOr<Term> robot = ValueOf(fact.subject, &binding);
       if (!robot.ok())

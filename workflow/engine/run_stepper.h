@@ -134,8 +134,9 @@ class RunStepper {
   bool WroteInThisRound() const;
   Progress DoActions(size_t index, bool when_done);
   absl::Status DoAction(size_t index, const cawl::Action& action);
-  std::vector<std::pair<size_t, TermBinding>> EachBinding(size_t index) const;
-  std::vector<TermBinding> BindingsOf(size_t index) const;
+  absl::StatusOr<std::vector<std::pair<size_t, TermBinding>>> EachBinding(size_t index) const;
+  absl::StatusOr<std::vector<TermBinding>> BindingsOf(size_t index) const;
+  static absl::Status TooManyBindings();
   std::vector<TermBinding> WithDoneValues(size_t index, std::vector<TermBinding> matches) const;
   const InvocationState* DoneFor(size_t index, const TermBinding& binding, size_t invoke) const;
   absl::Status MakeInvocations(size_t index);

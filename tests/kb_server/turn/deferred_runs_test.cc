@@ -297,10 +297,10 @@ TEST_F(DeferredRunsTest, ANodeHasSoManyInvocations) {
                                      [](const Transition& t) { return t.to == "failed"; });
     return failed == record.transitions.end() ? "" : failed->cause;
   };
-  EXPECT_THAT(why_failed(7), HasSubstr("it would have 10500 invocations: 7 for each binding"));
+  EXPECT_THAT(why_failed(7), HasSubstr("it would have 10500 invocations: 7 for each of 1500 bindings"));
   Turn(Facts(1500, 10001, "in"));
   EXPECT_THAT(why_failed(1),
-              HasSubstr("more than 10000 matches for ext:forEach; the limit node_invocations"));
+              HasSubstr("ext:forEach has more than 10000 matches; the limit node_invocations"));
 }
 
 TEST_F(DeferredRunsTest, AConditionKeepsTheMatchesOfAGraphThatWasLarger) {

@@ -167,6 +167,28 @@ TEST_F(RunAssignments, ForEachOfTheNextNodeTakesEverySolution) {
     EXPECT_TRUE(Has(Fact(thing, "seen", Term::Boolean(true)))) << thing;
 }
 
+TEST_F(RunAssignments, ForEachOfTooManyPairsTellsNothing) {
+  WriteBatch many = Tell({});
+  for (int i = 0; i < 101; ++i)
+    many.operations.push_back({QuadOperation::Kind::kAdd, Fact("it", "p", absl::StrCat("n", i))});
+  Must(many);
+  const auto deploy = [this](const std::string& second) {
+    Deploy(
+        "<node name=\"A\"><ext:assign>SELECT ?x WHERE { w:it w:p ?x }</ext:assign></node><node "
+        "name=\"B\"><ext:assign>" +
+            second +
+            "</ext:assign></node><node name=\"C\" ext:forEach=\"?x ?y\"><ext:tell>$x w:met "
+            "$y</ext:tell></node>",
+        {"A", "B", "C"});
+  };
+  deploy("SELECT ?y WHERE { w:it w:p ?y }");  // 101 times 101, without an invoke
+  EXPECT_THAT(Said(Run()),
+              Contains(HasSubstr("F-1/C running>failed: ext:forEach has more than 10000 matches")));
+  EXPECT_FALSE(Has(Fact("n1", "met", "n2")));
+  deploy("SELECT ?y WHERE { w:it w:p ?y } LIMIT 99");
+  EXPECT_THAT(Said(Run()), Contains(HasSubstr("running>done")));
+}
+
 TEST_F(RunAssignments, ForEachOfNoSolutionIsDoneAtOnce) {
   Deploy(
       "<node name=\"A\"><ext:assign none=\"unset\">SELECT ?x WHERE { w:it w:p ?x }</ext:assign></node>"
