@@ -1,4 +1,4 @@
-#include "kb_server/cli/robot_work.h"
+#include "kb_server/cli/robots/robot_work.h"
 
 #include "absl/strings/str_cat.h"
 

@@ -1,6 +1,6 @@
 // What a robot works for, in words. Values; any thread.
-#ifndef DOCENT_KB_SERVER_CLI_ROBOT_WORK_H_
-#define DOCENT_KB_SERVER_CLI_ROBOT_WORK_H_
+#ifndef DOCENT_KB_SERVER_CLI_ROBOTS_ROBOT_WORK_H_
+#define DOCENT_KB_SERVER_CLI_ROBOTS_ROBOT_WORK_H_
 
 #include <string>
 
@@ -17,4 +17,4 @@ std::string WorkAfterOut(const v1::RobotStatus& robot, bool cancels);
 
 }  // namespace docent::server
 
-#endif  // DOCENT_KB_SERVER_CLI_ROBOT_WORK_H_
+#endif  // DOCENT_KB_SERVER_CLI_ROBOTS_ROBOT_WORK_H_

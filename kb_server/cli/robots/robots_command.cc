@@ -14,7 +14,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
-#include "kb_server/cli/robot_work.h"
+#include "kb_server/cli/robots/robot_work.h"
 #include "workflow/xml/xml_document.h"
 
 namespace docent::server {
