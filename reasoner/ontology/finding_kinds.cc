@@ -123,6 +123,9 @@ const std::vector<FindingKind>& FindingKinds() {
        "A word of a namespace that the files named define is not defined there. Usually it is misspelt; the "
        "hint names the nearest word. In CAWL it is a warning.",
        "Correct the word, or declare it in its ontology."},
+      {"unknown-input", "warning", "CAWL",
+       "ext:input gives a value to an input that the operation does not have. The value is not used.",
+       "Correct the name of the part."},
       {"unknown-operation", "warning", "CAWL, RSEL",
        "No robot offers an operation now, and no robot service has this name. An invocation of it waits "
        "until a robot joins that offers it.",

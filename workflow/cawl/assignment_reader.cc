@@ -55,9 +55,10 @@ bool HasOrder(const sparql::Algebra& algebra) {
   return modifies && !algebra.children.empty() && HasOrder(*algebra.children[0]);
 }
 
-class AssignmentReader {
+class ComputationReader {
  public:
-  AssignmentReader(const xml::Element& element, const Limits& limits, xml::ElementReader* reader, Action* out)
+  ComputationReader(const xml::Element& element, const Limits& limits, xml::ElementReader* reader,
+                    Computation* out)
       : element_(element), reader_(*reader), out_(*out) {
     options_.limits = limits;
     options_.prefixes = sparql::WellKnownPrefixes();
@@ -68,92 +69,29 @@ class AssignmentReader {
     }
   }
 
-  void Read() {
-    const std::vector<std::string> known = {"at", "variable", "expression", "none", "default"};
-    reader_.CheckAttributes(element_, known, known);
-    for (const auto& child : element_.children) {
-      if (child->name != "documentation" && !reader_.IsForeign(*child))
-        reader_.UnknownChild(element_, *child, {});
-    }
-    ReadNone();
-    const Text expression = Given(element_, "expression", &reader_);
-    const Text variable = Given(element_, "variable", &reader_);
-    if (expression.given() == element_.text.given()) {
-      reader_.Error(element_.name_span, "<assign> needs either a SELECT as its text or an expression",
-                    "write <ext:assign>SELECT ?x WHERE { … }</ext:assign> or <ext:assign variable=\"x\" "
-                    "expression=\"…\"/>");
-      return;
-    }
-    if (variable.given() && !xml::IsVariableName(variable.value)) {
-      reader_.Error(variable.span, Concat("\"", variable.value, "\" is not a variable's name"),
-                    "write it without $: letters (a-z), digits and _, beginning with a letter");
-      return;
-    }
-    out_.query_text = expression.given() ? expression : element_.text;
-    if (expression.given())
-      ReadExpression(variable);
-    else
-      ReadSelect(variable);
-  }
-
- private:
-  void ReadNone() {
-    const Text none = Given(element_, "none", &reader_);
-    const Text otherwise = Given(element_, "default", &reader_);
-    if (none.given() && otherwise.given())
-      reader_.Error(none.span, "<assign> has either none or default", "take one of them away");
-    if (otherwise.given()) out_.otherwise = reader_.TermOf(element_, otherwise);
-    out_.may_be_none = none.value == "unset";
-    if (none.given() && !out_.may_be_none && none.value != "fail")
-      reader_.Error(
-          none.span, Concat("none is \"", none.value, "\""),
-          "write fail (the node fails), unset (the variable has no value then), or default=\"…\" instead");
-  }
-
-  // The place of bytes of the query's text.
-  SourceSpan PlaceOf(const SourceSpan& in_text) const {
-    const std::vector<size_t>& offsets = element_.text_offsets;
-    if (!element_.text.given() || offsets.empty())
-      return reader_.Within(out_.query_text, in_text.offset, in_text.length);
-    const size_t first = std::min(in_text.offset, offsets.size() - 1);
-    const size_t end = first + in_text.length < offsets.size()
-                           ? offsets[first + in_text.length]
-                           : element_.text.span.offset + element_.text.span.length;
-    return reader_.Span(offsets[first], end - offsets[first]);
-  }
-
-  // True if there is no error.
-  bool Report(const Diagnostics& diagnostics) {
-    for (const Diagnostic& d : diagnostics) {
-      if (d.severity == Diagnostic::Severity::kError)
-        reader_.Error(PlaceOf(d.span), Concat("SPARQL: ", d.message), d.hint);
-    }
-    return !HasErrors(diagnostics);
-  }
-
-  void ReadExpression(const Text& variable) {
-    if (!variable.given()) {
-      reader_.Error(element_.name_span, "<assign> with an expression needs the attribute variable");
-      return;
-    }
-    const std::string& text = out_.query_text.value;
+  // `output`: what its value is called.
+  void ReadExpression(const Text& expression, const Text& output) {
+    out_.text = expression;
+    const std::string& text = out_.text.value;
     if (!Report(sparql::ParseExpression(text, options_).diagnostics)) return;
     ReadInputs(text);
     constexpr std::string_view kBefore = "SELECT ((";
     sparql::ParsedQuery parsed =
         sparql::ParseQuery(Concat(kBefore, text, "\n) AS ?", kValue, ") {}"), options_);
     if (!parsed.ok()) {
-      reader_.Error(out_.query_text.span, Concat("SPARQL: ", parsed.diagnostics[0].message),
+      reader_.Error(out_.text.span, Concat("SPARQL: ", parsed.diagnostics[0].message),
                     "write one expression, e.g. $n + 1");
       return;
     }
-    out_.outputs.push_back(variable);
+    out_.outputs.push_back(output);
     ReadCalls(*parsed.query.algebra, kBefore.size());
     out_.query = std::make_shared<const sparql::Query>(std::move(parsed.query));
   }
 
+  // The element's text. `variable`: what its only column is called, where it is given.
   void ReadSelect(const Text& variable) {
-    const std::string& text = out_.query_text.value;
+    out_.text = element_.text;
+    const std::string& text = out_.text.value;
     sparql::ParsedQuery parsed = sparql::ParseQuery(text, options_);
     if (!Report(parsed.diagnostics)) return;
     if (parsed.query.form != sparql::Query::Form::kSelect) {
@@ -183,6 +121,28 @@ class AssignmentReader {
     out_.ordered = HasOrder(*parsed.query.algebra);
     ReadCalls(*parsed.query.algebra, 0);
     out_.query = std::make_shared<const sparql::Query>(std::move(parsed.query));
+  }
+
+ private:
+  // The place of bytes of the query's text.
+  SourceSpan PlaceOf(const SourceSpan& in_text) const {
+    const std::vector<size_t>& offsets = element_.text_offsets;
+    if (!element_.text.given() || offsets.empty())
+      return reader_.Within(out_.text, in_text.offset, in_text.length);
+    const size_t first = std::min(in_text.offset, offsets.size() - 1);
+    const size_t end = first + in_text.length < offsets.size()
+                           ? offsets[first + in_text.length]
+                           : element_.text.span.offset + element_.text.span.length;
+    return reader_.Span(offsets[first], end - offsets[first]);
+  }
+
+  // True if there is no error.
+  bool Report(const Diagnostics& diagnostics) {
+    for (const Diagnostic& d : diagnostics) {
+      if (d.severity == Diagnostic::Severity::kError)
+        reader_.Error(PlaceOf(d.span), Concat("SPARQL: ", d.message), d.hint);
+    }
+    return !HasErrors(diagnostics);
   }
 
   // $name is a variable of the run, ?name one of the query.
@@ -236,15 +196,60 @@ class AssignmentReader {
 
   const xml::Element& element_;
   xml::ElementReader& reader_;
-  Action& out_;
+  Computation& out_;
   sparql::ParseOptions options_;
 };
+
+void ReadNone(const xml::Element& element, xml::ElementReader* reader, Action* out) {
+  const Text none = Given(element, "none", reader);
+  const Text otherwise = Given(element, "default", reader);
+  if (none.given() && otherwise.given())
+    reader->Error(none.span, "<assign> has either none or default", "take one of them away");
+  if (otherwise.given()) out->otherwise = reader->TermOf(element, otherwise);
+  out->may_be_none = none.value == "unset";
+  if (none.given() && !out->may_be_none && none.value != "fail")
+    reader->Error(
+        none.span, Concat("none is \"", none.value, "\""),
+        "write fail (the node fails), unset (the variable has no value then), or default=\"…\" instead");
+}
 
 }  // namespace
 
 void ReadAssignment(const xml::Element& element, const Limits& limits, xml::ElementReader* reader,
                     Action* out) {
-  AssignmentReader(element, limits, reader, out).Read();
+  const std::vector<std::string> known = {"at", "variable", "expression", "none", "default"};
+  reader->CheckAttributes(element, known, known);
+  for (const auto& child : element.children) {
+    if (child->name != "documentation" && !reader->IsForeign(*child))
+      reader->UnknownChild(element, *child, {});
+  }
+  ReadNone(element, reader, out);
+  const Text expression = Given(element, "expression", reader);
+  const Text variable = Given(element, "variable", reader);
+  if (expression.given() == element.text.given()) {
+    reader->Error(element.name_span, "<assign> needs either a SELECT as its text or an expression",
+                  "write <ext:assign>SELECT ?x WHERE { … }</ext:assign> or <ext:assign variable=\"x\" "
+                  "expression=\"…\"/>");
+    return;
+  }
+  if (variable.given() && !xml::IsVariableName(variable.value)) {
+    reader->Error(variable.span, Concat("\"", variable.value, "\" is not a variable's name"),
+                  "write it without $: letters (a-z), digits and _, beginning with a letter");
+    return;
+  }
+  ComputationReader computation(element, limits, reader, &out->computed);
+  if (!expression.given()) {
+    computation.ReadSelect(variable);
+  } else if (variable.given()) {
+    computation.ReadExpression(expression, variable);
+  } else {
+    reader->Error(element.name_span, "<assign> with an expression needs the attribute variable");
+  }
+}
+
+void ReadExpression(const xml::Element& element, const Text& expression, const Text& output,
+                    const Limits& limits, xml::ElementReader* reader, Computation* out) {
+  ComputationReader(element, limits, reader, out).ReadExpression(expression, output);
 }
 
 }  // namespace docent::cawl

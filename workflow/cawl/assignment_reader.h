@@ -1,4 +1,4 @@
-// <ext:assign> (ast.h, Action): its SELECT or expression, as a query that is ready to be asked. Any thread.
+// <ext:assign>, and the expression of <ext:input> (ast.h): queries that are ready to be asked. Any thread.
 #ifndef DOCENT_WORKFLOW_CAWL_ASSIGNMENT_READER_H_
 #define DOCENT_WORKFLOW_CAWL_ASSIGNMENT_READER_H_
 
@@ -8,9 +8,13 @@
 
 namespace docent::cawl {
 
-// Mistakes are reported at their places; out->query is null after one in the query.
+// Mistakes are reported at their places; the query of a computation is null after one in it.
 void ReadAssignment(const xml::Element& element, const Limits& limits, xml::ElementReader* reader,
                     Action* out);
+
+// `expression`: an attribute of the element. `output`: what its value is called.
+void ReadExpression(const xml::Element& element, const Text& expression, const Text& output,
+                    const Limits& limits, xml::ElementReader* reader, Computation* out);
 
 }  // namespace docent::cawl
 

@@ -1,6 +1,14 @@
 #include "workflow/cawl/ast.h"
 
+#include <algorithm>
+
 namespace docent::cawl {
+
+const Input* Invoke::FindInput(std::string_view part) const {
+  const auto found =
+      std::find_if(inputs.begin(), inputs.end(), [part](const Input& input) { return input.part.value == part; });
+  return found == inputs.end() ? nullptr : &*found;
+}
 
 const Flow* Document::FindFlow(std::string_view flow_name) const {
   for (const Flow& flow : flows) {

@@ -8,8 +8,8 @@
 // see it. When a condition opens a node, each free variable ?x of its match is stored as variable x of the flow
 // (whether or not it is declared; declaring it makes `$x` legal elsewhere). From then on `$x` is that value. Before,
 // `$x` is like ?x: free, bound by the match. What an activator's match binds is stored in the flow that it starts.
-// An invocation's arguments: each input part of the operation takes the variable of the same name. The variable
-// `robot`, when set, decides which robot serves.
+// An invocation's arguments: each input part of the operation takes its ext:input, or the variable of the same name. The
+// variable `robot`, when set, decides which robot serves.
 #ifndef DOCENT_WORKFLOW_CAWL_AST_H_
 #define DOCENT_WORKFLOW_CAWL_AST_H_
 
@@ -35,7 +35,7 @@ namespace docent::cawl {
 
 using xml::Text;
 
-// Docent's extensions: the elements tell, withdraw, assign, notify and output, and the attributes timeout, retry, retry-delay,
+// Docent's extensions: the elements tell, withdraw, assign, notify, input and output, and the attributes timeout, retry, retry-delay,
 // retry-backoff, retry-other-robot, onFailure, onInterrupt, compensate, forEach, sequential, while, while-holds, for, mode, max.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
@@ -193,6 +193,31 @@ struct Condition {
   SourceSpan span;
 };
 
+// A SELECT or an expression over variables of the run ($name), as a query that is ready to be asked.
+struct Computation {
+  struct Call {
+    std::string function;  // IRI
+    size_t arguments = 0;
+    SourceSpan place;
+  };
+  Text text;                                   // as written
+  std::shared_ptr<const sparql::Query> query;  // a SELECT also for an expression; null after a mistake
+  std::vector<std::string> inputs;             // variables of the run that it uses
+  std::vector<SourceSpan> input_places;        // of their first uses
+  std::vector<Text> outputs;                   // what its columns are called, in their order
+  std::vector<Call> calls;                     // of functions that SPARQL itself does not have
+  bool ordered = false;                        // it has ORDER BY
+};
+
+// <ext:input part="text" expression='"Hello"'/>   <ext:input part="place" variable="stand"/>
+// In an invoke: what is invoked gets this as its input `part`, in place of the variable of that name.
+struct Input {
+  Text part;
+  Text variable;         // of the run; "request.booth" too
+  Computation computed;  // without `variable`: an expression
+  SourceSpan span;
+};
+
 // <ext:output part="temperature" variable="measured"/>
 // In an invoke: the result `part` of what is invoked becomes a variable of the run. In a flow: the flow gives back a variable,
 // under the name `part` (without it: the variable's).
@@ -224,12 +249,15 @@ struct Invoke {
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
   int retry = 0;                      // ext:retry: further attempts after a failure
+  std::vector<Input> inputs;          // ext:input: parts that are not named take the variables of their names
   std::vector<Output> outputs;        // ext:output: none: each result becomes the variable of its name
   RetryPolicy retry_policy;
   Text choose_text;
   std::string
       choose;  // ext:choose: a SELECT of ?robot (robot_choice.h), with its prefixes; empty: the default
   SourceSpan span;
+
+  const Input* FindInput(std::string_view part) const;  // null: none of that name
 };
 
 // What a node does itself, beside what it invokes, in the order of the document.
@@ -268,22 +296,11 @@ struct Action {
   std::optional<int64_t> lifetime_ms;
   bool until_run_ends = false;  // lifetime="run"
   bool any_source = false;
-  // kAssign
-  Text query_text;                             // as written: a SELECT, or the expression
-  std::shared_ptr<const sparql::Query> query;  // a SELECT also for an expression; null after a mistake
-  std::vector<std::string> inputs;             // variables of the run that it uses
-  std::vector<SourceSpan> input_places;        // of their first uses
-  std::vector<Text> outputs;                   // that it sets, in order of the columns
-  struct Call {
-    std::string function;  // IRI
-    size_t arguments = 0;
-    SourceSpan place;
-  };
-  std::vector<Call> calls;        // of functions that SPARQL itself does not have
-  bool ordered = false;           // it has ORDER BY
+  Computation computed;           // kAssign: its outputs are the variables that are set
   bool may_be_none = false;       // none="unset"
   std::optional<Term> otherwise;  // default
-  // kNotify; `inputs` are the variables of its data
+  // kNotify
+  std::vector<Text> data;                                // names of variables
   Text target;                                           // "https://…", "mqtt:TOPIC" or $name
   std::vector<std::pair<std::string, SourceSpan>> uses;  // variables of `target` and `event_subject`
   Text event_type;                                       // empty: kDefaultEventType

@@ -430,7 +430,8 @@ class DocumentReader {
     out.retry_policy = ReadRetryPolicy(element, out.retry);
     reader_.ReadChildren(
         element,
-        {{"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e, &reader_)); }}});
+        {{"input", [&](const xml::Element& e) { out.inputs.push_back(ReadInput(e, limits_, &reader_)); }},
+         {"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e, &reader_)); }}});
     for (const Output& output : out.outputs) {
       if (!output.part.given())
         reader_.Error(output.span, "<output> of an <invoke> needs the attribute part", "it names the result");

@@ -175,14 +175,29 @@ class NameChecker {
     }
   }
 
+  void CheckInputs(const Scope& scope, const Computation& computed) {
+    for (size_t i = 0; i < computed.inputs.size(); ++i)
+      CheckUse(scope, computed.inputs[i], computed.input_places[i]);
+  }
+
+  void CheckInputs(const Scope& scope, const Invoke& invoke) {
+    std::set<std::string> given;
+    for (const Input& input : invoke.inputs) {
+      if (!input.variable.empty()) CheckUse(scope, input.variable.value, input.variable.span);
+      CheckInputs(scope, input.computed);
+      if (!input.part.empty() && !given.insert(input.part.value).second)
+        reader_.Error(input.part.span, Concat("two <input> give ", input.part.value), "take one of them away");
+    }
+  }
+
   // What is told has a value in each place: ?name is what the node's condition binds.
   void CheckAction(const Scope& scope, const Node& node, const Action& action) {
     const std::vector<std::string> bound =
         node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
-    for (size_t i = 0; i < action.inputs.size(); ++i)
-      CheckUse(scope, action.inputs[i], action.input_places[i]);
+    CheckInputs(scope, action.computed);
+    for (const Text& variable : action.data) CheckUse(scope, variable.value, variable.span);
     for (const auto& [name, span] : action.uses) CheckUse(scope, name, span);
-    for (const Text& output : action.outputs) CheckUse(scope, output.value, output.span);
+    for (const Text& output : action.computed.outputs) CheckUse(scope, output.value, output.span);
     for (const Constraint& fact : action.facts) {
       CheckConstraint(scope, fact);
       if (action.kind != Action::Kind::kTell && action.kind != Action::Kind::kReserve &&
@@ -287,6 +302,7 @@ class NameChecker {
       if (node.hold) CheckConstraint(scope, *node.hold);
       for (const Action& action : node.actions) CheckAction(scope, node, action);
       for (const Invoke& invoke : node.invokes) {
+        CheckInputs(scope, invoke);
         CheckOutputs(scope, invoke.outputs,
                      [](const Output& output) -> const Text& { return output.variable; });
       }
@@ -327,7 +343,7 @@ class NameChecker {
     std::vector<std::string> bound = node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
     for (const Node& other : flow.nodes) {
       for (const Action& action : other.actions) {
-        for (const Text& output : action.outputs) bound.push_back(output.value);
+        for (const Text& output : action.computed.outputs) bound.push_back(output.value);
       }
     }
     for (const std::string& name : node.for_each) {

@@ -16,6 +16,7 @@ inline constexpr char kRobotRace[] = "robot-race";
 inline constexpr char kTimeoutWithoutEffect[] = "timeout-without-effect";
 inline constexpr char kTypeClash[] = "type-clash";
 inline constexpr char kUndefinedTerm[] = "undefined-term";
+inline constexpr char kUnknownInput[] = "unknown-input";
 inline constexpr char kUnknownOperation[] = "unknown-operation";
 inline constexpr char kUnreachableNode[] = "unreachable-node";
 inline constexpr char kUnsatisfiable[] = "unsatisfiable-condition";

@@ -194,7 +194,8 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedIn7(writer, packed);
   AddedIn8(writer, packed);
   AddedIn9(writer, packed);
-  writer(packed.last_used);  // since format 6
+  writer(packed.last_used);  // since format 10
+  AddedIn11(writer, packed);
   return writer.Take();
 }
 
@@ -215,6 +216,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) AddedIn8(reader, packed);
   if (!reader.AtEnd()) AddedIn9(reader, packed);
   if (!reader.AtEnd()) reader(packed.last_used);
+  if (!reader.AtEnd()) AddedIn11(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;

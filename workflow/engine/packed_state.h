@@ -319,6 +319,16 @@ void AddedIn9(Archive& a, Packed& p) {
   a(p.paused_workflows);
 }
 
+// What format 11 added.
+template <class Archive>
+void AddedIn11(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    for (PackedNode& node : run.nodes) {
+      for (PackedInvocation& invocation : node.invocations) a(invocation.state.inputs);
+    }
+  }
+}
+
 }  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_PACKED_STATE_H_

@@ -101,7 +101,7 @@ RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const 
     wish.robot = invocation.robot;  // it is pre-empted, and goes on with its own
     return wish;
   }
-  for (const TermBinding* binding : {&invocation.binding, &run.variables}) {
+  for (const TermBinding* binding : {&invocation.inputs, &invocation.binding, &run.variables}) {
     auto robot = binding->find("robot");
     if (robot == binding->end()) continue;
     wish.robot = RobotId(robot->second.lexical);
@@ -129,14 +129,14 @@ const RobotOffer* Engine::Core::OfferFor(const std::string& operation, const Rob
   const RobotOffer* first = OfferOf(operation, robot);
   const auto run = runs.find(self.run);
   if (first == nullptr || !CapabilityOf(operation) || run == runs.end()) return first;
-  const TermBinding& binding = run->second.nodes[self.node].invocations[self.invocation].binding;
+  const TermBinding given = GivenTo(run->second.nodes[self.node].invocations[self.invocation]);
   const std::vector<RobotOffer>& offers = input->robots->Offers(operation);
   for (const RobotOffer* offer = first; offer != offers.data() + offers.size() && offer->robot == robot;
        ++offer) {
     if (!offer->inputs) return offer;
     const auto missing =
         std::find_if(offer->inputs->begin(), offer->inputs->end(), [&](const std::string& name) {
-          return !binding.contains(name) && !run->second.variables.contains(name);
+          return !given.contains(name) && !run->second.variables.contains(name);
         });
     if (missing == offer->inputs->end()) return offer;
     if (lacks != nullptr)

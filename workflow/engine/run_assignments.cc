@@ -1,4 +1,5 @@
-// Variables that a node of a run sets from a SELECT or an expression (ext:assign).
+// Values that a run computes: variables that a node sets from a SELECT or an expression (ext:assign), and inputs of an
+// invocation (ext:input).
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -15,24 +16,32 @@
 
 namespace docent::engine {
 
+// On the facts of this turn, with the values of variables; `overlay` has those of one invocation.
+absl::StatusOr<std::vector<TermBinding>> RunStepper::Compute(const cawl::Computation& computed,
+                                                             const TermBinding* overlay) const {
+  TermBinding given;
+  for (const std::string& input : computed.inputs) {
+    const std::optional<Term> value = Value(input, overlay);
+    if (!value) return absl::FailedPreconditionError(absl::StrCat("variable $", input, " has no value"));
+    given.emplace(input, *value);
+  }
+  if (core_.input->facts == nullptr) return absl::FailedPreconditionError("there is no graph");
+  std::vector<std::string> names;
+  for (const cawl::Text& output : computed.outputs) names.push_back(output.value);
+  absl::StatusOr<std::vector<TermBinding>> solutions =
+      core_.input->facts->Select(*computed.query, given, names);
+  if (solutions.ok() && !computed.ordered) std::sort(solutions->begin(), solutions->end());
+  return solutions;
+}
+
 absl::Status RunStepper::Assign(size_t index, const cawl::Action& action) {
   const auto refused = [](const absl::Status& why) {
     return WithMessage(why, absl::StrCat("it cannot assign: ", why.message()));
   };
-  TermBinding given;
-  for (const std::string& input : action.inputs) {
-    const std::optional<Term> value = Value(input, nullptr);
-    if (!value)
-      return refused(absl::FailedPreconditionError(absl::StrCat("variable $", input, " has no value")));
-    given.emplace(input, *value);
-  }
-  if (core_.input->facts == nullptr) return refused(absl::FailedPreconditionError("there is no graph"));
-  std::vector<std::string> names;
-  for (const cawl::Text& output : action.outputs) names.push_back(output.value);
-  absl::StatusOr<std::vector<TermBinding>> solutions =
-      core_.input->facts->Select(*action.query, given, names);
+  absl::StatusOr<std::vector<TermBinding>> solutions = Compute(action.computed, nullptr);
   if (!solutions.ok()) return refused(solutions.status());
-  if (!action.ordered) std::sort(solutions->begin(), solutions->end());
+  std::vector<std::string> names;
+  for (const cawl::Text& output : action.computed.outputs) names.push_back(output.value);
   const bool none = solutions->empty() || (names.size() == 1 && solutions->front().empty());
   if (none && !action.may_be_none && !action.otherwise) {
     return refused(absl::FailedPreconditionError(
@@ -61,6 +70,30 @@ absl::Status RunStepper::Assign(size_t index, const cawl::Action& action) {
   return absl::OkStatus();
 }
 
+// What its ext:input are now. FAILED_PRECONDITION and others: why one of them has no value.
+absl::Status RunStepper::TakeInputs(size_t node, size_t index) {
+  InvocationState& invocation = run_.nodes[node].invocations[index];
+  TermBinding taken;
+  for (const cawl::Input& input : flow_.nodes[node].invokes[invocation.invoke].inputs) {
+    const auto none = [&input](std::string_view why) {
+      return absl::FailedPreconditionError(absl::StrCat("there is no value for input ", input.part.value, ": ", why));
+    };
+    if (input.variable.given()) {
+      const std::optional<Term> value = Value(input.variable.value, &invocation.binding);
+      if (!value) return none(absl::StrCat("variable $", input.variable.value, " has no value"));
+      taken.emplace(input.part.value, *value);
+      continue;
+    }
+    absl::StatusOr<std::vector<TermBinding>> computed = Compute(input.computed, &invocation.binding);
+    if (!computed.ok()) return none(computed.status().message());
+    if (computed->empty() || computed->front().empty())
+      return none(absl::StrCat(input.computed.text.value, " has none"));
+    taken.merge(computed->front());
+  }
+  invocation.inputs = std::move(taken);
+  return absl::OkStatus();
+}
+
 // Of the types that the variables declare.
 absl::Status RunStepper::CheckAssigned(size_t index, const TermBinding& values) const {
   const std::string fault = TypeFault({*run_.document, flow_, &flow_.nodes[index]}, values);
@@ -74,7 +107,7 @@ void RunStepper::KeepSolutions(const cawl::Action& action, std::vector<TermBindi
     const std::vector<std::string> bound =
         node.condition ? cawl::BoundBy(*node.condition) : std::vector<std::string>();
     for (const std::string& name : node.for_each) {
-      const bool set = std::any_of(action.outputs.begin(), action.outputs.end(),
+      const bool set = std::any_of(action.computed.outputs.begin(), action.computed.outputs.end(),
                                    [&](const cawl::Text& output) { return output.value == name; });
       if (set && std::find(bound.begin(), bound.end(), name) == bound.end()) wanted.push_back(name);
     }

@@ -31,7 +31,9 @@ void RunStepper::NoteDone(size_t index) {
     step.place = syntax.name.value;
     step.operation = syntax.compensate.value;
     step.variables = run_.variables;
-    for (const auto& [name, value] : invocations[first].binding) step.variables[name] = value;
+    for (size_t i = first; i < first + syntax.invokes.size(); ++i) {
+      for (const auto& [name, value] : GivenTo(invocations[i])) step.variables[name] = value;
+    }
     if (!invocations[first].robot.empty())
       step.variables[kRobotVariable] = Term::Iri(invocations[first].robot.value());
     step.done_us = core_.input->now_us;

@@ -46,15 +46,20 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
   if (state == WorkState::kDone) invocation.reason.clear();
 }
 
-// What the invocation's robot takes with an operation of its own. What it did not describe is asked of the messages that
-// the node sees: of their parts, those that have a value.
+// What the invocation's robot takes with an operation of its own. What it did not describe is asked of ext:input and of the
+// messages that the node sees: of their parts, those that have a value.
 std::vector<std::string> RunStepper::InputsOf(size_t node, size_t index) const {
   const InvocationState& invocation = run_.nodes[node].invocations[index];
   const cawl::Node& syntax = flow_.nodes[node];
   const RobotOffer* offer = core_.OfferFor(syntax.invokes[invocation.invoke].operation.value,
                                            invocation.robot, {run_.id, node, index});
   if (offer != nullptr && offer->inputs) return *offer->inputs;
-  return PartsWithValue(node, invocation.binding);
+  std::vector<std::string> inputs = PartsWithValue(node, GivenTo(invocation));
+  for (const auto& [name, value] : invocation.inputs) {
+    const bool named = std::find(inputs.begin(), inputs.end(), name) != inputs.end();
+    if (!named && name != kRobotVariable) inputs.push_back(name);
+  }
+  return inputs;
 }
 
 std::vector<std::string> RunStepper::PartsWithValue(size_t node, const TermBinding& given) const {
@@ -86,8 +91,9 @@ void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
   core_.NoteBarred(owner, why);
   core_.waiting.Wait(core_.RankOf(run_), owner, core_.WishOf(run_, owner));
   const InvocationState& invocation = run_.nodes[node].invocations[index];
+  const TermBinding given = GivenTo(invocation);
   core_.Covet(run_, flow_.nodes[node].invokes[invocation.invoke].operation.value,
-              Value(std::string(kRobotVariable), &invocation.binding));
+              Value(std::string(kRobotVariable), &given));
 }
 
 // ext:sequential: whether an invocation for a binding before its own has not been done.
@@ -148,13 +154,24 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
     return false;
   }
   if (!invocation.deadline_us) invocation.deadline_us = GivenDeadline(node, index);
+  if (!invoke.inputs.empty()) {
+    if (WroteInThisRound()) {  // the facts that its expressions see come with the next round
+      core_.awaiting.insert(run_.id);
+      return false;
+    }
+    if (const absl::Status taken = TakeInputs(node, index); !taken.ok()) {
+      InvocationFailed(node, index, std::string(taken.message()));
+      return true;
+    }
+  }
   if (!invoke.subflow.value.empty()) return StartSubflow(node, index);
 
   rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value);
   std::string why_not;
   const CommandOwner self{run_.id, node, index};
-  std::vector<RobotId> robots = core_.RobotsFor(
-      *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), self, &why_not);
+  const TermBinding given = GivenTo(invocation);
+  std::vector<RobotId> robots = core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &given),
+                                                core_.RootOf(run_), self, &why_not);
   LeaveOutFailed(node, index, *plan, &robots, &why_not);
   if (robots.empty()) {
     if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
@@ -170,7 +187,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   }
   rsel::Arguments arguments;
   for (const std::string& input : plan->inputs) {
-    if (auto value = Value(input, &invocation.binding)) arguments.emplace(input, *value);
+    if (auto value = Value(input, &given)) arguments.emplace(input, *value);
   }
   if (absl::Status fit = rsel::CheckArguments(*plan, plan->input_types, arguments); !fit.ok()) {
     InvocationFailed(node, index, std::string(fit.message()));
@@ -206,7 +223,7 @@ RobotId RunStepper::Preferred(size_t node, size_t index, const std::vector<std::
   std::vector<std::string> names = inputs;
   const RobotOffer* offer = core_.OfferFor(invoke.operation.value, able.front(), {run_.id, node, index});
   if (names.empty()) names = offer != nullptr && offer->inputs ? *offer->inputs : InputsOf(node, index);
-  return BestOf(invoke.choose, names, invocation.binding, std::move(able));
+  return BestOf(invoke.choose, names, GivenTo(invocation), std::move(able));
 }
 
 bool RunStepper::StartSubflow(size_t node, size_t index) {
@@ -235,7 +252,7 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
     return true;
   }
   TermBinding variables = run_.variables;
-  for (const auto& [key, value] : invocation.binding) variables[key] = value;
+  for (const auto& [key, value] : GivenTo(invocation)) variables[key] = value;
   invocation.sent = true;
   SetInvocation(node, index, WorkState::kRunning, absl::StrCat("subflow ", name));
   CommandOwner owner{run_.id, node, index};

@@ -140,7 +140,10 @@ class RunStepper {
   std::vector<TermBinding> WithDoneValues(size_t index, std::vector<TermBinding> matches) const;
   const InvocationState* DoneFor(size_t index, const TermBinding& binding, size_t invoke) const;
   absl::Status MakeInvocations(size_t index);
+  absl::StatusOr<std::vector<TermBinding>> Compute(const cawl::Computation& computed,
+                                                   const TermBinding* overlay) const;
   absl::Status Assign(size_t index, const cawl::Action& action);
+  absl::Status TakeInputs(size_t node, size_t invocation);
   absl::Status CheckAssigned(size_t index, const TermBinding& values) const;
   absl::Status Notify(size_t index, const cawl::Action& action);
   absl::StatusOr<std::string> TextOf(const cawl::Text& text, const TermBinding* binding) const;

@@ -62,10 +62,12 @@ export interface Invoke extends Part {
   target: string;
   timeout: string;
   retry: string;
+  inputs: Input[];
 }
-// A value that a step gives a variable before it does anything: <ext:assign variable="text" expression='"Hello"'/>.
-export interface Assign extends Part {
-  variable: string;
+// What is invoked gets this as its input: <ext:input part="text" expression='"Hello"'/>. Of <ext:input part="place" variable="stand"/>,
+// the expression is "$stand".
+export interface Input extends Part {
+  part: string;
   expression: string;
 }
 export interface Step extends Part {
@@ -75,7 +77,6 @@ export interface Step extends Part {
   documentation: string;
   documentationElement: XmlElement | null;
   invokes: Invoke[];
-  assigns: Assign[];
   condition: Condition | null;
   join: string;
   waits: XmlElement[];
@@ -230,7 +231,6 @@ class Reader {
       documentation: this.documentation(element), documentationElement, waits,
       join: waits.map((w) => this.get(w, "joinCondition")).filter(Boolean).join(" and "),
       invokes: this.children(element, "invoke").map((i) => this.invoke(i)),
-      assigns: element.children.filter((c) => c.local === "assign" && c.namespace === extNamespace && this.get(c, "at") !== "done" && this.get(c, "expression")).map((c) => ({ element: c, variable: this.get(c, "variable"), expression: this.get(c, "expression") })),
       condition: this.conditionOf(element),
       timeout: this.ext(element, "timeout"), retry: this.ext(element, "retry"), forEach: this.ext(element, "forEach"),
       sequential: this.ext(element, "sequential"), whileHolds: this.ext(element, "while-holds"),
@@ -250,7 +250,13 @@ class Reader {
     return {
       element, kind: subflow ? "subflow" : "operation", target: subflow || this.get(element, "operation"),
       timeout: this.ext(element, "timeout"), retry: this.ext(element, "retry"),
+      inputs: element.children.filter((c) => c.local === "input" && c.namespace === extNamespace).map((c) => this.input(c)),
     };
+  }
+
+  private input(element: XmlElement): Input {
+    const variable = this.get(element, "variable");
+    return { element, part: this.get(element, "part"), expression: variable ? `$${variable}` : this.get(element, "expression") };
   }
 
   private link(element: XmlElement, keys: Keys): Link {

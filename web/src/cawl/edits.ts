@@ -182,15 +182,21 @@ export class Edits {
     if (old) this.changes.push({ from: old.from, to: old.to, insert: `${kind}="${encodeAttribute(target)}"` });
     else this.set(invoke.element, kind, target);
   }
-  // The value that the step gives a variable before it does anything; empty: none.
-  setAssign(step: Step, variable: string, expression: string) {
-    const found = step.assigns.findLast((a) => a.variable === variable);
-    if (found && expression === "") return this.removeElement(found.element);
-    if (found) return this.set(found.element, "expression", expression);
+  // What is invoked gets as its input; empty: the variable of that name.
+  setInput(invoke: Invoke, part: string, expression: string) {
+    const found = invoke.inputs.find((i) => i.part === part);
+    if (found && expression === "") return this.push(this.layout.removeAndClose(found.element));
+    const [given, other, value] = /^\$[A-Za-z]\w*(\.[A-Za-z]\w*)?$/.test(expression) ? ["variable", "expression", expression.slice(1)] : ["expression", "variable", expression];
+    if (found) {
+      const old = attribute(found.element, other);
+      if (old) this.changes.push({ from: old.from, to: old.to, insert: `${given}="${encodeAttribute(value)}"` });
+      else this.set(found.element, given, value);
+      return;
+    }
     if (expression === "") return;
-    const content = (indent: string) => this.layout.render({ name: this.prefixed(extNamespace, "ext", "assign"), attributes: [["variable", variable], ["expression", expression]] }, indent);
-    const invoke = step.invokes[0];
-    this.push(invoke ? this.layout.insertBefore(invoke.element, content) : this.insertLast(step.element, content));
+    const content = (indent: string) => this.layout.render({ name: this.prefixed(extNamespace, "ext", "input"), attributes: [["part", part], [given, value]] }, indent);
+    const last = invoke.inputs.at(-1)?.element;
+    this.push(last ? this.layout.insertAfter(last, content) : this.layout.insertFirst(invoke.element, content));
   }
   setDocumentation(part: { element: XmlElement; documentationElement: XmlElement | null }, text: string) {
     const found = part.documentationElement;

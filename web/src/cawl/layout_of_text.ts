@@ -118,6 +118,14 @@ export class TextLayout {
     return { from, to, insert: "" };
   }
 
+  // Its parent closes itself where nothing else stands in it.
+  removeAndClose(element: XmlElement): Change {
+    const parent = element.parent;
+    const around = parent ? this.text.slice(parent.openTo, element.from) + this.text.slice(element.to, parent.closeFrom) : "";
+    if (!parent || !parent.whole || around.trim() !== "") return this.remove(element);
+    return { from: parent.openTo - 1, to: parent.to, insert: "/>" };
+  }
+
   setAttribute(element: XmlElement, name: string, value: string | null): Change | null {
     const index = element.attributes.findIndex((a) => a.name === name);
     const found = element.attributes[index];

@@ -70,10 +70,3 @@ export function leadsTo(flow: Flow, from: string, to: string): boolean {
   }
   return false;
 }
-// Whether two steps may be under way at the same time: they stand on two branches of one step.
-export function mayRunTogether(flow: Flow, a: string, b: string): boolean {
-  if (leadsTo(flow, a, b) || leadsTo(flow, b, a)) return false;
-  const comesTo = (from: string, to: string) => from === to || leadsTo(flow, from, to);
-  const plain = flow.links.filter((l) => l.kind === "plain");
-  return plain.some((one) => plain.some((other) => one.from === other.from && one.to !== other.to && comesTo(one.to, a) && comesTo(other.to, b)));
-}

@@ -67,14 +67,14 @@ export function tourText(plan: TourPlan, prefixes: ReadonlyMap<string, string>):
     const robot: [string, string, string, string?][] = i === 0 ? [["?robot", "docent:status", "docent:Standby", "docent:Robot"], ["?robot", "docent:localised", "true"]] : [];
     const arrive = plan.waitForVisitor ? `\n${condition([["$user", "docent:isAt", "$booth"]], "VisitorIsThere")}` : "";
     const speaks = plan.speak && s.say?.trim();
-    const text = speaks ? `\n      <ext:assign variable="text" expression="${q(sparqlText(speaks))}"/>` : "";
+    const text = speaks ? `<ext:input part="text" expression="${q(sparqlText(speaks))}"/>` : "";
     const there = [...(speaks ? [plan.speak ?? ""] : []), ...(s.present ?? plan.present)];
     return `    <node name="${q(s.go + s.repeated)}"${plan.stayNear && i > 0 ? ' ext:while-holds="$user docent:isNear $robot"' : ""}>
 ${condition([...robot, ["?booth", "schema:name", JSON.stringify(s.name), "docent:Booth"]], "Next")}
-      <invoke operation="${q(plan.travel)}"/>${text}
+      <invoke operation="${q(plan.travel)}"/>
     </node>
     <node name="${q(s.at + s.repeated)}">${arrive}
-${there.map((operation) => `      <invoke operation="${q(operation)}"/>`).join("\n")}
+${there.map((operation) => `      <invoke operation="${q(operation)}"${text && operation === plan.speak ? `>${text}</invoke>` : "/>"}`).join("\n")}
     </node>`;
   }).join("\n\n");
   const names = ["Begin", ...steps.flatMap((s) => [s.go + s.repeated, s.at + s.repeated]), "End"];

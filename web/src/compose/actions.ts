@@ -1,6 +1,6 @@
 // What the user does to a flow, from the canvas, the palette or the keys; each one is one edit of the text.
 import { shorten } from "../api/sparql";
-import { flowOf, prefixesOf, type CawlDocument, type Flow, type Link, readCawl, type Step, viewNamespace } from "../cawl/document";
+import { flowOf, prefixesOf, type CawlDocument, type Flow, type Invoke, type Link, readCawl, type Step, viewNamespace } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
 import { applyChanges } from "../cawl/layout_of_text";
 import { uniqueName } from "../cawl/names";
@@ -77,11 +77,8 @@ export class Actions {
     for (const input of inputs) if (!known.has(input.name)) edits.addVariable(flow, input.name, shorten(input.type, prefixesOf(this.session.document)));
   }
   // What the step gives to what it does; empty: the value that the run has.
-  setInput(step: Step, input: PaletteEntry["inputs"][number], expression: string) {
-    this.edit((edits, flow) => {
-      this.declare(edits, flow, [input]);
-      edits.setAssign(step, input.name, expression);
-    });
+  setInput(invoke: Invoke, input: PaletteEntry["inputs"][number], expression: string) {
+    this.edit((edits) => edits.setInput(invoke, input.name, expression));
   }
   // Something more that a step does, with the values that it takes.
   addInvoke(step: Step, entry: PaletteEntry) {

@@ -1,8 +1,5 @@
 // What a step gives to the operation, service or workflow that it invokes: for each input a value of the run, or one of its own.
-// The language has no arguments of an invoke: a value of its own is assigned to the variable of the input's name when the step opens.
-import { CornerDownRight } from "lucide-react";
-import type { Flow, Step, Variable } from "../cawl/document";
-import { mayRunTogether } from "../cawl/shown";
+import type { Invoke, Variable } from "../cawl/document";
 import { words } from "../cawl/names";
 import { isText, shownValue, writtenValue } from "../cawl/values";
 import { Combo, type Choice } from "../ui/combo";
@@ -12,13 +9,13 @@ import { ofClass, type Vocabulary } from "./vocabulary";
 
 type Input = PaletteEntry["inputs"][number];
 
-export function Inputs(props: { entry: PaletteEntry; flow: Flow; step: Step; variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string; onSet: (input: Input, expression: string) => void }) {
-  const { entry, step, variables } = props;
+export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string; onSet: (input: Input, expression: string) => void }) {
+  const { entry, invoke, variables } = props;
   return (
     <div className="invoke-inputs">
       {entry.inputs.map((input) => {
         const known = variables.find((v) => v.name === input.name);
-        const own = step.assigns.findLast((a) => a.variable === input.name)?.expression;
+        const own = invoke.inputs.find((i) => i.part === input.name)?.expression;
         const set = (typed: string) => {
           try {
             const expression = writtenValue(typed, input.type);
@@ -28,13 +25,11 @@ export function Inputs(props: { entry: PaletteEntry; flow: Flow; step: Step; var
           }
         };
         const label = input.name === "text" ? `Text to ${words(entry.id).toLowerCase()}` : words(input.name);
-        const clash = own === undefined ? "" : besideIt(props.flow, step, input.name, own);
         return (
           <label key={input.name} className="property">
             <span>{label}</span>
             <Combo label={label} value={own === undefined ? (known && !isText(input) ? `$${input.name}` : "") : shownValue(own)} choices={choicesOf(input, props)} onChange={set}
               placeholder={known?.initial ? shownValue(known.initial) : known ? `$${input.name}, as the run has it` : input.optional ? "any" : isText(input) ? "write the text" : "choose one"} />
-            {own !== undefined && !own.startsWith("$") && <small className="faint input-note"><CornerDownRight size={11} aria-hidden />{clash ? `${clash} may run at the same time and gives another value: one of the two values may be used for both.` : `From this step on, $${input.name} is this.`}</small>}
           </label>
         );
       })}
@@ -48,9 +43,4 @@ function choicesOf(input: Input, props: { variables: readonly Variable[]; vocabu
   const same: Choice = { value: `$${input.name}`, label: "as the run has it", group: "Values of the run" };
   const things = isText(input) || type.startsWith("xsd:") ? [] : ofClass(props.vocabulary, type).map((w): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" }));
   return [same, ...own, ...things];
-}
-
-// A step on another branch that gives the same variable another value.
-function besideIt(flow: Flow, step: Step, variable: string, expression: string): string {
-  return flow.steps.find((s) => s !== step && s.assigns.some((a) => a.variable === variable && a.expression !== expression) && mayRunTogether(flow, s.name, step.name))?.name ?? "";
 }

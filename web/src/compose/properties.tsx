@@ -121,7 +121,7 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
                   <KindIcon kind={invoke.kind === "subflow" ? "workflow" : (entry?.kind ?? "operation")} />
                   <Combo label="What it does" value={invoke.target} choices={what} onChange={(value) => edit((e) => (value ? e.setInvoke(invoke, props.palette.find((p) => p.id === value)?.kind === "workflow" ? "subflow" : "operation", value) : e.removeElement(invoke.element)))} />
                   <button className="button plain icon small" aria-label={`Remove ${invoke.target}`} title="Remove" onClick={() => edit((e) => e.removeElement(invoke.element))}><X size={13} /></button>
-                  {entry && entry.inputs.length > 0 && <Inputs entry={entry} flow={flow} step={step} variables={variables} vocabulary={props.vocabulary} short={(iri) => shorten(iri, prefixes)} onSet={(input, expression) => actions.setInput(step, input, expression)} />}
+                  {entry && entry.inputs.length > 0 && <Inputs entry={entry} invoke={invoke} variables={variables} vocabulary={props.vocabulary} short={(iri) => shorten(iri, prefixes)} onSet={(input, expression) => actions.setInput(invoke, input, expression)} />}
                 </div>
               );
             })}

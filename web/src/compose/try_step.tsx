@@ -6,7 +6,7 @@ import { replays } from "../api/client";
 import { sentence } from "../api/errors";
 import { useNames, type Names } from "../api/prefixes";
 import { termText } from "../api/terms";
-import type { CawlDocument, Step } from "../cawl/document";
+import type { CawlDocument, Invoke, Step } from "../cawl/document";
 import { words } from "../cawl/names";
 import type { TryNodeReply } from "../gen/docent/v1/replays_pb";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
@@ -57,13 +57,13 @@ function Now({ document, step, place, variables, compiled, palette }: TryStepPro
   return (
     <div role="status" className="small try-step">
       <p className="row"><CircleCheck size={13} />It would open{holds?.witness ? ` with ${holds.witness}` : " as soon as its turn comes"}.</p>
-      {step.invokes.length > 0 && <ul>{step.invokes.map((invoke, i) => <li key={i}>would call <code>{words(invoke.target)}({argumentsOf(palette.find((p) => p.id === invoke.target), step, holds)})</code></li>)}</ul>}
+      {step.invokes.length > 0 && <ul>{step.invokes.map((invoke, i) => <li key={i}>would call <code>{words(invoke.target)}({argumentsOf(palette.find((p) => p.id === invoke.target), invoke, holds)})</code></li>)}</ul>}
     </div>
   );
 }
 
-function argumentsOf(entry: PaletteEntry | undefined, step: Step, holds: Live | undefined): string {
-  const own = (name: string) => step.assigns.findLast((a) => a.variable === name)?.expression;
+function argumentsOf(entry: PaletteEntry | undefined, invoke: Invoke, holds: Live | undefined): string {
+  const own = (name: string) => invoke.inputs.find((i) => i.part === name)?.expression;
   return (entry?.inputs ?? []).map((i) => `${i.name} = ${own(i.name) ?? holds?.found[i.name] ?? "as the run has it"}`).join(", ");
 }
 

@@ -29,9 +29,9 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     await draft(page, "Greeter").toContain('<variable name="text" type="xsd:string"/>');
     await page.getByRole("combobox", { name: "Text to say" }).fill("Good morning, John");
     await page.keyboard.press("Tab");
-    await draft(page, "Greeter").toContain(`<ext:assign variable="text" expression='"Good morning, John"'/>`);
+    await draft(page, "Greeter").toContain(`<ext:input part="text" expression='"Good morning, John"'/>`);
     await page.locator('.head button[aria-label="Undo"]').click();
-    await draft(page, "Greeter").not.toContain("ext:assign");
+    await draft(page, "Greeter").not.toContain("ext:input");
     await page.locator('.head button[aria-label="Redo"]').click();
     await page.waitForFunction(() => document.querySelector<HTMLInputElement>('input[aria-label="Text to say"]')?.value === "Good morning, John");
   });
@@ -60,7 +60,7 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     expect(await page.locator(".combo-item", { hasText: /Wall|Counter/ }).count()).toBe(0);
     await stage.picture(page, "inputs-booth");
     await page.locator(".combo-item", { hasText: "expo:B03" }).click();
-    await draft(page, "Greeter").toContain('<ext:assign variable="booth" expression="expo:B03"/>');
+    await draft(page, "Greeter").toContain('<ext:input part="booth" expression="expo:B03"/>');
   });
   it("the situation that starts a workflow is asked, also where its activator has no name", async () => {
     await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });

@@ -22,7 +22,7 @@ describe("a tour", () => {
   });
   it("has no text where nothing is said, or nothing can speak", () => {
     for (const text of [tourText({ ...plan, stops: [stop("B1", 0, { say: "  " })] }, prefixes), tourText({ ...plan, speak: "", stops: [stop("B1", 0, { say: "Hello" })] }, prefixes)]) {
-      expect(text).not.toContain("ext:assign");
+      expect(text).not.toContain("ext:input");
       expect(text).not.toContain('name="text"');
     }
   });

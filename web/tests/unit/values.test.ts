@@ -3,7 +3,6 @@ import { describe, expect, it } from "vitest";
 import { type Flow, readCawl } from "../../src/cawl/document";
 import { Edits } from "../../src/cawl/edits";
 import { applyChanges } from "../../src/cawl/layout_of_text";
-import { mayRunTogether } from "../../src/cawl/shown";
 import { shownValue, writtenValue } from "../../src/cawl/values";
 
 const string = "http://www.w3.org/2001/XMLSchema#string";
@@ -28,13 +27,13 @@ function edited(text: string, make: (edits: Edits, flow: Flow) => void): string 
   make(edits, document.flows[0]!);
   return applyChanges(text, edits.changes);
 }
-const say = (words: string, step: string) => (edits: Edits, flow: Flow) => edits.setAssign(flow.steps.find((s) => s.name === step)!, "text", writtenValue(words, string));
+const say = (words: string, step: string) => (edits: Edits, flow: Flow) => edits.setInput(flow.steps.find((s) => s.name === step)!.invokes[0]!, "text", writtenValue(words, string));
 
 describe("a value of a step's own", () => {
-  it("is written before what the step does, and all else keeps its bytes", () => {
+  it("is written into what the step does, and all else keeps its bytes", () => {
     const after = edited(text, say('Say "hi" to John', "Bye"));
-    expect(after).toBe(text.replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">').replace('<node name="Bye">\n', `<node name="Bye">\n      <ext:assign variable="text" expression='"Say \\"hi\\" to John"'/>\n`));
-    expect(readCawl(after).flows[0]?.steps[2]?.assigns.map((a) => shownValue(a.expression))).toEqual(['Say "hi" to John']);
+    expect(after).toBe(text.replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">').replace('      <invoke operation="say"/>', `      <invoke operation="say">\n        <ext:input part="text" expression='"Say \\"hi\\" to John"'/>\n      </invoke>`));
+    expect(readCawl(after).flows[0]?.steps[2]?.invokes[0]!.inputs.map((i) => shownValue(i.expression))).toEqual(['Say "hi" to John']);
   });
   it("is changed and taken away again", () => {
     const hello = edited(text, say("Hello", "Hello"));
@@ -44,7 +43,7 @@ describe("a value of a step's own", () => {
   });
   it("keeps each step its own sentence", () => {
     const both = edited(edited(text, say("Hello", "Hello")), say("Goodbye", "Bye"));
-    expect(readCawl(both).flows[0]?.steps.map((s) => s.assigns.map((a) => shownValue(a.expression)).join())).toEqual(["", "Hello", "Goodbye", ""]);
+    expect(readCawl(both).flows[0]?.steps.map((s) => s.invokes.flatMap((i) => i.inputs.map((given) => shownValue(given.expression))).join())).toEqual(["", "Hello", "Goodbye", ""]);
   });
 });
 
@@ -57,10 +56,4 @@ describe("what somebody types", () => {
     expect(writtenValue("Good morning", "")).toBe('"Good morning"');
     expect(() => writtenValue("the café", "https://w3id.org/docent#Booth")).toThrow("no value here");
   });
-});
-
-it("only steps on two branches of one step may run together", () => {
-  const flow = (links: string) => readCawl(`<CAWL name="x"><flow name="F"><source name="a"/><node name="b"/><node name="c"/><sink name="d"/>${links}</flow></CAWL>`).flows[0]!;
-  expect(mayRunTogether(flow('<link from="a" to="b"/><link from="a" to="c"/><link from="b" to="d"/><link from="c" to="d"/>'), "b", "c")).toBe(true);
-  expect(mayRunTogether(flow('<link from="a" to="b"/><link from="b" to="c"/><link from="c" to="d"/>'), "b", "c")).toBe(false);
 });

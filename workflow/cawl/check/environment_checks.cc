@@ -158,17 +158,23 @@ class EnvironmentChecker {
                          : "it takes nothing away unless a fact with this word is told";
         for (const Constraint& fact : action.facts) CheckConstraint(fact);
         otherwise_ = kNeverHolds;
-        for (const Action::Call& call : action.calls) CheckCall(call);
+        for (const Computation::Call& call : action.computed.calls) CheckCall(call);
       }
       CheckOperation(node.compensate);
       for (const Invoke& invoke : node.invokes) {
+        for (const Input& input : invoke.inputs) {
+          for (const Computation::Call& call : input.computed.calls) CheckCall(call);
+        }
         CheckSubflow(invoke.subflow);
         if (invoke.capability.given()) {
           CheckCapability(invoke);
           continue;
         }
         std::optional<OperationSignature> operation = CheckOperation(invoke.operation);
-        if (operation && operation->inputs_known) CheckInputs(flow, node, invoke, *operation, keys);
+        if (operation && operation->inputs_known) {
+          CheckInputs(flow, node, invoke, *operation, keys);
+          CheckGiven(invoke, *operation);
+        }
       }
     }
     for (const Link& link : flow.links) {
@@ -176,7 +182,7 @@ class EnvironmentChecker {
     }
   }
 
-  void CheckCall(const Action::Call& call) {
+  void CheckCall(const Computation::Call& call) {
     if (environment_.Functions() == nullptr || reader_.full()) return;
     const auto mistake = sparql::FindCallMistake(environment_.Functions(), call.function, call.arguments);
     if (!mistake) return;
@@ -187,7 +193,7 @@ class EnvironmentChecker {
   void CheckInputs(const Flow& flow, const Node& node, const Invoke& invoke,
                    const OperationSignature& operation, const std::set<std::string>& keys) {
     for (const std::string& input : operation.inputs) {
-      if (keys.contains(input)) continue;
+      if (keys.contains(input) || invoke.FindInput(input) != nullptr) continue;
       bool own = std::any_of(node.variables.begin(), node.variables.end(),
                              [&](const Variable& v) { return v.name.value == input; });
       if (own) continue;
@@ -205,6 +211,24 @@ class EnvironmentChecker {
       } else {
         reader_.Error(invoke.operation.span, std::move(message), hint).rule = kUnsetVariable;
       }
+    }
+  }
+
+  // By ext:input; `robot` says which robot does it.
+  void CheckGiven(const Invoke& invoke, const OperationSignature& operation) {
+    for (const Input& input : invoke.inputs) {
+      const std::vector<std::string>& known = operation.inputs;
+      if (input.part.empty() || input.part.value == "robot" || reader_.full() ||
+          std::find(known.begin(), known.end(), input.part.value) != known.end())
+        continue;
+      reader_
+          .Warning(input.part.span,
+                   Concat("operation ", operation.name, " has no input ", input.part.value,
+                          ": this value is not used"),
+                   reader_.DidYouMean(input.part.value, known,
+                                      known.empty() ? std::string("it has no inputs")
+                                                    : Concat("it has: ", xml::ListOf(known))))
+          .rule = kUnknownInput;
     }
   }
 

@@ -211,12 +211,15 @@ class TypeChecker {
                                   ? Concat("each operation of class ", names_.InText(invoke.operation.value))
                                   : Concat("operation ", invoke.operation.value);
     for (const auto& [input, wanted] : InputTypesOf(invoke)) {
-      const Variable* variable = scope.FindVariable(input);
-      const std::string given = variable != nullptr ? TypeOf(variable->type_term) : std::string();
-      if (given.empty() || !Clash(given, wanted)) continue;
-      Warn(invoke.operation.span,
-           Concat(shown, " takes ", input, " of ", names_.Iri(wanted), ", and variable ", input, " is of ",
-                  names_.Iri(given)),
+      const Input* given = invoke.FindInput(input);
+      if (given != nullptr && given->variable.empty()) continue;  // what an expression gives is not known
+      const std::string name = given == nullptr ? input : given->variable.value;
+      const Variable* variable = scope.FindVariable(name);
+      const std::string type = variable != nullptr ? TypeOf(variable->type_term) : std::string();
+      if (type.empty() || !Clash(type, wanted)) continue;
+      Warn(given == nullptr ? invoke.operation.span : given->variable.span,
+           Concat(shown, " takes ", input, " of ", names_.Iri(wanted), ", and variable ", name, " is of ",
+                  names_.Iri(type)),
            "no value is of both; correct the type of the variable, or invoke another operation");
     }
   }

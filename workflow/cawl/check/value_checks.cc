@@ -49,7 +49,7 @@ NodeValues ValuesOf(const Node& node, const Environment* environment) {
   NodeValues out;
   if (node.condition) out.matched = MatchedBy(*node.condition);
   for (const Action& action : node.actions) {
-    for (const Text& output : action.outputs) out.matched.insert(output.value);
+    for (const Text& output : action.computed.outputs) out.matched.insert(output.value);
   }
   for (const Invoke& invoke : node.invokes) {
     for (const Output& output : invoke.outputs) out.given.insert(output.variable.value);
@@ -196,9 +196,7 @@ class ValueChecker {
   // What a node tells or takes into a query.
   void CheckAction(const Action& action, const Node& node, const FlowValues& values) {
     const auto check = [&](const std::string& name, const SourceSpan& span) {
-      if (values.MayHave(name, node, action.when_done)) return;
-      Warn(span, Concat("variable ", name, " is never set before: the node fails"),
-           Concat("initialize it, or bind ?", name, " in a condition before"), kUnsetVariable);
+      CheckSet(name, span, node, action.when_done, values);
     };
     for (const Constraint& fact : action.facts) {
       for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
@@ -206,8 +204,19 @@ class ValueChecker {
       }
     }
     for (const auto& [name, span] : action.uses) check(name, span);
-    if (action.kind == Action::Kind::kNotify) return;  // a value that there is not is null
-    for (size_t i = 0; i < action.inputs.size(); ++i) check(action.inputs[i], action.input_places[i]);
+    CheckSet(action.computed, node, action.when_done, values);
+  }
+
+  void CheckSet(const Computation& computed, const Node& node, bool when_done, const FlowValues& values) {
+    for (size_t i = 0; i < computed.inputs.size(); ++i)
+      CheckSet(computed.inputs[i], computed.input_places[i], node, when_done, values);
+  }
+
+  void CheckSet(const std::string& name, const SourceSpan& span, const Node& node, bool when_done,
+                const FlowValues& values) {
+    if (values.MayHave(name, node, when_done)) return;
+    Warn(span, Concat("variable ", name, " is never set before: the node fails"),
+         Concat("initialize it, or bind ?", name, " in a condition before"), kUnsetVariable);
   }
 
   void NeverTrue(const Word& word) {
@@ -216,11 +225,16 @@ class ValueChecker {
   }
 
   void CheckInputs(const Scope& scope, const Node& node, const Invoke& invoke, const FlowValues& values) {
+    for (const Input& input : invoke.inputs) {
+      if (!input.variable.empty()) CheckSet(input.variable.value, input.variable.span, node, false, values);
+      CheckSet(input.computed, node, false, values);
+    }
     if (environment_ == nullptr || invoke.operation.empty()) return;
     const std::optional<OperationSignature> operation = environment_->FindOperation(invoke.operation.value);
     if (!operation || !operation->inputs_known) return;
     for (const std::string& input : operation->inputs) {
       const Variable* variable = scope.FindVariable(input);
+      if (invoke.FindInput(input) != nullptr) continue;
       if (variable == nullptr || scope.PartsOf(*variable) != nullptr || values.MayHave(input, node, false))
         continue;
       Warn(invoke.operation.span,

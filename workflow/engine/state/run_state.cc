@@ -2,6 +2,12 @@
 
 namespace docent::engine {
 
+TermBinding GivenTo(const InvocationState& invocation) {
+  TermBinding given = invocation.inputs;
+  given.insert(invocation.binding.begin(), invocation.binding.end());  // of both, the input stays
+  return given;
+}
+
 std::string_view ToString(WorkState state) {
   switch (state) {
     case WorkState::kInactive:
