@@ -155,7 +155,8 @@ void ReadNotification(const xml::Element& element, xml::ElementReader* reader, A
     const size_t end = std::min(names.value.find(' ', at), names.value.size());
     if (end > at) {
       const size_t sigil = names.value[at] == '$' ? 1 : 0;
-      out->data.push_back({names.value.substr(at + sigil, end - at - sigil), reader->Within(names, at, end - at)});
+      out->data.push_back(
+          {names.value.substr(at + sigil, end - at - sigil), reader->Within(names, at, end - at)});
     }
     at = end + 1;
   }
@@ -263,10 +264,12 @@ Input ReadInput(const xml::Element& element, const Limits& limits, xml::ElementR
   out.span = element.span;
   const Text expression = Attribute(element, "expression", reader);
   if (out.part.empty())
-    reader->Error(element.name_span, "<input> needs the attribute part", "it names an input of what is invoked");
+    reader->Error(element.name_span, "<input> needs the attribute part",
+                  "it names an input of what is invoked");
   if (expression.given() == out.variable.given()) {
-    reader->Error(element.name_span, "<input> needs either variable or expression",
-                  "write variable=\"stand\" for the value of $stand, or an expression as expression='\"Hello\"'");
+    reader->Error(
+        element.name_span, "<input> needs either variable or expression",
+        "write variable=\"stand\" for the value of $stand, or an expression as expression='\"Hello\"'");
   } else if (expression.given()) {
     ReadExpression(element, expression, out.part, limits, reader, &out.computed);
   }

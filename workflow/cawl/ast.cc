@@ -5,8 +5,8 @@
 namespace docent::cawl {
 
 const Input* Invoke::FindInput(std::string_view part) const {
-  const auto found =
-      std::find_if(inputs.begin(), inputs.end(), [part](const Input& input) { return input.part.value == part; });
+  const auto found = std::find_if(inputs.begin(), inputs.end(),
+                                  [part](const Input& input) { return input.part.value == part; });
   return found == inputs.end() ? nullptr : &*found;
 }
 

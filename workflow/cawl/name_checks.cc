@@ -186,7 +186,8 @@ class NameChecker {
       if (!input.variable.empty()) CheckUse(scope, input.variable.value, input.variable.span);
       CheckInputs(scope, input.computed);
       if (!input.part.empty() && !given.insert(input.part.value).second)
-        reader_.Error(input.part.span, Concat("two <input> give ", input.part.value), "take one of them away");
+        reader_.Error(input.part.span, Concat("two <input> give ", input.part.value),
+                      "take one of them away");
     }
   }
 

@@ -75,8 +75,9 @@ absl::Status RunStepper::TakeInputs(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
   TermBinding taken;
   for (const cawl::Input& input : flow_.nodes[node].invokes[invocation.invoke].inputs) {
-    const auto none = [&input](std::string_view why) {
-      return absl::FailedPreconditionError(absl::StrCat("there is no value for input ", input.part.value, ": ", why));
+    const auto none = [&input](const std::string& why) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("there is no value for input ", input.part.value, ": ", why));
     };
     if (input.variable.given()) {
       const std::optional<Term> value = Value(input.variable.value, &invocation.binding);
@@ -85,7 +86,7 @@ absl::Status RunStepper::TakeInputs(size_t node, size_t index) {
       continue;
     }
     absl::StatusOr<std::vector<TermBinding>> computed = Compute(input.computed, &invocation.binding);
-    if (!computed.ok()) return none(computed.status().message());
+    if (!computed.ok()) return none(std::string(computed.status().message()));
     if (computed->empty() || computed->front().empty())
       return none(absl::StrCat(input.computed.text.value, " has none"));
     taken.merge(computed->front());

@@ -170,8 +170,8 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   std::string why_not;
   const CommandOwner self{run_.id, node, index};
   const TermBinding given = GivenTo(invocation);
-  std::vector<RobotId> robots = core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &given),
-                                                core_.RootOf(run_), self, &why_not);
+  std::vector<RobotId> robots =
+      core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &given), core_.RootOf(run_), self, &why_not);
   LeaveOutFailed(node, index, *plan, &robots, &why_not);
   if (robots.empty()) {
     if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);

@@ -49,8 +49,7 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
     one.source = RunIri(run_.id);
     one.type = action.event_type.empty() ? cawl::kDefaultEventType : action.event_type.value;
     one.time_us = core_.input->now_us;
-    for (const cawl::Text& name : action.data)
-      one.data.emplace_back(name.value, Value(name.value, &binding));
+    for (const cawl::Text& name : action.data) one.data.emplace_back(name.value, Value(name.value, &binding));
     all.push_back(std::move(one));
   }
   if (core_.outbox.size() + all.size() > kWorkflowLimits.notifications_open) {

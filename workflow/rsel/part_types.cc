@@ -10,6 +10,8 @@
 #include "graph/rdf/iri_names.h"
 #include "graph/rdf/number_literal.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/duration.h"
+#include "graph/sparql/values/time_text.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {
@@ -115,6 +117,25 @@ bool IsInteger(std::string_view local) {
   return IsNarrower(local, "integer");
 }
 
+// Whether a literal's lexical form is one of its datatype; true where this is not known.
+bool HasItsForm(const Term& value, std::string_view local) {
+  const std::string& lexical = value.lexical;
+  if (IsNumberLiteral(value)) {
+    const bool special = lexical == "NaN" || lexical == "INF" || lexical == "-INF";
+    return special || (FiniteNumber(value) && (!IsInteger(local) || IsInRange(lexical, local)));
+  }
+  if (local == "boolean") return lexical == "true" || lexical == "false" || lexical == "0" || lexical == "1";
+  if (local == "date") return sparql::ParseDateText(lexical).has_value();
+  if (local == "time") return sparql::ParseTimeText(lexical).has_value();
+  if (local == "dateTime") return sparql::ParseDateTimeText(lexical).has_value();
+  if (local == "dateTimeStamp") {
+    const auto time = sparql::ParseDateTimeText(lexical);
+    return time && time->zone_minutes;
+  }
+  const std::optional<sparql::Duration::Kind> kind = sparql::FindDurationKind(local);
+  return !kind || sparql::ParseDuration(lexical, *kind);
+}
+
 }  // namespace
 
 bool IsDatatype(std::string_view type) {
@@ -151,13 +172,7 @@ std::string TypeFault(const Term& value, std::string_view type) {
   }
   if (!IsDatatype(type)) return Concat("is a literal, and ", name, " is a class; give <iri> or prefix:local");
   const std::string given = DatatypeOf(value);
-  const bool special = value.lexical == "NaN" || value.lexical == "INF" || value.lexical == "-INF";
-  const bool in_range = !IsInteger(LocalXsd(given)) || IsInRange(value.lexical, LocalXsd(given));
-  if (IsNumberLiteral(value) && !special && (!FiniteNumber(value) || !in_range))
-    return Concat("does not have the form of ", TypeName(given));
-  if (LocalXsd(given) == "boolean" && value.lexical != "true" && value.lexical != "false" &&
-      value.lexical != "0" && value.lexical != "1")
-    return Concat("does not have the form of ", TypeName(given));
+  if (!HasItsForm(value, LocalXsd(given))) return Concat("does not have the form of ", TypeName(given));
   if (!MayBeOf(given, type)) return Concat("is of ", TypeName(given), ", not of ", name);
   if (IsAnyLiteral(type) || IsNarrower(LocalXsd(given), LocalXsd(type)) || !IsNumberLiteral(value)) return "";
   // A number of a wider datatype is one of the narrower, if its form and value are.

@@ -39,7 +39,8 @@ constexpr char kGreetX[] = "<invoke operation=\"greet\"><ext:input part=\"user\"
 TEST_F(RunInputs, AVariableOfAnotherName) {
   Must(test::WorldFacts());
   DeployOne(kGreetX);
-  EXPECT_THAT(Sent(Run({{"x", test::Iri("John")}})), ElementsAre(ElementsAre(Pair("user", test::Iri("John")))));
+  EXPECT_THAT(Sent(Run({{"x", test::Iri("John")}})),
+              ElementsAre(ElementsAre(Pair("user", test::Iri("John")))));
 }
 
 TEST_F(RunInputs, AnExpressionSetsNoVariable) {
@@ -121,16 +122,15 @@ TEST_F(RunInputs, TheRobotMayBeOne) {
 }
 
 TEST_F(RunInputs, ASubflowBeginsWithIt) {
-  Must(test::Put(
-      Document::Kind::kCawl, "w.xml",
-      "<CAWL name=\"W\" xmlns:w=\"urn:w:\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"
-      "<flow name=\"F\"><variable name=\"x\"/><source name=\"s\"/><node name=\"A\">"
-      "<invoke subflow=\"Sub\"><ext:input part=\"y\" variable=\"x\"/><ext:input part=\"x\" "
-      "expression=\"w:own\"/></invoke></node><sink name=\"e\"/>"
-      "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"e\"/></flow>"
-      "<flow name=\"Sub\"><variable name=\"x\"/><variable name=\"y\"/><source name=\"s\"/><node "
-      "name=\"A\"><ext:tell>$x w:y $y</ext:tell></node><sink name=\"e\"/>"
-      "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"e\"/></flow></CAWL>"));
+  Must(test::Put(Document::Kind::kCawl, "w.xml",
+                 "<CAWL name=\"W\" xmlns:w=\"urn:w:\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"
+                 "<flow name=\"F\"><variable name=\"x\"/><source name=\"s\"/><node name=\"A\">"
+                 "<invoke subflow=\"Sub\"><ext:input part=\"y\" variable=\"x\"/><ext:input part=\"x\" "
+                 "expression=\"w:own\"/></invoke></node><sink name=\"e\"/>"
+                 "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"e\"/></flow>"
+                 "<flow name=\"Sub\"><variable name=\"x\"/><variable name=\"y\"/><source name=\"s\"/><node "
+                 "name=\"A\"><ext:tell>$x w:y $y</ext:tell></node><sink name=\"e\"/>"
+                 "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"e\"/></flow></CAWL>"));
   Run({{"x", test::Iri("John")}});
   EXPECT_TRUE(Has(Fact("own", "y", "John")));
 }

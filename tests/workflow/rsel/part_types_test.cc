@@ -64,6 +64,16 @@ TEST(PartTypes, ALiteralNeedsTheFormOfItsDatatype) {
   EXPECT_FALSE(Is(Term::Literal("yes", Xsd("boolean")), Xsd("boolean")));
   EXPECT_TRUE(Is(Term::Literal("NaN", Xsd("double")), Xsd("double")));
   EXPECT_TRUE(Is(Term::Boolean(true), Xsd("boolean")));
+  const auto of = [](const std::string& lexical, const std::string& type) {
+    return Is(Term::Literal(lexical, Xsd(type)), Xsd(type));
+  };
+  EXPECT_TRUE(of("2026-02-28", "date") && of("23:59:59Z", "time") && of("2026-02-28T24:00:00", "dateTime"));
+  EXPECT_FALSE(of("2026-02-30", "date") || of("today", "date") || of("25:00:00", "time") ||
+               of("2026-02-28", "dateTime"));
+  EXPECT_TRUE(of("2026-02-28T10:00:00Z", "dateTimeStamp"));
+  EXPECT_FALSE(of("2026-02-28T10:00:00", "dateTimeStamp"));
+  EXPECT_TRUE(of("PT5M", "duration") && of("PT5M", "dayTimeDuration") && of("P1Y", "yearMonthDuration"));
+  EXPECT_FALSE(of("5min", "duration") || of("P1Y", "dayTimeDuration") || of("PT5M", "yearMonthDuration"));
 }
 
 TEST(PartTypes, TextAndResources) {

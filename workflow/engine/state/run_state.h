@@ -74,7 +74,8 @@ struct OpenCommand {
 struct InvocationState {
   size_t invoke = 0;    // index in cawl::Node::invokes
   TermBinding binding;  // forEach: the variables of this invocation, in front of the run's
-  TermBinding inputs;   // ext:input: as they were when this attempt last tried to begin, in front of the binding
+  TermBinding
+      inputs;  // ext:input: as they were when this attempt last tried to begin, in front of the binding
   WorkState state = WorkState::kPending;
   int attempt = 1;  // of the whole invoke, counted over all attempts of the node; part of its commands' ids
   int retries = 0;  // of those, by the invoke's own ext:retry in this attempt of the node
