@@ -137,6 +137,12 @@ TEST_F(RunInputs, ASubflowBeginsWithIt) {
 
 TEST_F(RunInputs, WhatIsUndoneGetsThemToo) {
   Must(test::WorldFacts());
+  const std::string greet = "urn:docent:operation:greet";
+  WriteBatch described =
+      Tell({Fact("R1", "docent:offers", greet), Fact(greet, "docent:input", Term::Literal("user")),
+            Fact(greet, "docent:inputsKnown", Term::Boolean(true))});
+  described.source = test::Name("R1");
+  Must(described);
   Deploy(
       "<node name=\"A\" ext:compensate=\"greet\"><invoke operation=\"greet\"><ext:input part=\"user\" "
       "expression=\"'A'\"/></invoke></node><node name=\"B\"><ext:assign variable=\"x\" "
