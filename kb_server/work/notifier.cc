@@ -42,7 +42,6 @@ Notifier::~Notifier() {
   {
     absl::MutexLock lock(&mutex_);
     ends_ = true;
-    news_.SignalAll();
   }
   for (std::thread& thread : threads_) thread.join();
 }
@@ -57,7 +56,6 @@ void Notifier::Add(DeliveryPtr delivery, std::chrono::milliseconds pause) {
   absl::MutexLock lock(&mutex_);
   if (ends_) return;
   queue_.emplace(std::chrono::steady_clock::now() + pause, std::move(delivery));
-  news_.Signal();
 }
 
 void Notifier::Work() {
@@ -66,11 +64,13 @@ void Notifier::Work() {
     {
       absl::MutexLock lock(&mutex_);
       while (!ends_ && (queue_.empty() || queue_.begin()->first > std::chrono::steady_clock::now())) {
-        if (queue_.empty())
-          news_.Wait(&mutex_);
-        else
-          news_.WaitWithTimeout(&mutex_,
-                                absl::FromChrono(queue_.begin()->first - std::chrono::steady_clock::now()));
+        const SteadyTime due = queue_.empty() ? SteadyTime::max() : queue_.begin()->first;
+        const auto comes_before = [this, due]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+          return ends_ || (!queue_.empty() && queue_.begin()->first < due);
+        };
+        mutex_.AwaitWithTimeout(absl::Condition(&comes_before),
+                                queue_.empty() ? absl::InfiniteDuration()
+                                               : absl::FromChrono(due - std::chrono::steady_clock::now()));
       }
       if (ends_) return;
       next = std::move(queue_.begin()->second);

@@ -67,7 +67,6 @@ class Notifier final : public NotificationSink {
   const RemoteAccess allowed_;
   Cancellation cancellation_;
   absl::Mutex mutex_;
-  absl::CondVar news_;
   bool ends_ ABSL_GUARDED_BY(mutex_) = false;
   std::multimap<SteadyTime, DeliveryPtr> queue_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::thread> threads_;

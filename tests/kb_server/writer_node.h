@@ -16,6 +16,23 @@
 
 namespace docent::server::test {
 
+// A status that a test sets while the writer reads it.
+class SharedStatus {
+ public:
+  absl::Status operator=(absl::Status status) {
+    absl::MutexLock lock(&mutex_);
+    return status_ = std::move(status);
+  }
+  operator absl::Status() const {
+    absl::MutexLock lock(&mutex_);
+    return status_;
+  }
+
+ private:
+  mutable absl::Mutex mutex_;
+  absl::Status status_ ABSL_GUARDED_BY(mutex_);
+};
+
 // A log in memory that refuses appends when told to.
 class FakeLog final : public log::ContextLog {
  public:
@@ -49,14 +66,11 @@ class FakeLog final : public log::ContextLog {
   absl::Status Trim(uint64_t) override { return absl::OkStatus(); }
   absl::StatusOr<uint64_t> Bytes() override { return size(); }
   absl::Status Probe() override {
-    absl::MutexLock lock(&mutex_);
-    return place.ok() ? refusal : place;
+    const absl::Status there = place;
+    return there.ok() ? absl::Status(refusal) : there;
   }
 
-  absl::Status CheckPlace() override {
-    absl::MutexLock lock(&mutex_);
-    return place;
-  }
+  absl::Status CheckPlace() override { return place; }
 
   uint64_t size() const {
     absl::MutexLock lock(&mutex_);
@@ -66,9 +80,9 @@ class FakeLog final : public log::ContextLog {
 
   // Set from on_append, or while nothing is in flight.
   std::function<void(size_t)> on_append;
-  absl::Status refusal;
-  absl::Status lost_answer;  // the append succeeds, and this is told
-  absl::Status place;        // see CheckPlace
+  SharedStatus refusal;
+  SharedStatus lost_answer;  // the append succeeds, and this is told
+  SharedStatus place;        // see CheckPlace
   bool once = false;         // they are of one append only
   bool fenced = false;
 

@@ -475,9 +475,12 @@ TEST_F(MisbehavingAdapterTest, ACommandThatOvertakesItsDeadlineIsCancelledAndIts
   for (const auto behaviour :
        {ScriptedAdapter::Behaviour::kHang, ScriptedAdapter::Behaviour::kAcceptAndHang}) {
     const std::string id = behaviour == ScriptedAdapter::Behaviour::kHang ? "c/1" : "c/2";
+    adapter_.on_invoke = ScriptedAdapter::Behaviour::kSucceed;
+    proxies_.SetAdapter(RobotId(kRobot), adapter_.address(), "");
+    proxies_.Send(Command("before " + id, "drive"));
+    reports_.AwaitFinal("before " + id);  // there is a connection: the next one goes out before its deadline
     adapter_.on_invoke = behaviour;
     adapter_.cancels = 0;
-    proxies_.SetAdapter(RobotId(kRobot), adapter_.address(), "");
     proxies_.Send(Command(id, "drive", 200));
     while (adapter_.cancels == 0) absl::SleepFor(absl::Milliseconds(1));
     absl::SleepFor(absl::Milliseconds(100));
