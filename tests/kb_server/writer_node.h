@@ -19,9 +19,9 @@ namespace docent::server::test {
 // A status that a test sets while the writer reads it.
 class SharedStatus {
  public:
-  absl::Status operator=(absl::Status status) {
+  void operator=(absl::Status status) {
     absl::MutexLock lock(&mutex_);
-    return status_ = std::move(status);
+    status_ = std::move(status);
   }
   operator absl::Status() const {
     absl::MutexLock lock(&mutex_);
@@ -41,7 +41,10 @@ class FakeLog final : public log::ContextLog {
     if (on_append) on_append(added.size());
     absl::MutexLock lock(&mutex_);
     const absl::Status refuse = refusal, lose = lost_answer;
-    if (once) refusal = lost_answer = absl::OkStatus();
+    if (once) {
+      refusal = absl::OkStatus();
+      lost_answer = absl::OkStatus();
+    }
     if (!refuse.ok()) return refuse;
     if (fenced) return log::AppendResult{log::AppendResult::Outcome::kFenced, {records_.size(), epoch + 1}};
     EXPECT_EQ(expected, records_.size());

@@ -170,11 +170,13 @@ TEST(WriterTest, WhatWentIntoALostLogIsNotAcknowledged) {
   node.Begin();
   ASSERT_TRUE(node.Ask(test::WorldFacts()).ok());
   EXPECT_TRUE(node.writer->LogStatus().ok());
-  log.lost_answer = log.place = absl::UnavailableError("the data folder is gone");
+  log.lost_answer = absl::UnavailableError("the data folder is gone");
+  log.place = absl::UnavailableError("the data folder is gone");
   const auto refused = node.Ask(Named("a", Tell({Fact("John", "docent:isAt", "Hall")})));
   EXPECT_EQ(refused.status().message(), "the data folder is gone") << "though the log that is lost has it";
   EXPECT_FALSE(node.writer->LogStatus().ok());
-  log.lost_answer = log.place = absl::OkStatus();
+  log.lost_answer = absl::OkStatus();
+  log.place = absl::OkStatus();
   EXPECT_TRUE(node.Ask(Named("b", Tell({Fact("John", "docent:isAt", "Hall")}))).ok());
 }
 
