@@ -61,7 +61,6 @@ void RpcCall::Begin(grpc::GenericStub* stub, const std::string& method, absl::Ti
   stub->PrepareBidiStreamingCall(&context_, method, grpc::StubOptions(), this);
   AddHold();  // while reads may be started from outside; until a read fails
   WriteOne();
-  StartRead(&read_);
   StartCall();
 }
 
@@ -88,6 +87,7 @@ void RpcCall::Next() {
 
 void RpcCall::OnReadInitialMetadataDone(bool ok) {
   if (ok) sink_->OnHead();
+  StartRead(&read_);  // not before: gRPC may say of a message on another thread before it says of the head
 }
 
 void RpcCall::OnReadDone(bool ok) {
