@@ -61,6 +61,7 @@ void RpcCall::Begin(grpc::GenericStub* stub, const std::string& method, absl::Ti
   stub->PrepareBidiStreamingCall(&context_, method, grpc::StubOptions(), this);
   AddHold();  // while reads may be started from outside; until a read fails
   WriteOne();
+  StartRead(&read_);
   StartCall();
 }
 
@@ -87,15 +88,24 @@ void RpcCall::Next() {
 
 void RpcCall::OnReadInitialMetadataDone(bool ok) {
   if (ok) sink_->OnHead();
-  StartRead(&read_);  // not before: gRPC may say of a message on another thread before it says of the head
+  if (Passed(kHead)) Deliver();
 }
 
-void RpcCall::OnReadDone(bool ok) {
-  if (!ok) return RemoveHold();
+// gRPC may say of the first message on another thread before it has said of the head: the later of the two passes it on.
+bool RpcCall::Passed(int what) {
+  return (arrived_.fetch_or(what) | what) == (kHead | kMessage);
+}
+
+void RpcCall::Deliver() {
   std::string bytes = BytesOf(read_);
   read_.Clear();
   paused_ = true;
   sink_->OnMessage(std::move(bytes), self_);
+}
+
+void RpcCall::OnReadDone(bool ok) {
+  if (!ok) return RemoveHold();
+  if (Passed(kMessage)) Deliver();
 }
 
 void RpcCall::OnWriteDone(bool ok) {

@@ -78,6 +78,8 @@ class RpcCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::Byt
   RpcCall(RpcChannel* channel, std::vector<std::string> requests, std::shared_ptr<RpcSink> sink);
   void Begin(grpc::GenericStub* stub, const std::string& method, absl::Time deadline);
   void WriteOne();
+  bool Passed(int what);
+  void Deliver();
 
   void OnReadInitialMetadataDone(bool ok) override;
   void OnReadDone(bool ok) override;
@@ -91,8 +93,10 @@ class RpcCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::Byt
   grpc::ByteBuffer writing_;
   grpc::ByteBuffer read_;
   std::atomic<bool> paused_{false};  // no read is under way
-  std::shared_ptr<RpcSink> sink_;    // until the end
-  std::shared_ptr<RpcCall> self_;    // likewise
+  static constexpr int kHead = 1, kMessage = 2;
+  std::atomic<int> arrived_{0};    // of the head and the first message
+  std::shared_ptr<RpcSink> sink_;  // until the end
+  std::shared_ptr<RpcCall> self_;  // likewise
 };
 
 }  // namespace docent::server

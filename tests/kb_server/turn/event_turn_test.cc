@@ -262,7 +262,7 @@ TEST_F(EventTurnTest, AnEventToldAgainIsCountedWhetherTheClockCameBetweenOrNot) 
 }
 
 TEST_F(EventTurnTest, JointEventsAreAwaitedAfterAStartFromAnyFormat) {
-  for (uint64_t format = 4; format <= 10; ++format) {
+  for (uint64_t format = 4; format <= 11; ++format) {
     stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
     Turn(Put(
         Document::Kind::kCawl, "bell",
@@ -281,7 +281,7 @@ TEST_F(EventTurnTest, JointEventsAreAwaitedAfterAStartFromAnyFormat) {
 }
 
 TEST_F(EventTurnTest, WhatWaitsForARobotGoesOnAfterAStartFromAnyFormat) {
-  for (uint64_t format = 4; format <= 10; ++format) {
+  for (uint64_t format = 4; format <= 11; ++format) {
     stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
     Turn(test::WorldFacts());
     Turn(Put(Document::Kind::kCawl, "bell",

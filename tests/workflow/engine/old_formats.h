@@ -10,7 +10,7 @@
 
 namespace docent::engine::test {
 
-// Formats 4 to 10 (docs/reference/file_formats.md).
+// Formats 4 to 11 (docs/reference/file_formats.md).
 inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   const std::string bytes = *EncodeEngineState(state);
   Packed packed;
@@ -22,6 +22,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   AddedIn8(reader, packed);
   AddedIn9(reader, packed);
   reader(packed.last_used);
+  AddedIn11(reader, packed);
   EXPECT_TRUE(reader.AtEnd()) << "a newer format: leave out here what it added";
   ByteWriter writer;
   Fields(writer, packed);
@@ -31,6 +32,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   if (format >= 8) AddedIn8(writer, packed);
   if (format >= 9) AddedIn9(writer, packed);
   if (format >= 10) writer(packed.last_used);
+  if (format >= 11) AddedIn11(writer, packed);
   return writer.Take();
 }
 
