@@ -9,6 +9,7 @@ export interface Command {
   words?: string; // further words that find it
   hidden?: boolean; // has a key, but is not offered in Ctrl-K
   inFields?: boolean; // its key works while somebody types, too
+  onCanvas?: boolean; // its key is for what is selected on the canvas: not while the focus is in a panel, or text is selected
   run: () => void;
 }
 
@@ -60,6 +61,13 @@ function isField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName));
 }
 
+// The focus is on the canvas or nowhere, and no text is selected that the key would be meant for.
+function isForCanvas(target: EventTarget | null): boolean {
+  if (!(target instanceof HTMLElement || target instanceof SVGElement)) return true;
+  if (target.closest(".canvas")) return true;
+  return (target === document.body || target === document.documentElement) && (document.getSelection()?.isCollapsed ?? true);
+}
+
 // The first key of a sequence, as long as the second may follow.
 let pending: { event: KeyboardEvent; until: number } | null = null;
 
@@ -77,7 +85,7 @@ export function startKeys() {
     if (pending && Date.now() > pending.until) pending = null;
     const field = isField(event.target);
     const inDialog = event.target instanceof HTMLElement && event.target.closest("dialog") !== null;
-    const commands = allCommands().filter((c) => c.keys && (c.inFields || (!field && !inDialog)));
+    const commands = allCommands().filter((c) => c.keys && (c.inFields || (!field && !inDialog)) && (!c.onCanvas || isForCanvas(event.target)));
     const command = commands.find((c) => c.keys && hit(c.keys, event));
     const begins = !field && !inDialog && !pending && commands.some((c) => c.keys?.includes(" ") && matches(c.keys.split(" ")[0] ?? "", event));
     pending = !command && begins ? { event, until: Date.now() + 1200 } : null;

@@ -1,5 +1,6 @@
 // Light or dark: as the system has it, until somebody chooses.
 import { useSyncExternalStore } from "react";
+import { kept } from "../api/storage";
 
 export type Theme = "system" | "light" | "dark";
 const key = "docent.theme";
@@ -8,7 +9,7 @@ const listeners = new Set<() => void>();
 let chosen: Theme = readChosen();
 
 function readChosen(): Theme {
-  const stored = localStorage.getItem(key);
+  const stored = kept.getItem(key);
   return stored === "light" || stored === "dark" ? stored : "system";
 }
 function apply() {
@@ -20,7 +21,7 @@ export function themeShown(): "light" | "dark" {
 }
 export function toggleTheme() {
   chosen = themeShown() === "dark" ? "light" : "dark";
-  localStorage.setItem(key, chosen);
+  kept.setItem(key, chosen);
   apply();
 }
 export function startTheme() {

@@ -212,6 +212,13 @@ export class Edits {
     this.push(last ? this.layout.insertAfter(last.element, content) : this.layout.insertFirst(flow.element, content));
   }
 
+  // The same as XML, of another document.
+  addVariableText(flow: Flow, written: string) {
+    const content = (indent: string) => written.split("\n").map((line, i) => (i === 0 || line.trim() === "" ? line : indent + line)).join(this.layout.newline);
+    const last = flow.variables.at(-1);
+    this.push(last ? this.layout.insertAfter(last.element, content) : this.layout.insertFirst(flow.element, content));
+  }
+
   renameFlow(document: CawlDocument, flow: Flow, name: string) {
     const wanted = name.trim();
     if (wanted === "" || wanted === flow.name) return;

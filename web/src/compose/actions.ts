@@ -23,6 +23,7 @@ export class Actions {
     private readonly flowKey: string,
     private readonly select: (keys: string[]) => void,
     private readonly selectLink: (key: string) => void,
+    private readonly palette: readonly PaletteEntry[] = [], // tells what is invoked with which values
   ) {}
 
   private edit<T>(make: (edits: Edits, flow: Flow) => T, said = ""): T | undefined {
@@ -156,7 +157,7 @@ export class Actions {
     this.session.refreshed++;
   }
 
-  // ---- copy and paste: the XML of the steps and of the links between them ----
+  // ---- copy and paste: the XML of the steps, of the links between them, and of the variables that they use ----
 
   copied(stepKeys: readonly string[]): string {
     const { document } = this.session;
@@ -166,7 +167,10 @@ export class Actions {
     const names = new Set(steps.map((s) => s.name));
     const links = flow.links.filter((l) => names.has(l.from) && names.has(l.to));
     const scope = [...(document.root?.scope ?? [])].filter(([prefix]) => prefix !== "xml" && prefix !== "");
-    const parts = [...steps, ...links].map((part) => `  ${outdented(document, part.element.from, part.element.to)}`);
+    const xml = [...steps, ...links].map((part) => document.text.slice(part.element.from, part.element.to)).join("\n");
+    const taken = new Set(steps.flatMap((s) => s.invokes.flatMap((i) => this.palette.find((e) => e.id === i.target)?.inputs.map((input) => input.name) ?? [])));
+    const variables = [...flow.variables, ...document.variables].filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i && (taken.has(v.name) || uses(xml, v.name)));
+    const parts = [...variables, ...steps, ...links].map((part) => `  ${outdented(document, part.element.from, part.element.to)}`);
     return `<flow name="copied"${scope.map(([prefix, iri]) => ` xmlns:${prefix}="${iri}"`).join("")}>\n${parts.join("\n")}\n</flow>\n`;
   }
 
@@ -179,6 +183,8 @@ export class Actions {
       const taken = new Set(flow.steps.map((s) => s.name));
       const renamed = new Map<string, string>();
       for (const [prefix, iri] of source.element.scope) if (prefix !== "" && prefix !== "xml" && iri !== viewNamespace) edits.declare(prefix, iri);
+      const known = new Set([...flow.variables, ...this.session.document.variables].map((v) => v.name));
+      for (const variable of source.variables) if (variable.name && !known.has(variable.name)) edits.addVariableText(flow, outdented(fragment, variable.element.from, variable.element.to));
       for (const step of source.steps.filter((s) => s.kind === "node")) {
         const name = uniqueName(taken, step.name);
         taken.add(name);
@@ -204,6 +210,11 @@ export class Actions {
   }
 }
 
+// "$user", or variable="user", in the text of steps.
+function uses(xml: string, name: string): boolean {
+  const escaped = name.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+  return new RegExp(`[$?]${escaped}(?![\\w-])|\\bvariable=["']${escaped}["']`).test(xml);
+}
 function scoped(source: Flow, content: string): string {
   const scope = [...source.element.scope].filter(([prefix]) => prefix !== "" && prefix !== "xml").map(([prefix, iri]) => ` xmlns:${prefix}="${iri}"`).join("");
   return `<flow name="f"${scope}>${content}</flow>`;

@@ -1,24 +1,21 @@
 // Breakpoints of a workflow: steps at which a simulation stops. Kept in this browser by the workflow's name, and never in its text.
 import { useCallback, useMemo, useState } from "react";
+import { kept } from "../api/storage";
 
 const prefix = "docent.breakpoints.";
 const placeOf = (flow: string, step: string) => `${flow}\n${step}`;
 
 function load(workflow: string): ReadonlySet<string> {
   try {
-    const stored: unknown = JSON.parse(localStorage.getItem(prefix + workflow) ?? "[]");
+    const stored: unknown = JSON.parse(kept.getItem(prefix + workflow) ?? "[]");
     return new Set(Array.isArray(stored) ? stored.filter((place) => typeof place === "string") : []);
   } catch {
     return new Set();
   }
 }
 function save(workflow: string, places: ReadonlySet<string>) {
-  try {
-    if (places.size > 0) localStorage.setItem(prefix + workflow, JSON.stringify([...places]));
-    else localStorage.removeItem(prefix + workflow);
-  } catch {
-    // The browser's storage is full or closed: they last as long as the page.
-  }
+  if (places.size > 0) kept.setItem(prefix + workflow, JSON.stringify([...places]));
+  else kept.removeItem(prefix + workflow);
 }
 
 // Of one flow of the workflow that is open: the names of its steps that have one.

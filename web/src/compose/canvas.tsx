@@ -248,6 +248,7 @@ function Flow(props: CanvasProps) {
   return (
     <div
       className={`canvas${calm ? " calm" : ""}`} ref={pane}
+      onPointerDownCapture={() => document.getSelection()?.removeAllRanges()} // text that is selected elsewhere is no longer meant
       onDragOver={(e) => {
         if (!dragged.what) return;
         e.preventDefault();

@@ -18,10 +18,10 @@ export default function Compose(props: { name: string; flow: string; step: strin
     return () => void (there = false);
   }, [props.name]);
   if (!loaded) return <main className="view" aria-busy="true" />;
-  if (loaded.text !== null) return <Editor name={props.name} text={loaded.text} deployed={loaded.deployed} flow={props.flow} step={props.step} via={props.via} trial={props.trial} />;
+  if (loaded.text !== null) return <Editor name={props.name} text={loaded.text} live={loaded.live} base={loaded.base} flow={props.flow} step={props.step} via={props.via} trial={props.trial} />;
   const begin = (text: string) => {
     saveDraft(props.name, text, "");
-    setLoaded({ ...loaded, text });
+    setLoaded({ ...loaded, text, base: null });
   };
   return (
     <main className="view">

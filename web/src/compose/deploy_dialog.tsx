@@ -1,6 +1,6 @@
 // Before a workflow is deployed: what changes against the one that runs, and what the check says.
 import { CircleAlert, Rocket, X } from "lucide-react";
-import { useMemo, useState } from "react";
+import { useMemo, useState, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { navigate, paths } from "../app/router";
@@ -8,20 +8,28 @@ import { type CawlDocument, readCawl, type Flow, type Step } from "../cawl/docum
 import { Dialog } from "../ui/dialog";
 import { DeployFlow } from "./deploy_flow";
 import { toast } from "../ui/toasts";
+import type { DraftSync } from "./draft_sync";
 import type { Findings } from "./findings";
+import { askLive, BehindChoices, behindWords } from "./live_version";
 import type { Session } from "./session";
-import { diffLines, nextVersion } from "./text_diff";
+import { diffLines, proposedVersion } from "./text_diff";
 import "./deploy.css";
 
-export function DeployDialog(props: { session: Session; document: CawlDocument; findings: Findings; deployed: string | null; onDeployed: (text: string) => void; onClose: () => void }) {
-  const { session, document, findings, deployed } = props;
+export function DeployDialog(props: { session: Session; document: CawlDocument; findings: Findings; sync: DraftSync; onDeployed: (text: string, version: string) => void; onClose: () => void }) {
+  const { session, document, findings, sync } = props;
+  useSyncExternalStore(sync.subscribe, sync.getTurn);
+  const deployed = sync.live?.text ?? null;
+  const [takesBack, setTakesBack] = useState<string | null>(null); // the text of a live version that may be taken back
+  const behind = sync.behind;
+  const asks = behind && takesBack !== deployed;
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<PlainError | null>(null);
   const errors = findings.list.filter((f) => f.error);
   const warnings = findings.list.filter((f) => !f.error);
   const diff = useMemo(() => (deployed === null ? [] : diffLines(deployed, document.text)), [deployed, document.text]);
   const old = useMemo(() => (deployed === null ? null : readCawl(deployed)), [deployed]);
-  const [version, setVersion] = useState(() => (old && old.version === document.version && deployed !== document.text ? nextVersion(old.version) : document.version)); // is written into the text with the deployment
+  const [typed, setTyped] = useState<string | null>(null);
+  const version = typed ?? (old && sync.live && deployed !== document.text ? proposedVersion(document.version, old.version) : document.version); // is written into the text with the deployment
   const drawn = old ? document.flows.filter((flow) => flowText(document, flow) !== flowText(old, old.flows.find((f) => f.name === flow.name))).slice(0, 3) : [];
   const textOf = (side: "before" | "after", step: Step) => stepText(side === "before" && old ? old : document, step);
   const steps = useMemo(() => (old === null ? null : stepDiff(old, document)), [old, document]);
@@ -29,11 +37,15 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
     setBusy(true);
     setError(null);
     try {
+      // Somebody may have deployed another version since the last look.
+      const now = await askLive(document.name, sync.live).catch(() => null);
+      if (now) sync.sees(now);
+      if (sync.behind && takesBack !== sync.live?.text) return setBusy(false);
       if (version.trim() !== document.version) session.edit(document.flows[0]?.key ?? "", (e) => document.root && e.set(document.root, "version", version.trim() || null));
       const text = session.written;
       const reply = await workflows.deploy({ name: `${document.name}.cawl.xml`, cawl: text });
       toast("good", `${reply.workflow} is deployed`, `From now on it runs as you see it here (revision ${reply.revision}).`, { label: "Its runs", run: () => navigate(paths.runs("", reply.workflow)) });
-      props.onDeployed(text);
+      props.onDeployed(text, version.trim());
       props.onClose();
     } catch (failure) {
       setError(plain(failure));
@@ -50,8 +62,19 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
         <p className="quiet">
           {deployed === null ? (document.activator ? "From now on it starts by itself when its situation is true. It can be started by hand, too." : "From now on it can be started by hand, and be a step of other workflows.") : deployed === document.text ? "This is the text that is deployed already." : "It takes the place of the deployed version. Live runs go on with the version that they began with."}
         </p>
+        {behind && sync.live && (
+          <div className="notice wait deploy-behind" role="alert">
+            <CircleAlert size={15} />
+            <div className="grow">
+              <b>{behindWords(sync.live, sync.base)} Deploying takes it back.</b>
+              {sync.together() === null && " Both changed the same place, so they can’t be put together by themselves."} The differences below are from that version.
+              <div className="row"><BehindChoices sync={sync} /></div>
+              <label className="row"><input type="checkbox" checked={!asks} onChange={(e) => setTakesBack(e.target.checked ? deployed : null)} />Deploy this text in its place</label>
+            </div>
+          </div>
+        )}
         <div style={{ maxWidth: 160 }}>
-          <label className="property"><span>Version</span><input className="field" aria-label="Version" value={version} placeholder="1.0" onChange={(e) => setVersion(e.target.value)} /></label>
+          <label className="property"><span>Version</span><input className="field" aria-label="Version" value={version} placeholder="1.0" onChange={(e) => setTyped(e.target.value)} /></label>
         </div>
         {errors.length > 0 && <div className="notice bad"><CircleAlert size={15} /><div><b>{errors.length} to mend first.</b> {errors[0]?.message}</div></div>}
         {errors.length === 0 && warnings.length > 0 && <div className="notice wait"><CircleAlert size={15} /><div><b>{warnings.length} to look at.</b> {warnings[0]?.message}</div></div>}
@@ -72,7 +95,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
       </div>
       <div className="sheet-foot">
         <button className="button" onClick={props.onClose}>Not now</button>
-        <button className="button primary" disabled={busy || errors.length > 0} onClick={() => void deploy()} data-first><Rocket size={14} />{busy ? "Deploying" : "Deploy"}</button>
+        <button className="button primary" disabled={busy || asks || errors.length > 0} title={asks ? "First choose what becomes of the deployed version" : undefined} onClick={() => void deploy()} data-first><Rocket size={14} />{busy ? "Deploying" : "Deploy"}</button>
       </div>
     </Dialog>
   );

@@ -3,6 +3,7 @@ import { CircleDot, Cloud, FileUp, PauseCircle, Pencil, Plus, PowerOff, Trash2, 
 import { useState } from "react";
 import { workflows } from "../api/client";
 import { usePoll } from "../api/poll";
+import { kept as storage } from "../api/storage";
 import { useCommands } from "../app/commands";
 import { Link } from "../app/link";
 import { navigate, paths } from "../app/router";
@@ -58,6 +59,7 @@ export default function Documents() {
           <button className="button primary" onClick={() => setTemplate(templates[0] ?? null)}><Plus size={15} />New workflow</button>
         </div>
         <p className="quiet" style={{ marginBottom: 22 }}>What robots do for people here: steps, and the situations that open them.</p>
+        {!storage.open() && <div className="notice wait" role="status" style={{ marginBottom: 16 }}><Unplug size={15} /><div><b>This browser keeps nothing: drafts are not kept.</b> Its storage is blocked. What you write lasts as long as this page; save it as a file or on the server.</div></div>}
         {polled.error && !polled.data && <div className="notice wait" style={{ marginBottom: 16 }}><Unplug size={15} /><div><b>{polled.error.title}.</b> {polled.error.detail} You can write drafts meanwhile.</div></div>}
         {rows.length > 0 && (
           <ul className="documents card">

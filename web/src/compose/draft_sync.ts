@@ -1,8 +1,11 @@
 // Keeps the draft of an open document in this browser, a moment after each change, and takes in what another tab writes of it
-// meanwhile. Where both changed the same place, nothing is written until somebody has chosen.
+// meanwhile. Where both changed the same place, nothing is written until somebody has chosen. Knows also which deployed version
+// the text began from: a text without changes follows the live one, another one is behind it until somebody has chosen.
 import { uniqueName } from "../cawl/names";
 import { toast } from "../ui/toasts";
-import { dropDraft, listDrafts, loadDraft, saveDraft, watchDraft } from "./drafts";
+import { kept } from "../api/storage";
+import { askBeforeLeaving, type Draft, dropDraft, isUnkept, listDrafts, loadDraft, saveDraft, watchDraft } from "./drafts";
+import type { LiveVersion } from "./load_document";
 import { mergeTexts } from "./merge";
 import type { Session } from "./session";
 
@@ -12,21 +15,25 @@ export class DraftSync {
   conflict: string | null = null; // the other tab's text
   private shared: string; // that both tabs had last
   private timer = 0;
-  private full = false;
+  private turn = 0; // changes with what is told below
   private readonly stops: (() => void)[];
   private readonly listeners = new Set<() => void>();
 
   constructor(
     private readonly name: string,
     private readonly session: Session,
-    private deployed: string | null,
+    private shownLive: LiveVersion | null,
+    public base: string | null = shownLive?.text ?? null, // the deployed text that this one began from; null: none was deployed
   ) {
     this.shared = session.written;
     const leave = () => this.leave();
+    const ask = (event: Event) => (session.version > 0 && this.save(), askBeforeLeaving(event)); // what was typed just now may not be kept either
+    window.addEventListener("beforeunload", ask);
     window.addEventListener("pagehide", leave);
     this.stops = [
       session.subscribe(() => this.later()),
-      watchDraft(name, (draft) => draft && this.takeIn(draft.text)),
+      watchDraft(name, (draft) => draft && this.takeIn(draft)),
+      () => window.removeEventListener("beforeunload", ask),
       () => window.removeEventListener("pagehide", leave),
     ];
   }
@@ -35,6 +42,54 @@ export class DraftSync {
     return () => void this.listeners.delete(listener);
   };
   getConflict = () => this.conflict;
+  getTurn = () => this.turn;
+
+  // The version that the server runs, as far as it is known.
+  get live(): LiveVersion | null {
+    return this.shownLive;
+  }
+  // Somebody has deployed another version than the one that this text began from.
+  get behind(): boolean {
+    return this.shownLive !== null && this.shownLive.text !== this.base && this.shownLive.text !== this.session.written;
+  }
+  // The browser keeps the text.
+  get isKept(): boolean {
+    return kept.open() && !isUnkept(this.name);
+  }
+
+  // The server runs this version now. A text without changes of its own becomes it.
+  sees(live: LiveVersion) {
+    this.catchUp();
+    const before = this.shownLive;
+    this.shownLive = live;
+    if (this.conflict === null && this.base !== null && this.session.written === this.base && live.text !== this.base) {
+      this.base = live.text;
+      this.session.mergeIn(live.text);
+      this.save();
+      toast("good", `${versionWords(live)} is here`, "Somebody has deployed it. You had changed nothing.");
+    } else if (before?.text === live.text && before.number === live.number && before.timeUs === live.timeUs) return;
+    this.told();
+  }
+  // Both the live version and what was changed here; null: both changed the same place.
+  together(): string | null {
+    return this.shownLive && this.base !== null ? mergeTexts(this.base, this.session.written, this.shownLive.text) : null;
+  }
+  putTogether() {
+    const both = this.together();
+    if (both === null || !this.shownLive) return;
+    this.base = this.shownLive.text;
+    this.session.mergeIn(both);
+    this.save();
+    this.told();
+  }
+  // Undo brings mine back.
+  takeLive() {
+    if (!this.shownLive) return;
+    this.base = this.shownLive.text;
+    this.session.replaceAll(this.shownLive.text);
+    this.save();
+    this.told();
+  }
 
   // Where both changed the same place: one of the two is taken whole. Undo brings mine back.
   take() {
@@ -42,6 +97,7 @@ export class DraftSync {
     if (other === null) return;
     this.become(null);
     this.shared = other;
+    this.base = loadDraft(this.name)?.base || this.base;
     this.session.replaceAll(other);
   }
   keep() {
@@ -51,29 +107,37 @@ export class DraftSync {
   }
 
   // From now on the draft is what differs from this.
-  isDeployed(text: string) {
-    this.deployed = text;
+  isDeployed(text: string, version: string) {
+    this.shownLive = { number: this.shownLive?.number ?? 0, version, timeUs: BigInt(Date.now()) * 1000n, text };
+    this.base = text;
     this.save();
+    this.told();
   }
 
   private become(conflict: string | null) {
     this.conflict = conflict;
+    this.told();
+  }
+  private told() {
+    this.turn++;
     for (const listener of this.listeners) listener();
   }
   private later() {
     window.clearTimeout(this.timer);
     this.timer = window.setTimeout(() => this.save(), restMs);
   }
-  private takeIn(other: string) {
+  private takeIn({ text: other, base }: Draft) {
     const mine = this.session.written;
     if (other === mine) {
       this.shared = other;
+      this.base = base || this.base;
       return this.become(null);
     }
     const merged = mergeTexts(this.shared, mine, other);
     if (merged === null) return this.become(other);
     const both = merged !== other; // the other tab has yet to hear of mine
     this.shared = other;
+    this.base = base || this.base; // the other tab may have put a newer version in
     this.become(null);
     if (merged !== mine) {
       this.session.mergeIn(merged);
@@ -82,17 +146,21 @@ export class DraftSync {
   }
   private save() {
     window.clearTimeout(this.timer);
-    if (this.conflict !== null) return;
-    const stored = loadDraft(this.name)?.text;
-    if (stored !== undefined && stored !== this.shared) this.takeIn(stored); // written since, and not heard of yet
+    this.catchUp();
     if (this.conflict === null) this.write();
+  }
+  // What another tab has written since, and was not heard of yet.
+  private catchUp() {
+    const stored = this.conflict === null ? loadDraft(this.name) : null;
+    if (stored && stored.text !== this.shared) this.takeIn(stored);
   }
   private write() {
     const text = this.session.written;
-    const saved = text === this.deployed ? (dropDraft(this.name), true) : saveDraft(this.name, text, this.deployed ?? "");
-    if (saved) this.shared = text;
-    else if (!this.full) toast("bad", "The draft can't be kept", "The browser's storage is full. Save the text as a file (Ctrl-S).");
-    this.full = !saved;
+    const before = this.isKept;
+    if (text === this.shownLive?.text) (dropDraft(this.name), (this.base = text));
+    else saveDraft(this.name, text, this.base ?? "");
+    this.shared = text;
+    if (this.isKept !== before) this.told();
   }
   // A conflict that nobody has settled: mine is kept under another name.
   private leave() {
@@ -104,4 +172,9 @@ export class DraftSync {
     this.leave();
     for (const stop of this.stops) stop();
   }
+}
+
+// "Version 1.2"
+export function versionWords(live: Pick<LiveVersion, "version">): string {
+  return live.version ? `Version ${live.version}` : "Another version";
 }

@@ -1,33 +1,37 @@
-// Texts that are being written, kept in this browser until they are deployed or thrown away.
+// Texts that are being written, kept in this browser until they are deployed or thrown away. Where the browser does not keep
+// them, they last as long as the page, and leaving it asks first.
+import { kept } from "../api/storage";
+
 const prefix = "docent.draft.";
 
 export interface Draft {
   text: string;
   savedMs: number;
-  base: string; // the text that the draft began with, to tell whether it differs
+  base: string; // the deployed text that the draft began from; empty: none was deployed
 }
 
 export function loadDraft(name: string): Draft | null {
   try {
-    const stored = JSON.parse(localStorage.getItem(prefix + name) ?? "null") as Partial<Draft> | null;
+    const stored = JSON.parse(kept.getItem(prefix + name) ?? "null") as Partial<Draft> | null;
     return stored && typeof stored.text === "string" ? { text: stored.text, savedMs: Number(stored.savedMs ?? 0), base: String(stored.base ?? "") } : null;
   } catch {
     return null;
   }
 }
+// False: it lasts as long as the page.
 export function saveDraft(name: string, text: string, base: string): boolean {
-  try {
-    localStorage.setItem(prefix + name, JSON.stringify({ text, base, savedMs: Date.now() } satisfies Draft));
-    return true;
-  } catch {
-    return false; // the browser's storage is full or closed
-  }
+  const saved = kept.setItem(prefix + name, JSON.stringify({ text, base, savedMs: Date.now() } satisfies Draft));
+  if (saved) unkept.delete(name);
+  else unkept.add(name);
+  if (unkept.size === 1 && !saved) window.addEventListener("beforeunload", askBeforeLeaving); // once, however often
+  return saved;
 }
 export function dropDraft(name: string) {
-  localStorage.removeItem(prefix + name);
+  unkept.delete(name);
+  kept.removeItem(prefix + name);
 }
 export function listDrafts(): { name: string; draft: Draft }[] {
-  return Object.keys(localStorage)
+  return kept.keys()
     .filter((key) => key.startsWith(prefix))
     .flatMap((key) => {
       const name = key.slice(prefix.length);
@@ -35,6 +39,12 @@ export function listDrafts(): { name: string; draft: Draft }[] {
       return draft ? [{ name, draft }] : [];
     })
     .sort((a, b) => b.draft.savedMs - a.draft.savedMs);
+}
+
+const unkept = new Set<string>(); // names of drafts that a reload would lose
+export const isUnkept = (name: string) => unkept.has(name);
+export function askBeforeLeaving(event: Event) {
+  if (unkept.size > 0) event.preventDefault();
 }
 
 // Tells when another tab writes the draft of the same name.

@@ -2,6 +2,7 @@
 import { ChevronRight, CircleDot, CodeXml, Columns2, Copy, Crosshair, Download, FlaskConical, History, Link2, PanelLeftOpen, Play, Plus, Redo2, Rocket, Scissors, Sparkles, TextCursorInput, Trash2, Undo2, WandSparkles, Workflow } from "lucide-react";
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { useNames } from "../api/prefixes";
+import { kept } from "../api/storage";
 import { useCommands, type Command } from "../app/commands";
 import { Guard } from "../app/guard";
 import { Link as AppLink } from "../app/link";
@@ -23,6 +24,8 @@ import { type Finding, useFindings } from "./findings";
 import { FindingsPanel } from "./findings_panel";
 import { focusStep } from "./focus_step";
 import { ImportDialog } from "./import_dialog";
+import { BehindBar, UnkeptBar, useLiveVersion } from "./live_version";
+import type { LiveVersion } from "./load_document";
 import { keepImported, usePalette } from "./palette_data";
 import { PalettePanel } from "./palette_panel";
 import { Properties } from "./properties";
@@ -43,32 +46,43 @@ import "./editor.css";
 type Open = { what: "import" } | { what: "add"; where: AddWhere } | { what: "connect"; from: string } | { what: "deploy" } | { what: "start" } | null;
 let memory = ""; // what was copied last, where the browser's clipboard is closed
 
-export function Editor(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; trial: string }) {
-  const opened = useSession(props.name, props.text, props.deployed);
+interface EditorProps {
+  name: string;
+  text: string;
+  live: LiveVersion | null; // that the server runs
+  base: string | null; // the deployed text that `text` began from
+  flow: string;
+  step: string;
+  via: string;
+  trial: string;
+}
+
+export function Editor(props: EditorProps) {
+  const opened = useSession(props.name, props);
   return opened ? <Guard><Open key={props.name} {...props} {...opened} /></Guard> : null; // a view that stops keeps the session, and its undo with it
 }
 
 // The session lives as long as the document is open, and the keeping of its draft with it.
-function useSession(name: string, text: string, deployed: string | null): { session: Session; sync: DraftSync } | null {
+function useSession(name: string, begun: Pick<EditorProps, "text" | "live" | "base">): { session: Session; sync: DraftSync } | null {
   const [opened, setOpened] = useState<{ session: Session; sync: DraftSync } | null>(null);
-  const first = useRef(text);
+  const first = useRef(begun);
   useEffect(() => {
-    const session = new Session(first.current, textSetup);
-    const sync = new DraftSync(name, session, deployed);
+    const session = new Session(first.current.text, textSetup);
+    const sync = new DraftSync(name, session, first.current.live, first.current.base);
     setOpened({ session, sync });
     return () => {
       sync.close();
-      first.current = session.written;
+      first.current = { text: session.written, live: sync.live, base: sync.base };
       session.destroy();
     };
-  }, [name, deployed]);
+  }, [name]);
   return opened;
 }
 
-function Open(props: { name: string; text: string; deployed: string | null; flow: string; step: string; via: string; trial: string; session: Session; sync: DraftSync }) {
+function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const { session, sync, name } = props;
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
-  const [deployed, setDeployed] = useState(props.deployed);
+  const { live, deployed } = useLiveVersion(name, sync);
   const document = session.shown;
   const shown = useMemo(() => shownFlow(session.shown, session.good, props.flow), [session, version, props.flow]);
   const flowKey = shown?.flow.key ?? "";
@@ -77,7 +91,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
   const [open, setOpen] = useState<Open>(null);
   const [findingsOpen, setFindingsOpen] = useState(false);
   const conflict = useSyncExternalStore(sync.subscribe, sync.getConflict);
-  const serverDraft = useServerDraft(name, session);
+  const serverDraft = useServerDraft(name, session, sync);
   const panels = usePanels();
   const palette = usePalette();
   const findings = useFindings(session);
@@ -129,7 +143,13 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     if (element && !session.view.hasFocus) session.reveal(element.from, element.openTo);
     if (focus && only) focusStep(only);
   }, [name, props.flow, props.via, session]);
-  const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key])), [session, flowKey, onSelect]);
+  const actions = useMemo(() => new Actions(session, flowKey, (keys) => onSelect(keys, [], true), (key) => onSelect([], [key]), palette.entries), [session, flowKey, onSelect, palette.entries]);
+  // What undo or the text has taken away is no longer selected, and is not again when it comes back.
+  useEffect(() => {
+    const [stepKeys, linkKeys] = [new Set(shown?.steps.map((s) => s.key)), new Set(shown?.links.map((l) => l.key))];
+    if ([...steps].some((key) => !stepKeys.has(key))) setSteps(new Set([...steps].filter((key) => stepKeys.has(key))));
+    if ([...links].some((key) => !linkKeys.has(key))) setLinks(new Set([...links].filter((key) => linkKeys.has(key))));
+  }, [shown, steps, links]);
 
   const variables = startVariables([...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])]);
   const chosenSteps = shown?.steps.filter((s) => steps.has(s.key) && !s.stale) ?? [];
@@ -174,12 +194,12 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     { title: "Connect to…", group: "Steps", icon: Link2, keys: "C", words: "link", run: connect },
     ...(only?.invokes.some((i) => i.kind === "subflow") ? [{ title: `Open the flow of ${only.name}`, group: "Steps", icon: Workflow, keys: "O", words: "module in place", run: () => openStep(only.key) } satisfies Command] : []),
     { title: "Rename", group: "Steps", icon: TextCursorInput, keys: "F2", run: rename },
-    { title: "Remove", group: "Steps", icon: Trash2, keys: "Delete|Backspace", words: "delete", run: () => actions.remove([...steps], [...links]) },
-    { title: "Copy", group: "Steps", icon: Copy, keys: "Mod+C", run: () => copy() },
-    { title: "Cut", group: "Steps", icon: Scissors, keys: "Mod+X", run: () => (copy(), actions.remove([...steps], [])) },
-    { title: "Paste", group: "Steps", keys: "Mod+V", run: () => void paste() },
-    { title: "Duplicate", group: "Steps", keys: "Mod+D", run: () => actions.paste(actions.copied([...steps])) },
-    { title: "Select all", group: "Steps", keys: "Mod+A", run: () => onSelect(shown?.steps.filter((s) => !s.stale).map((s) => s.key) ?? [], []) },
+    { title: "Remove", group: "Steps", icon: Trash2, keys: "Delete|Backspace", onCanvas: true, words: "delete", run: () => actions.remove([...steps], [...links]) },
+    { title: "Copy", group: "Steps", icon: Copy, keys: "Mod+C", onCanvas: true, run: () => copy() },
+    { title: "Cut", group: "Steps", icon: Scissors, keys: "Mod+X", onCanvas: true, run: () => (copy(), actions.remove([...steps], [])) },
+    { title: "Paste", group: "Steps", keys: "Mod+V", onCanvas: true, run: () => void paste() },
+    { title: "Duplicate", group: "Steps", keys: "Mod+D", onCanvas: true, run: () => actions.paste(actions.copied([...steps])) },
+    { title: "Select all", group: "Steps", keys: "Mod+A", onCanvas: true, run: () => onSelect(shown?.steps.filter((s) => !s.stale).map((s) => s.key) ?? [], []) },
     { title: "Select nothing", group: "Steps", keys: "Escape", hidden: true, run: () => onSelect([], []) },
     { title: "Undo", group: "Document", icon: Undo2, keys: "Mod+Z", run: session.undo },
     { title: "Redo", group: "Document", icon: Redo2, keys: "Mod+Shift+Z|Mod+Y", run: session.redo },
@@ -198,14 +218,14 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
     ...(shown?.steps ?? []).map((s): Command => ({ title: `Go to step ${s.name}`, group: "Go to", words: "node", run: () => onSelect([s.key], [], true) })),
   ]);
 
-  const dirty = session.written !== deployed;
+  const dirty = session.written !== live?.text;
   return (
     <main className={`editor tab-${panels.tab}${panels.palette ? " with-palette" : ""}${panels.text ? " with-text" : ""}`}>
       <header className="head">
         <AppLink href={paths.documents()} className="faint crumb">Workflows</AppLink><ChevronRight size={13} className="faint crumb" />
         <Crumbs via={props.via} />
         <h1 className="cut">{document.name || name}</h1>
-        {dirty ? <span className="tag accent" title="Kept in this browser">draft</span> : <span className="tag good">deployed</span>}
+        {dirty ? <span className="tag accent" title={sync.isKept ? "Kept in this browser" : "Not kept in this browser"}>draft</span> : <span className="tag good">deployed</span>}
         {document.flows.length > 1 && (
           <nav className="segments flows" aria-label="Flows">
             {document.flows.map((f) => <button key={f.key} aria-pressed={f.key === flowKey} onClick={() => navigate(paths.compose(name, f.key, "", props.via))}>{f.name}</button>)}
@@ -217,9 +237,11 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         <ServerDraftButton draft={serverDraft} dirty={dirty} />
         <button className="button plain wide-only" title="Arrange the steps (Shift-T)" onClick={() => actions.tidy()}><Sparkles size={14} />Tidy</button>
         <button className="button plain wide-only" aria-pressed={panels.text} title="Show or hide the text (T)" onClick={() => panels.toggle("text")}><Columns2 size={15} />Text</button>
-        {deployed !== null || !dirty ? <button className="button" title="Start a run by hand (R)" aria-label="Run" onClick={() => setOpen({ what: "start" })}><Play size={13} /><span className="wide-only">Run</span></button> : null}
+        {live ? <button className="button" title="Start a run by hand (R)" aria-label="Run" onClick={() => setOpen({ what: "start" })}><Play size={13} /><span className="wide-only">Run</span></button> : null}
         <button className="button primary" onClick={() => setOpen({ what: "deploy" })}><Rocket size={14} />Deploy</button>
       </header>
+      <UnkeptBar sync={sync} full={kept.open()} />
+      <BehindBar sync={sync} />
       <ServerDraftBar draft={serverDraft} session={session} />
       {conflict !== null && (
         <div className="stale" role="alert">
@@ -270,7 +292,7 @@ function Open(props: { name: string; text: string; deployed: string | null; flow
         </Dialog>
       )}
       {open?.what === "import" && <ImportDialog onImported={(entries) => (keepImported(entries), palette.again(), toast("good", `${entries.length} steps are in the palette`))} onClose={() => setOpen(null)} />}
-      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} deployed={deployed} onDeployed={(text) => (setDeployed(text), sync.isDeployed(text), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
+      {open?.what === "deploy" && <DeployDialog session={session} document={document} findings={findings} sync={sync} onDeployed={(text, version) => (deployed(text, version), keepSeen(name, ""), void dropServerDraft(name).catch(() => undefined))} onClose={() => setOpen(null)} />}
       {open?.what === "start" && <StartDialog workflow={document.name} variables={variables} flow={shown?.flow.name ?? ""} vocabulary={vocabulary} prefixes={prefixes} onClose={() => setOpen(null)} />}
     </main>
   );

@@ -5,6 +5,7 @@ import type { PlainError } from "../api/errors";
 import { nameOf } from "../api/labels";
 import { usePoll } from "../api/poll";
 import { query } from "../api/sparql";
+import { kept } from "../api/storage";
 import { prefixesOf, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
 import { loadDraft } from "./drafts";
@@ -27,7 +28,7 @@ export interface PaletteData {
 const importedKey = "docent.imported";
 export function importedEntries(): PaletteEntry[] {
   try {
-    const stored = JSON.parse(localStorage.getItem(importedKey) ?? "[]") as PaletteEntry[];
+    const stored = JSON.parse(kept.getItem(importedKey) ?? "[]") as PaletteEntry[];
     return Array.isArray(stored) ? stored.filter((e) => typeof e.id === "string" && Array.isArray(e.inputs)) : [];
   } catch {
     return [];
@@ -35,7 +36,7 @@ export function importedEntries(): PaletteEntry[] {
 }
 export function keepImported(entries: readonly PaletteEntry[]) {
   const known = importedEntries().filter((e) => !entries.some((n) => n.id === e.id));
-  localStorage.setItem(importedKey, JSON.stringify([...known, ...entries].slice(-500)));
+  kept.setItem(importedKey, JSON.stringify([...known, ...entries].slice(-500)));
 }
 
 // Given, it is the robot that the run takes; else the run takes one that is free.

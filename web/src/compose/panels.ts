@@ -1,5 +1,6 @@
 // Which panels are open and how wide they are, kept in this browser.
 import { useState } from "react";
+import { kept } from "../api/storage";
 
 interface Panels {
   palette: boolean;
@@ -12,7 +13,7 @@ const key = "docent.panels";
 function load(): Panels {
   const usual: Panels = { palette: window.innerWidth > 900, text: false, width: Math.round(Math.min(520, Math.max(360, window.innerWidth * 0.34))), tab: "canvas" };
   try {
-    return { ...usual, ...(JSON.parse(localStorage.getItem(key) ?? "{}") as Partial<Panels>), tab: "canvas", ...(window.innerWidth <= 900 && { palette: false }) };
+    return { ...usual, ...(JSON.parse(kept.getItem(key) ?? "{}") as Partial<Panels>), tab: "canvas", ...(window.innerWidth <= 900 && { palette: false }) };
   } catch {
     return usual;
   }
@@ -23,7 +24,7 @@ export function usePanels() {
   const change = (part: Partial<Panels>) =>
     setPanels((before) => {
       const after = { ...before, ...part };
-      localStorage.setItem(key, JSON.stringify(after));
+      kept.setItem(key, JSON.stringify(after));
       return after;
     });
   const wide = (width: number) => change({ width: Math.round(Math.max(320, Math.min(window.innerWidth - 420, width))) });

@@ -1,6 +1,6 @@
 // The properties of what is selected: a step, a link, several steps, or the flow itself.
 import { ChevronDown, Copy, Plus, Trash2, X } from "lucide-react";
-import { useEffect, useState, type ReactNode } from "react";
+import { useEffect, useRef, useState, type ReactNode } from "react";
 import { shorten } from "../api/sparql";
 import { type CawlDocument, type Flow, type Link, prefixesOf, type Step } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
@@ -49,8 +49,14 @@ export function Properties(props: PropertiesProps) {
 // A field that is done when it is left or by Enter; Escape takes back what was typed.
 export function Field(props: { label: string; value: string; onDone: (value: string) => void; placeholder?: string; lines?: number; hint?: string; hideLabel?: boolean }) {
   const [typed, setTyped] = useState(props.value);
+  const value = useRef(props.value);
+  value.current = props.value;
   useEffect(() => setTyped(props.value), [props.value]);
-  const done = () => typed !== props.value && props.onDone(typed);
+  const done = () => {
+    if (typed === props.value) return;
+    props.onDone(typed);
+    window.setTimeout(() => setTyped(value.current)); // what was refused does not stay
+  };
   const common = {
     className: "field", value: typed, placeholder: props.placeholder, "aria-label": props.label, onBlur: done,
     onChange: (e: React.ChangeEvent<HTMLInputElement | HTMLTextAreaElement>) => setTyped(e.target.value),

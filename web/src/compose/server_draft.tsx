@@ -5,13 +5,14 @@ import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { useCommands } from "../app/commands";
 import { toast } from "../ui/toasts";
+import type { DraftSync } from "./draft_sync";
 import { mergeTexts } from "./merge";
 import { keepSeen, readServerDraft, seenState, seenText, writeServerDraft } from "./server_drafts";
 import type { Session } from "./session";
 
 const lookMs = 5000;
 
-export function useServerDraft(name: string, session: Session) {
+export function useServerDraft(name: string, session: Session, sync: DraftSync) {
   const [seen, setSeen] = useState(() => seenState(name));
   const polled = usePoll(`server draft ${name}`, (signal) => readServerDraft(name, signal), lookMs);
   const [busy, setBusy] = useState(false);
@@ -26,7 +27,7 @@ export function useServerDraft(name: string, session: Session) {
     setBusy(true);
     try {
       const text = session.written;
-      const saved = await writeServerDraft(name, text, seen);
+      const saved = await writeServerDraft(name, text, sync.base ?? "", seen);
       if (saved) (see(saved, text), toast("good", "The draft is saved on the server", "It can be opened in any browser. Nothing is deployed."));
       else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
       polled.again();

@@ -86,6 +86,18 @@ function changes(a: string[], b: string[], head: number): DiffLine[] {
   return lines;
 }
 
+// What a text is proposed to be deployed as: its own version where that is above the live one, else the one after that.
+export function proposedVersion(mine: string, live: string): string {
+  return isAbove(mine, live) ? mine : nextVersion(live);
+}
+// "1.10" is above "1.9". What has no numbers is above what it differs from: nobody can tell.
+function isAbove(a: string, b: string): boolean {
+  const numbers = (version: string) => version.match(/\d+/g)?.map(Number) ?? [];
+  const [left, right] = [numbers(a), numbers(b)];
+  if (left.length === 0 || right.length === 0) return a !== b && a !== "";
+  for (let i = 0; i < Math.max(left.length, right.length); i++) if ((left[i] ?? 0) !== (right[i] ?? 0)) return (left[i] ?? 0) > (right[i] ?? 0);
+  return false;
+}
 // "1.0" is followed by "1.1".
 export function nextVersion(version: string): string {
   return version.replace(/\d+(?=\D*$)/, (number) => `${Number(number) + 1}`);

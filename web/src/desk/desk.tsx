@@ -3,6 +3,7 @@ import { Bot, Link as LinkIcon, Plus, Settings2, Star, Trash2, Workflow, Wrench 
 import { useEffect, useMemo, useRef, useState } from "react";
 import { plain } from "../api/errors";
 import { type Names, useNames } from "../api/prefixes";
+import { kept as storage } from "../api/storage";
 import { useCommands } from "../app/commands";
 import { navigate, paths } from "../app/router";
 import { words } from "../cawl/names";
@@ -21,7 +22,7 @@ import "./desk.css";
 export default function Desk({ search }: { search: string }) {
   const names = useNames();
   const palette = usePalette();
-  const [kept, setKept] = useState(() => keptFavourites(localStorage));
+  const [kept, setKept] = useState(() => keptFavourites(storage));
   const linked = useMemo(() => readFavourites(search), [search]);
   const shown = linked.length > 0 ? linked : kept;
   const [editing, setEditing] = useState(false);
@@ -32,7 +33,7 @@ export default function Desk({ search }: { search: string }) {
   const put = (next: Favourite[]) => {
     if (linked.length > 0) return navigate(paths.desk(favouritesSearch(next)), true);
     setKept(next);
-    if (!keepFavourites(next, localStorage)) toast("bad", "This browser keeps nothing", "Copy the link: it has the favourites.");
+    if (!keepFavourites(next, storage)) toast("bad", "This browser keeps nothing", "Copy the link: it has the favourites.");
   };
   const share = () => {
     const address = `${location.origin}${paths.desk(favouritesSearch(shown))}`;
@@ -99,7 +100,8 @@ function keepAll(kept: readonly Favourite[], linked: readonly Favourite[], setKe
   const have = new Set(kept.map(favouriteText));
   const next = [...kept, ...linked.filter((f) => !have.has(favouriteText(f)))].slice(0, mostFavourites);
   setKept(next);
-  toast(keepFavourites(next, localStorage) ? "good" : "bad", "The favourites are kept in this browser");
+  if (keepFavourites(next, storage)) toast("good", "The favourites are kept in this browser");
+  else toast("bad", "This browser keeps nothing", "The favourites last as long as this page. Copy the link: it has them.");
 }
 
 const rest = 1500; // after a touch, so that a double one starts one run

@@ -1,5 +1,7 @@
 // What the front desk starts by one touch: workflows and robot services, some with values that are given already. Kept in this
 // browser, and written into an address to hand them on.
+import type { Kept } from "../api/storage";
+
 export interface Favourite {
   kind: "workflow" | "service";
   name: string;
@@ -54,7 +56,7 @@ export function favouritesSearch(favourites: readonly Favourite[]): string {
   return search && `?${search}`;
 }
 
-export function keptFavourites(storage: Pick<Storage, "getItem">): Favourite[] {
+export function keptFavourites(storage: Pick<Kept, "getItem">): Favourite[] {
   try {
     const stored = JSON.parse(storage.getItem(key) ?? "[]") as unknown;
     return Array.isArray(stored) ? stored.flatMap((text) => (typeof text === "string" ? (readFavourite(text) ?? []) : [])) : [];
@@ -63,11 +65,6 @@ export function keptFavourites(storage: Pick<Storage, "getItem">): Favourite[] {
   }
 }
 // False: this browser keeps nothing.
-export function keepFavourites(favourites: readonly Favourite[], storage: Pick<Storage, "setItem">): boolean {
-  try {
-    storage.setItem(key, JSON.stringify(favourites.slice(0, mostFavourites).map(favouriteText)));
-    return true;
-  } catch {
-    return false;
-  }
+export function keepFavourites(favourites: readonly Favourite[], storage: Pick<Kept, "setItem">): boolean {
+  return storage.setItem(key, JSON.stringify(favourites.slice(0, mostFavourites).map(favouriteText)));
 }

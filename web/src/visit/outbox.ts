@@ -3,10 +3,11 @@
 import { fromJson, toJson, type JsonValue } from "@bufbuild/protobuf";
 import { type AssertRequest, AssertRequestSchema } from "../gen/docent/v1/context_pb";
 import type { PlainError } from "../api/errors";
+import type { Kept } from "../api/storage";
 
 export type OutboxState = { kind: "empty" } | { kind: "sending" } | { kind: "unsent" } | { kind: "refused"; reason: string };
 export interface OutboxPorts {
-  storage: Pick<Storage, "getItem" | "setItem">;
+  storage: Pick<Kept, "getItem"> & { setItem(key: string, value: string): unknown };
   send: (request: AssertRequest) => Promise<unknown>;
   plain: (error: unknown) => PlainError;
 }
@@ -71,11 +72,7 @@ export class Outbox {
     for (const listener of [...this.listeners]) listener();
   }
   private keep() {
-    try {
-      this.ports.storage.setItem(key, JSON.stringify(this.waiting.map((request) => toJson(AssertRequestSchema, request))));
-    } catch {
-      // The browser keeps nothing: what is told lives as long as the page.
-    }
+    this.ports.storage.setItem(key, JSON.stringify(this.waiting.map((request) => toJson(AssertRequestSchema, request))));
   }
   private read(): AssertRequest[] {
     try {

@@ -3,6 +3,7 @@ import { Languages, MapPin, Unplug } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { useConnection, serverAnswered, serverSilent } from "../api/connection";
 import { live } from "../api/live";
+import { kept } from "../api/storage";
 import { choose, useChoice } from "./address";
 import { Choosing } from "./choosing";
 import { useKept } from "./kept";
@@ -98,16 +99,8 @@ function Away() {
 }
 
 function readLanguage(): string {
-  try {
-    return localStorage.getItem(languageKey) ?? "";
-  } catch {
-    return "";
-  }
+  return kept.getItem(languageKey) ?? "";
 }
 function keepLanguage(language: string) {
-  try {
-    localStorage.setItem(languageKey, language);
-  } catch {
-    // it holds for this page alone
-  }
+  kept.setItem(languageKey, language);
 }

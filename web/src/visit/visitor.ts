@@ -5,6 +5,7 @@ import { useSyncExternalStore } from "react";
 import { context, workflows } from "../api/client";
 import { plain } from "../api/errors";
 import { randomUuid } from "../api/ids";
+import { kept } from "../api/storage";
 import { iriTerm } from "../api/terms";
 import { AssertRequestSchema } from "../gen/docent/v1/context_pb";
 import { type Quad, QuadSchema, type Term, TermSchema } from "../gen/docent/v1/term_pb";
@@ -29,7 +30,7 @@ const fresh = (): Visitor => ({ id: `urn:uuid:${randomUuid()}`, at: "", service:
 
 function read(): Visitor {
   try {
-    const stored = JSON.parse(localStorage.getItem(key) ?? "null") as Partial<Visitor> | null;
+    const stored = JSON.parse(kept.getItem(key) ?? "null") as Partial<Visitor> | null;
     return typeof stored?.id === "string" ? { ...fresh(), ...stored } : fresh();
   } catch {
     return fresh();
@@ -37,17 +38,13 @@ function read(): Visitor {
 }
 let visitor = read();
 const listeners = new Set<() => void>();
-export const outbox = new Outbox({ storage: localStorage, send: (request) => context.assert(request, { timeoutMs: 10_000 }), plain });
+export const outbox = new Outbox({ storage: kept, send: (request) => context.assert(request, { timeoutMs: 10_000 }), plain });
 window.addEventListener("online", () => void outbox.flush());
 void outbox.flush();
 
 export function change(values: Partial<Visitor>) {
   visitor = { ...visitor, ...values };
-  try {
-    localStorage.setItem(key, JSON.stringify(visitor));
-  } catch {
-    // kept as long as the page
-  }
+  kept.setItem(key, JSON.stringify(visitor));
   for (const listener of [...listeners]) listener();
 }
 export function useVisitor(): Visitor {

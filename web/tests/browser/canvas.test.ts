@@ -66,3 +66,47 @@ it("a view that stops is opened again with its undo", async () => {
   await page.locator(step("Wave")).waitFor({ state: "detached" });
   stage.faults.splice(0);
 });
+
+it("keys for steps act where the focus is on the canvas or nowhere, and no text is selected", async () => {
+  const page = await stage.page("/compose/BoothGuide");
+  const steps = () => page.locator(".react-flow__node").count();
+  await page.locator(step("InfoBooth")).click();
+  const all = await steps();
+  await page.locator('.dock-properties button[aria-label="Remove this row"]').first().focus();
+  for (const key of ["Delete", "Backspace", "Control+x"]) await page.keyboard.press(key);
+  await page.locator(".head").getByRole("button", { name: "Deploy" }).focus();
+  await page.keyboard.press("Delete");
+  expect(await steps()).toBe(all);
+  // Selected text is copied, and not the step.
+  await page.evaluate(() => navigator.clipboard.writeText("before"));
+  const label = page.locator(".dock-properties .property > span").first();
+  await label.click({ clickCount: 3 });
+  await page.evaluate(() => (document.activeElement as HTMLElement | null)?.blur());
+  const selected = await page.evaluate(() => getSelection()?.toString().trim() ?? "");
+  expect(selected).not.toBe("");
+  for (const key of ["Control+c", "Control+x", "Delete", "Control+v"]) await page.keyboard.press(key);
+  expect(await steps()).toBe(all);
+  expect((await page.evaluate(() => navigator.clipboard.readText())).trim()).toBe(selected);
+  await page.locator(step("InfoBooth")).click();
+  await page.keyboard.press("Control+x");
+  await page.locator(step("InfoBooth")).waitFor({ state: "detached" });
+  expect(await page.evaluate(() => navigator.clipboard.readText())).toContain('<node name="InfoBooth"');
+  await page.keyboard.press("Control+v");
+  await page.waitForSelector(step("InfoBooth"));
+  expect(stage.faults.splice(0)).toEqual([]);
+});
+
+it("a step that undo took away is no longer selected, also when it comes back", async () => {
+  const page = await stage.page("/compose/BoothGuide");
+  await page.waitForSelector(step("InfoBooth"));
+  await page.keyboard.press("/");
+  await page.keyboard.type("Wave");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector(`${step("Wave")}.selected`);
+  await page.keyboard.press("Control+z");
+  await page.locator(step("Wave")).waitFor({ state: "detached" });
+  await page.keyboard.press("Control+y");
+  await page.waitForSelector(step("Wave"));
+  expect(await page.locator(`${step("Wave")}.selected`).count()).toBe(0);
+  expect(stage.faults.splice(0)).toEqual([]);
+});

@@ -234,3 +234,38 @@ describe("for everybody", () => {
     await fitsTheWindow(page);
   });
 });
+
+describe("a browser that keeps nothing", () => {
+  const closed = 'Object.defineProperty(window, "localStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } }); Object.defineProperty(window, "sessionStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } });';
+  const full = 'Storage.prototype.setItem = function () { throw new DOMException("full", "QuotaExceededError"); };';
+  it("shows all views; composing says that drafts are not kept, and a new workflow is there as long as the page", async () => {
+    const page = await stage.page("/hall", { script: closed });
+    for (const [path, words] of [["/hall", "Robots"], ["/runs", "Runs"], ["/board", "Waiting"], ["/desk", "Front desk"], ["/visit", "Docent"]] as const) {
+      await page.goto(stage.url + path);
+      await page.getByText(words).first().waitFor();
+    }
+    await page.goto(`${stage.url}/compose`);
+    await page.getByText("drafts are not kept").waitFor();
+    await page.keyboard.press("n");
+    await page.keyboard.type("Greeter");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector(".first-steps");
+    await add(page, "move to us");
+    await page.locator(".stale", { hasText: "This browser keeps nothing: drafts are not kept." }).waitFor();
+    await stage.picture(page, "compose-keeps-nothing");
+    await page.locator("a.crumb").first().click();
+    await page.locator(".document", { hasText: "Greeter" }).click();
+    await page.waitForSelector(step("Move to user"));
+    await page.keyboard.press("Shift+T");
+  });
+  it("asks before the page is left", async () => {
+    const page = await stage.page("/compose/BoothGuide", { script: full });
+    await page.locator(step("InfoBooth")).click();
+    await page.keyboard.press("Delete");
+    await page.locator(".stale", { hasText: "The browser’s storage is full" }).waitFor();
+    const asked = new Promise<string>((resolve) => page.on("dialog", (dialog) => (resolve(dialog.type()), void dialog.dismiss())));
+    void page.close({ runBeforeUnload: true });
+    expect(await asked).toBe("beforeunload");
+    await page.locator(".stale", { hasText: "The browser’s storage is full" }).waitFor();
+  });
+});

@@ -97,6 +97,72 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     await expect.poll(() => onServer("Parting"), { timeout: patienceMs }).toEqual([]);
   });
 
+  const round = (version: string, first: string, last: string) => `<CAWL name="Round" version="${version}">
+  <flow name="Round">
+    <source name="Begin"/>
+    <node name="Wave"><documentation>${first}</documentation></node>
+    <node name="Hum"/>
+    <node name="Bow"><documentation>${last}</documentation></node>
+    <sink name="End"/>
+    <link from="Begin" to="Wave"/>
+    <link from="Wave" to="Hum"/>
+    <link from="Hum" to="Bow"/>
+    <link from="Bow" to="End"/>
+  </flow>
+</CAWL>
+`;
+  const deploy = (text: string) => stage.call("Workflows/Deploy", { name: "round.cawl.xml", cawl: text });
+  const describeStep = async (page: Page, step: string, words: string) => {
+    await page.locator(`.react-flow__node[data-id="${step}"]`).click();
+    await page.locator('.dock-properties [aria-label="Description"]').fill(words);
+    await page.keyboard.press("Tab");
+    await draft(page, "Round").toContain(words);
+  };
+
+  it("a version that is deployed meanwhile is followed, or said, put together with the draft, and taken back on purpose alone", async () => {
+    await deploy(round("1.0", "one", "two"));
+    const page = await stage.page("/compose/Round");
+    await page.locator('.react-flow__node[data-id="Wave"]').waitFor();
+    await deploy(round("1.1", "one", "by hand").replace("Hum", "Sing").replaceAll('"Hum"', '"Sing"'));
+    await page.locator(".toast.good", { hasText: "Version 1.1 is here" }).waitFor();
+    await page.locator('.react-flow__node[data-id="Sing"]').waitFor();
+    expect(await draftNow(page, "Round")).toBe("");
+    // With changes of its own, and loaded again: the draft knows what it began from.
+    await deploy(round("1.0", "one", "two"));
+    await page.locator('.react-flow__node[data-id="Hum"]').waitFor();
+    await describeStep(page, "Bow", "mine");
+    await deploy(round("1.2", "theirs", "two"));
+    await page.locator(".stale", { hasText: /Version 1\.2 was deployed at \d\d:\d\d after you began\. Deploying this text takes it back\./ }).waitFor();
+    await page.reload();
+    await page.locator(".stale", { hasText: "Version 1.2 was deployed" }).waitFor();
+    await stage.picture(page, "drafts-behind");
+    await page.getByRole("button", { name: "Deploy" }).first().click();
+    const dialog = page.locator("dialog");
+    await dialog.locator(".deploy-behind", { hasText: "Deploying takes it back." }).waitFor();
+    expect(await dialog.locator(".deploy-diff .gone").allInnerTexts()).toContainEqual(expect.stringContaining("theirs"));
+    expect(await dialog.locator('input[aria-label="Version"]').inputValue()).toBe("1.3");
+    expect(await dialog.getByRole("button", { name: "Deploy" }).isDisabled()).toBe(true);
+    await stage.picture(page, "drafts-behind-deploy");
+    expect(await seriousFindings(page)).toEqual([]);
+    await dialog.getByRole("button", { name: "Put both together" }).click();
+    await dialog.locator(".deploy-behind").waitFor({ state: "detached" });
+    await dialog.getByRole("button", { name: "Deploy" }).click();
+    await page.locator(".toast.good", { hasText: "Round is deployed" }).waitFor();
+    const live = async () => (await stage.call<{ versions: { version: string; text: string; live?: boolean }[] }>("Workflows/ListVersions", { workflow: "Round", withTexts: true })).versions.find((v) => v.live)?.text;
+    expect(await live()).toBe(round("1.3", "theirs", "mine"));
+    // At one place: the deployed text, or one's own in its place.
+    await describeStep(page, "Wave", "once more mine");
+    await deploy(round("1.4", "once more theirs", "mine"));
+    await page.locator(".stale", { hasText: "Version 1.4" }).waitFor();
+    expect(await page.locator(".stale").getByRole("button").allInnerTexts()).toEqual(["Take the deployed text"]);
+    await page.getByRole("button", { name: "Deploy" }).first().click();
+    await dialog.getByLabel("Deploy this text in its place").check();
+    await dialog.getByRole("button", { name: "Deploy" }).click();
+    await page.locator(".stale").waitFor({ state: "detached" });
+    await expect.poll(live, { timeout: patienceMs }).toBe(round("1.5", "once more mine", "mine"));
+    expect(await draftNow(page, "Round")).toBe("");
+  });
+
   it("comes back byte for byte, and is written only over what was seen", async () => {
     const text = 'a\r\n"b" \\ \\n \t\b\f \'c\' """d""" \u{1F600} 한국어 } { # <urn:x> \u0001';
     const name = "<odd> %name/\u{1F600}' )";

@@ -14,6 +14,7 @@ export interface PageOptions {
   width?: number;
   height?: number;
   language?: string;
+  script?: string; // runs in each page before its own
 }
 
 export class Pages {
@@ -29,6 +30,7 @@ export class Pages {
       permissions: ["clipboard-read", "clipboard-write"],
     });
     context.setDefaultTimeout(patienceMs);
+    if (options.script) await context.addInitScript(options.script);
     const page = await context.newPage();
     page.on("pageerror", (error) => this.faults.push(error.message));
     page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));

@@ -29,6 +29,6 @@ describe("favourites", () => {
   it("what the browser keeps may be broken or closed", () => {
     expect(keptFavourites({ getItem: () => "{" })).toEqual([]);
     expect(keptFavourites({ getItem: () => '[1,"workflow:BoothGuide",null]' })).toEqual([guide]);
-    expect(keepFavourites([guide], { setItem: () => { throw new Error("full"); } })).toBe(false);
+    expect(keepFavourites([guide], { setItem: () => false })).toBe(false);
   });
 });

@@ -1,0 +1,65 @@
+// The version of the open document that the server runs: looked at all the time, and said where it is not the one that the text
+// began from.
+import { useEffect, useRef, useSyncExternalStore } from "react";
+import { workflows } from "../api/client";
+import { usePoll } from "../api/poll";
+import { type DraftSync, versionWords } from "./draft_sync";
+import { liveOf, type LiveVersion } from "./load_document";
+
+const lookMs = 3000;
+
+// Undefined: the server does not say. Texts are asked for only where another version is live.
+export async function askLive(name: string, known: LiveVersion | null, signal?: AbortSignal): Promise<LiveVersion | null> {
+  const options = signal ? { signal } : {};
+  const { versions } = await workflows.listVersions({ workflow: name }, options);
+  const now = versions.find((v) => v.live) ?? versions.at(-1);
+  if (!now || (known && now.number === known.number && now.timeUs === known.timeUs)) return null;
+  return liveOf((await workflows.listVersions({ workflow: name, withTexts: true }, options)).versions);
+}
+
+export function useLiveVersion(name: string, sync: DraftSync): { live: LiveVersion | null; deployed: (text: string, version: string) => void } {
+  useSyncExternalStore(sync.subscribe, sync.getTurn);
+  const generation = useRef(0); // an answer from before an own deployment is old
+  const polled = usePoll(`live version ${name}`, async (signal) => {
+    const asked = generation.current;
+    const live = await askLive(name, sync.live, signal);
+    return { asked, live };
+  }, lookMs);
+  useEffect(() => {
+    if (polled.data?.live && polled.data.asked === generation.current) sync.sees(polled.data.live);
+  }, [polled.data, sync]);
+  return { live: sync.live, deployed: (text, version) => (generation.current++, sync.isDeployed(text, version)) };
+}
+
+// "Version 1.2 was deployed at 18:20 after you began."
+export function behindWords(live: LiveVersion, base: string | null): string {
+  const at = new Date(Number(live.timeUs / 1000n));
+  const today = at.toDateString() === new Date().toDateString();
+  const when = live.timeUs > 0n ? ` ${today ? "at" : "on"} ${at.toLocaleString([], { ...(!today && { day: "numeric", month: "short" }), hour: "2-digit", minute: "2-digit" })}` : "";
+  return base === null ? `${versionWords(live)} was deployed${when}, and this text did not begin from it.` : `${versionWords(live)} was deployed${when} after you began.`;
+}
+
+export function BehindBar({ sync }: { sync: DraftSync }) {
+  const { live } = sync;
+  if (!live || !sync.behind) return null;
+  return (
+    <div className="stale" role="alert">
+      <span>{behindWords(live, sync.base)} Deploying this text takes it back.</span>
+      <BehindChoices sync={sync} />
+    </div>
+  );
+}
+export function BehindChoices({ sync }: { sync: DraftSync }) {
+  return (
+    <>
+      {sync.together() !== null && <button className="button small" title="What was changed here, and what was deployed" onClick={() => sync.putTogether()}>Put both together</button>}
+      <button className="button small" title="Undo brings this text back" onClick={() => sync.takeLive()}>Take the deployed text</button>
+    </>
+  );
+}
+
+// Where the browser does not keep the text.
+export function UnkeptBar({ sync, full }: { sync: DraftSync; full: boolean }) {
+  if (sync.isKept) return null;
+  return <div className="stale" role="status">{full ? "The browser’s storage is full: this draft is not kept." : "This browser keeps nothing: drafts are not kept."} Save the text as a file (Ctrl-S) or on the server (Ctrl-Shift-S) before you leave the page.</div>;
+}
