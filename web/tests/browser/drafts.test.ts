@@ -141,12 +141,12 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     await dialog.locator(".deploy-behind", { hasText: "Deploying takes it back." }).waitFor();
     expect(await dialog.locator(".deploy-diff .gone").allInnerTexts()).toContainEqual(expect.stringContaining("theirs"));
     expect(await dialog.locator('input[aria-label="Version"]').inputValue()).toBe("1.3");
-    expect(await dialog.getByRole("button", { name: "Deploy" }).isDisabled()).toBe(true);
+    expect(await dialog.locator(".sheet-foot .primary").isDisabled()).toBe(true);
     await stage.picture(page, "drafts-behind-deploy");
     expect(await seriousFindings(page)).toEqual([]);
     await dialog.getByRole("button", { name: "Put both together" }).click();
     await dialog.locator(".deploy-behind").waitFor({ state: "detached" });
-    await dialog.getByRole("button", { name: "Deploy" }).click();
+    await dialog.locator(".sheet-foot .primary").click();
     await page.locator(".toast.good", { hasText: "Round is deployed" }).waitFor();
     const live = async () => (await stage.call<{ versions: { version: string; text: string; live?: boolean }[] }>("Workflows/ListVersions", { workflow: "Round", withTexts: true })).versions.find((v) => v.live)?.text;
     expect(await live()).toBe(round("1.3", "theirs", "mine"));
@@ -157,7 +157,7 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     expect(await page.locator(".stale").getByRole("button").allInnerTexts()).toEqual(["Take the deployed text"]);
     await page.getByRole("button", { name: "Deploy" }).first().click();
     await dialog.getByLabel("Deploy this text in its place").check();
-    await dialog.getByRole("button", { name: "Deploy" }).click();
+    await dialog.locator(".sheet-foot .primary").click();
     await page.locator(".stale").waitFor({ state: "detached" });
     await expect.poll(live, { timeout: patienceMs }).toBe(round("1.5", "once more mine", "mine"));
     expect(await draftNow(page, "Round")).toBe("");
