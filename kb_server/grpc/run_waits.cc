@@ -105,8 +105,10 @@ class WaitCollector {
       } else {
         v1::Wait* wait = New(place, node, "fact");
         wait->set_missing(answer.missing);
-        wait->set_detail(answer.missing.empty() ? Concat("its condition holds: ", OneLine(ask))
-                                                : Concat("a fact: ", answer.missing));
+        wait->set_detail(answer.missing.empty()
+                             ? Concat("its condition holds: ", OneLine(ask))
+                             : Concat("a fact: ", answer.missing, answer.remarks.empty() ? "" : " (",
+                                      answer.remarks, answer.remarks.empty() ? "" : ")"));
       }
     }
   }

@@ -16,6 +16,7 @@ namespace docent::server {
 struct ConditionAnswer {
   bool holds = false;
   std::string missing;  // a pattern without a match, in N-Triples with ?variables; empty: not known
+  std::string remarks;  // what else is to be known of that: "now 0.1; where (?b > 0.2)"
   std::string robot;    // it holds: IRI of ?robot in the first match; empty: it has none
 };
 using AskCondition = std::function<ConditionAnswer(const std::string& ask)>;

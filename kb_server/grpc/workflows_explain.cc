@@ -13,8 +13,8 @@
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/run_waits.h"
 #include "kb_server/grpc/unary_reactors.h"
-#include "reasoner/explain/display.h"
 #include "reasoner/explain/explainer.h"
+#include "reasoner/explain/explanation_text.h"
 
 namespace docent::server {
 namespace {
@@ -47,7 +47,9 @@ class ConditionAsker {
     if (!why_not.ok()) return answer;
     answer.holds = why_not->holds;
     if (!answer.holds) {
-      if (!why_not->repairs.empty()) answer.missing = Missing(why_not->repairs.front());
+      if (why_not->repairs.empty()) return answer;
+      answer.missing = explain::ChangesText(why_not->repairs.front(), {});
+      answer.remarks = explain::RemarksText(why_not->repairs.front(), {});
       return answer;
     }
     auto proof = (*explainer)->WhyAsk(parsed.query);
@@ -59,16 +61,6 @@ class ConditionAsker {
   }
 
  private:
-  static std::string Missing(const explain::Repair& repair) {
-    const explain::Display display({});
-    std::vector<std::string> facts;
-    for (const explain::ToTell& tell : repair.tell)
-      facts.push_back(absl::StrCat(display.Fact(tell.fact), " ."));
-    for (const explain::InTheWay& way : repair.in_the_way)
-      facts.push_back(absl::StrCat("not ", display.Fact(way.fact), " ."));
-    return absl::StrJoin(facts, " ");
-  }
-
   const Limits limits_;
   const sparql::FunctionRegistry* const functions_;
   explain::Explainer::Settings settings_;

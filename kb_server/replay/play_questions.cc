@@ -11,8 +11,8 @@
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_reader.h"
 #include "kb_server/replay/played_document.h"
-#include "reasoner/explain/display.h"
 #include "reasoner/explain/explainer.h"
+#include "reasoner/explain/explanation_text.h"
 #include "workflow/cawl/ask_compiler.h"
 
 namespace docent::server {
@@ -119,13 +119,7 @@ std::string PlayQuestions::Missing(const std::string& text) {
   if (!why_not.ok()) return "";
   if (why_not->holds) return "nothing but a robot: those with which it holds are held by other runs";
   if (why_not->repairs.empty()) return "";
-  const explain::Display display({});
-  std::vector<std::string> facts;
-  for (const explain::ToTell& tell : why_not->repairs.front().tell)
-    facts.push_back(absl::StrCat(display.Fact(tell.fact), " ."));
-  for (const explain::InTheWay& way : why_not->repairs.front().in_the_way)
-    facts.push_back(absl::StrCat("not ", display.Fact(way.fact), " ."));
-  return absl::StrJoin(facts, " ");
+  return explain::ChangesText(why_not->repairs.front(), {});
 }
 
 std::string PlayQuestions::Pending(const RunTree& tree) const {

@@ -80,6 +80,27 @@ std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId ope
   return inputs;
 }
 
+std::map<std::string, std::string> GraphRobotDirectory::InputTypesOf(TermId operation, TermId robot) const {
+  std::map<std::string, std::string> types;
+  const std::optional<TermId> part = dictionary_.FindIri(DocentIri("inputPart")),
+                              name = dictionary_.FindIri(DocentIri("partName")),
+                              type = dictionary_.FindIri(DocentIri("partType"));
+  if (!part || !name || !type) return types;
+  const auto object = [&](TermId subject, TermId property) {
+    std::string text;
+    version_->ForEach({subject, property, {}, robot}, [&](const Quad& quad) {
+      text = dictionary_.Decode(quad.object).lexical;
+      return false;
+    });
+    return text;
+  };
+  version_->ForEach({operation, *part, {}, robot}, [&](const Quad& quad) {
+    types[object(quad.object, *name)] = object(quad.object, *type);
+    return true;
+  });
+  return types;
+}
+
 engine::Occupation GraphRobotDirectory::OccupationOf(TermId operation, TermId robot) const {
   engine::Occupation occupies;
   const std::optional<TermId> property = dictionary_.FindIri(DocentIri("occupies"));
@@ -149,6 +170,7 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::ReadOperation(TermId operat
     ReadStatus(quad.subject, &offer);
     offer.occupies = OccupationOf(operation, quad.subject);
     offer.inputs = InputsOf(operation, quad.subject);
+    if (offer.inputs) offer.input_types = InputTypesOf(operation, quad.subject);
     offers.push_back(std::move(offer));
     return true;
   });

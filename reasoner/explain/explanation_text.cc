@@ -15,6 +15,13 @@
 namespace docent::explain {
 namespace {
 
+// "now 0.1, 0.2": what the same subject has now.
+std::string NowText(const ToTell& tell, const Display& display) {
+  return absl::StrCat("now ", absl::StrJoin(tell.now, ", ", [&](std::string* text, const Term& term) {
+                        absl::StrAppend(text, display.Of(term));
+                      }));
+}
+
 std::string TimeText(TimeMicros time_us) {
   return absl::FormatTime("%Y-%m-%d %H:%M:%E*S UTC", absl::FromUnixMicros(time_us), absl::UTCTimeZone());
 }
@@ -85,14 +92,7 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
     absl::StrAppend(out, "  missing     ", display.Fact(tell.fact));
     if (!tell.graph.lexical.empty()) absl::StrAppend(out, " in graph ", display.Of(tell.graph));
     if (!tell.absence.empty()) absl::StrAppend(out, "   (for there to be no ", tell.absence, ")");
-    if (!tell.now.empty()) {
-      absl::StrAppend(out, "   (now ",
-                      absl::StrJoin(tell.now, ", ",
-                                    [&](std::string* text, const Term& term) {
-                                      absl::StrAppend(text, display.Of(term));
-                                    }),
-                      ")");
-    }
+    if (!tell.now.empty()) absl::StrAppend(out, "   (", NowText(tell, display), ")");
     absl::StrAppend(out, "\n");
   }
   for (const std::string& condition : repair.conditions)
@@ -132,6 +132,25 @@ std::string ToText(const Proof& proof, const Prefixes& prefixes) {
   for (const std::string& condition : proof.conditions) writer.Line(0, absl::StrCat("and ", condition));
   for (size_t root : proof.roots) writer.Write(root, 0);
   return std::move(writer.out());
+}
+
+std::string ChangesText(const Repair& repair, const Prefixes& prefixes) {
+  const Display display(prefixes);
+  std::vector<std::string> facts;
+  for (const ToTell& tell : repair.tell) facts.push_back(absl::StrCat(display.Fact(tell.fact), " ."));
+  for (const InTheWay& way : repair.in_the_way)
+    facts.push_back(absl::StrCat("not ", display.Fact(way.fact), " ."));
+  return absl::StrJoin(facts, " ");
+}
+
+std::string RemarksText(const Repair& repair, const Prefixes& prefixes) {
+  const Display display(prefixes);
+  std::vector<std::string> remarks;
+  for (const ToTell& tell : repair.tell) {
+    if (!tell.now.empty()) remarks.push_back(NowText(tell, display));
+  }
+  for (const std::string& condition : repair.conditions) remarks.push_back(absl::StrCat("where ", condition));
+  return absl::StrJoin(remarks, "; ");
 }
 
 std::string ToText(const WhyNotAnswer& answer, const Prefixes& prefixes) {

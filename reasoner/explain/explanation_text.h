@@ -21,6 +21,11 @@ using Prefixes = std::vector<std::pair<std::string, std::string>>;
 //       told by docent:default, reading of expo:DoorSensor, 2026-11-21 10:00:00 UTC, log offset 12
 std::string ToText(const Proof& proof, const Prefixes& prefixes);
 
+// What has to change, on one line: "ex:R1 ex:battery ?b ." for what is missing, "not ex:Lift ex:inUseBy ex:John ." for what is in
+// the way; and what else is to be known of it: "now 0.1; where (?b > 0.2)", or nothing.
+std::string ChangesText(const Repair& repair, const Prefixes& prefixes);
+std::string RemarksText(const Repair& repair, const Prefixes& prefixes);
+
 // "missing …", "in the way …", the facts that hold already, and those that would follow.
 std::string ToText(const WhyNotAnswer& answer, const Prefixes& prefixes);
 

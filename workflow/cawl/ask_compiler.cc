@@ -169,12 +169,15 @@ bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b) {
 }
 
 std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask) {
-  std::vector<std::string> out = ask.event_variables;
+  std::vector<std::string> declared;
   for (const std::string& name : ask.free_variables) {
-    bool own = std::any_of(activator.variables.begin(), activator.variables.end(),
-                           [&](const Variable& v) { return v.name.value == name; });
-    if (own || activator.variables.empty()) out.push_back(name);
+    if (std::any_of(activator.variables.begin(), activator.variables.end(),
+                    [&](const Variable& v) { return v.name.value == name; }))
+      declared.push_back(name);
   }
+  const std::vector<std::string>& keys = declared.empty() ? ask.free_variables : declared;
+  std::vector<std::string> out = ask.event_variables;
+  out.insert(out.end(), keys.begin(), keys.end());
   return out;
 }
 

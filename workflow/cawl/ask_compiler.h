@@ -86,7 +86,7 @@ absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask);
 bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b);
 
 // The variables of which each new binding starts a run: those of the activator's own variables that `ask` binds; all
-// of ask.free_variables if it declares none; ask.event_variables in front when there are any.
+// of ask.free_variables if that are none; ask.event_variables in front when there are any.
 std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask);
 
 // A condition of a document as people see it (`docent check --ask`, Workflows.Check).

@@ -290,6 +290,7 @@ void TakeEnd(Engine::Core* core, const CommandReport& report) {
   core->Say(ended->invocation, "ending", "ended",
             absl::StrCat(ended->command.operation, " on ", ToDisplay(Term::Iri(robot.value())),
                          unknown ? ": how it ended is unknown" : ""));
+  for (const auto& [run, facts] : ended->kept) core->WithdrawWhenEnded(run, facts);
   for (const CommandOwner& owner : ended->owners) {
     Run* run = core->Mutable(owner.run);
     if (run == nullptr) continue;

@@ -235,6 +235,8 @@ struct Engine::Core {
   void Used(const RobotId& robot);
   // The command is cancelled, and its run no longer waits for its end: the robot does.
   void LetEnd(const OpenCommand& open, const CommandOwner& owner);
+  // Withdraws facts of a run that has ended, as soon as none of its commands is ending.
+  void WithdrawWhenEnded(const RunId& run, std::vector<TermQuad> facts);
   // True if the robot's last holder has ended with all its commands; it is free from now on.
   bool FreeIfOver(const RobotId& robot);
   // What a pending invocation waits for.

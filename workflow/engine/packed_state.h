@@ -324,9 +324,11 @@ template <class Archive>
 void AddedIn11(Archive& a, Packed& p) {
   for (PackedRun& run : p.runs) {
     for (PackedNode& node : run.nodes) {
-      for (PackedInvocation& invocation : node.invocations) a(invocation.state.inputs);
+      for (PackedInvocation& invocation : node.invocations)
+        a(invocation.state.inputs, invocation.state.results, invocation.state.failure);
     }
   }
+  for (EndingCommand& ending : p.ending) a(ending.kept);
 }
 
 }  // namespace docent::engine

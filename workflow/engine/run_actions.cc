@@ -138,11 +138,38 @@ absl::StatusOr<std::vector<TermBinding>> RunStepper::BindingsOf(size_t index) co
   if (!all.ok()) return all.status();
   std::vector<TermBinding> bindings;
   for (auto& [match, binding] : *all) {
-    const bool was_done = !run_.nodes[index].actions.begun && !flow_.nodes[index].invokes.empty() &&
-                          DoneFor(index, binding, 0) != nullptr;
-    if (!was_done) bindings.push_back(std::move(binding));
+    const bool begun = run_.nodes[index].actions.begun;
+    if (!begun && !flow_.nodes[index].invokes.empty() && DoneFor(index, binding, 0) != nullptr) continue;
+    if (begun && !flow_.nodes[index].for_each.empty()) AddResults(index, bindings.size(), &binding);
+    bindings.push_back(std::move(binding));
   }
   return bindings;
+}
+
+// What the invocations of one value of forEach made of variables, but of those that the node's own ext:assign at="done" sets.
+// `number`: of the value, in the order of EachBinding.
+void RunStepper::AddResults(size_t index, size_t number, TermBinding* binding) const {
+  const cawl::Node& syntax = flow_.nodes[index];
+  const std::vector<InvocationState>& invocations = run_.nodes[index].invocations;
+  const TermBinding value = *binding;
+  for (size_t i = 0; i < syntax.invokes.size(); ++i) {
+    const size_t expected = number * syntax.invokes.size() + i;
+    const bool there =
+        expected < invocations.size() && SameValues(syntax.for_each, invocations[expected].binding, value);
+    const InvocationState* done = there ? &invocations[expected] : DoneFor(index, value, i);
+    if (done == nullptr) continue;
+    for (const auto& [name, result] : done->results) (*binding)[name] = result;
+  }
+  for (const cawl::Action& action : syntax.actions) {
+    if (!action.when_done) continue;
+    for (const cawl::Text& output : action.computed.outputs) {
+      const auto own = value.find(output.value);
+      if (own == value.end())
+        binding->erase(output.value);
+      else
+        (*binding)[output.value] = own->second;
+    }
+  }
 }
 
 // The invocation for the binding's values of forEach that is done from before the node began again; null: none.
@@ -417,10 +444,17 @@ absl::StatusOr<std::vector<TermQuad>> RunStepper::ToldFacts(const cawl::Constrai
   return told;
 }
 
-// The run ends, and what it told with lifetime="run" with it.
+// The run ends, and what it told with lifetime="run" with it: as soon as each command of the run, and of those nested in it, has
+// its final report. Until then a robot may still be where the fact says that it is.
 void RunStepper::WithdrawUntilEnd() {
-  for (const TermQuad& fact : std::exchange(run_.actions.until_end, {}))
-    core_.output->writes.push_back({false, fact, 0});
+  const auto facts = std::exchange(run_.actions.until_end, {});
+  if (!facts.empty()) core_.WithdrawWhenEnded(run_.id, {facts.begin(), facts.end()});
+}
+
+void Engine::Core::WithdrawWhenEnded(const RunId& run, std::vector<TermQuad> facts) {
+  if (const std::optional<CommandId> last = ledger.LastEndingOf(run))
+    return ledger.Keep(*last, run, std::move(facts));
+  for (TermQuad& fact : facts) output->writes.push_back({false, std::move(fact), 0});
 }
 
 }  // namespace docent::engine

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/overload.h"
+#include "graph/rdf/term_check.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/run_values.h"
@@ -89,7 +90,10 @@ absl::Status RunStepper::TakeInputs(size_t node, size_t index) {
     if (!computed.ok()) return none(std::string(computed.status().message()));
     if (computed->empty() || computed->front().empty())
       return none(absl::StrCat(input.computed.text.value, " has none"));
-    taken.merge(computed->front());
+    const Term& value = computed->front().begin()->second;
+    if (const absl::Status sound = CheckTerm(value, core_.limits.term_bytes); !sound.ok())
+      return none(std::string(sound.message()));
+    taken.emplace(input.part.value, value);
   }
   invocation.inputs = std::move(taken);
   return absl::OkStatus();
@@ -97,6 +101,10 @@ absl::Status RunStepper::TakeInputs(size_t node, size_t index) {
 
 // Of the types that the variables declare.
 absl::Status RunStepper::CheckAssigned(size_t index, const TermBinding& values) const {
+  for (const auto& [name, value] : values) {
+    if (absl::Status sound = CheckTerm(value, core_.limits.term_bytes); !sound.ok())
+      return WithMessage(sound, absl::StrCat("variable ", name, ": ", sound.message()));
+  }
   const std::string fault = TypeFault({*run_.document, flow_, &flow_.nodes[index]}, values);
   return fault.empty() ? absl::OkStatus() : absl::InvalidArgumentError(fault);
 }

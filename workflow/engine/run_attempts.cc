@@ -97,6 +97,7 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
   fresh.sent = invocation.sent;
   fresh.attempt = invocation.attempt + 1;
   fresh.retries = invocation.retries + 1;
+  fresh.failure = reason;
   DelayAttempt(flow_.nodes[node].invokes[invocation.invoke].retry_policy, invocation.retries, invocation,
                &fresh);
   invocation = std::move(fresh);

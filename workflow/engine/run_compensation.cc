@@ -21,24 +21,42 @@ std::string Shown(const DoneStep& step) {
 
 }  // namespace
 
-// Once for each binding of forEach. Of a node that an operator skipped there is nothing to undo.
+// Once for each binding of forEach whose invocations are all done. Of a node that an operator skipped there is nothing to undo.
+// Where some of them are done and others not, it is only noted that this is not undone.
 void RunStepper::NoteDone(size_t index) {
   const cawl::Node& syntax = flow_.nodes[index];
   if (syntax.compensate.value.empty()) return;
   const std::vector<InvocationState>& invocations = run_.nodes[index].invocations;
   for (size_t first = 0; first < invocations.size(); first += syntax.invokes.size()) {
+    const auto begin = invocations.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = begin + static_cast<std::ptrdiff_t>(syntax.invokes.size());
+    const auto done = std::count_if(
+        begin, end, [](const InvocationState& invocation) { return invocation.state == WorkState::kDone; });
+    if (done == 0) continue;
     DoneStep step;
     step.place = syntax.name.value;
-    step.operation = syntax.compensate.value;
+    if (done == end - begin) step.operation = syntax.compensate.value;
     step.variables = run_.variables;
-    for (size_t i = first; i < first + syntax.invokes.size(); ++i) {
-      for (const auto& [name, value] : GivenTo(invocations[i])) step.variables[name] = value;
+    for (auto invocation = begin; invocation != end; ++invocation) {
+      for (const auto& [name, value] : GivenTo(*invocation)) step.variables[name] = value;
+      for (const auto& [name, value] : invocation->results) step.variables[name] = value;
     }
+    std::erase_if(step.variables, [](const auto& variable) { return variable.second == kNoValue; });
     if (!invocations[first].robot.empty())
       step.variables[kRobotVariable] = Term::Iri(invocations[first].robot.value());
     step.done_us = core_.input->now_us;
     run_.done_steps.push_back(std::move(step));
   }
+}
+
+// What is done of nodes that are under way, in this run and in those that are nested in it.
+void RunStepper::NoteDoneOfRunning() {
+  for (size_t i = 0; i < run_.nodes.size(); ++i) {
+    if (run_.nodes[i].state == WorkState::kRunning) NoteDone(i);
+  }
+  const auto nested = core_.nested.find(run_.id);
+  for (const RunId& id : nested == core_.nested.end() ? std::set<RunId>() : nested->second)
+    RunStepper(&core_, core_.Mutable(id)).NoteDoneOfRunning();
 }
 
 // Those of a sub-flow that ended, and that were not undone with it.
@@ -92,6 +110,8 @@ void RunStepper::Undo() {
   Undoing& undoing = *run_.undoing;
   if (run_.paused() || !undoing.child.empty()) return;
   core_.advanced.insert(run_.id);
+  for (; !undoing.left.empty() && undoing.left.back().operation.empty(); undoing.left.pop_back())
+    undoing.failed.push_back(absl::StrCat(undoing.left.back().place, ": only a part of it was done"));
   if (undoing.left.empty()) return End(undoing.outcome, std::string(undoing.reason));
   const DoneStep step = std::move(undoing.left.back());
   undoing.left.pop_back();

@@ -261,6 +261,7 @@ std::vector<size_t> RunStepper::InterruptLinks(size_t index) const {
 void RunStepper::Interrupted(size_t index, const std::string& why) {
   const std::vector<size_t> taken = InterruptLinks(index);
   if (taken.empty()) return WaitAgain(index, why);
+  NoteDone(index);
   SetNode(index, WorkState::kCancelled, why);
   FollowLinks(index, taken);
 }

@@ -8,6 +8,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/run_results.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/rsel/part_types.h"
 #include "workflow/rsel/type_checks.h"
 
 namespace docent::engine {
@@ -17,6 +18,18 @@ constexpr std::string_view kRobotVariable = "robot";
 // Of one invocation, after an unknown outcome of an idempotent operation.
 constexpr int kResendLimit = 3;
 
+// Why the robot's operation cannot take an argument; empty: as far as the robot describes types, it can take them all.
+std::string ArgumentFault(const RobotOffer& offer, const rsel::Instruction& instruction) {
+  for (const auto& [name, value] : instruction.arguments) {
+    const auto type = offer.input_types.find(name);
+    if (type == offer.input_types.end()) continue;
+    if (const std::string fault = rsel::TypeFault(value, type->second); !fault.empty())
+      return Concat(instruction.operation, " cannot take ", ToDisplay(value), " as ", name, ", which ",
+                    fault);
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string RunStepper::Subject(size_t node, size_t invocation) const {
@@ -25,7 +38,8 @@ std::string RunStepper::Subject(size_t node, size_t invocation) const {
 
 std::optional<Term> RunStepper::Value(const std::string& name, const TermBinding* overlay) const {
   if (overlay != nullptr) {
-    if (auto it = overlay->find(name); it != overlay->end()) return it->second;
+    if (auto it = overlay->find(name); it != overlay->end())
+      return it->second == kNoValue ? std::nullopt : std::make_optional(it->second);
   }
   if (auto it = run_.variables.find(name); it != run_.variables.end()) return it->second;
   return std::nullopt;
@@ -170,8 +184,13 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   std::string why_not;
   const CommandOwner self{run_.id, node, index};
   const TermBinding given = GivenTo(invocation);
-  std::vector<RobotId> robots =
-      core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &given), core_.RootOf(run_), self, &why_not);
+  const std::optional<Term> wanted = Value(std::string(kRobotVariable), &given);
+  if (wanted && !wanted->IsIri()) {
+    InvocationFailed(node, index,
+                     absl::StrCat("it has ", ToDisplay(*wanted), " as its robot, which is no robot"));
+    return true;
+  }
+  std::vector<RobotId> robots = core_.RobotsFor(*plan, wanted, core_.RootOf(run_), self, &why_not);
   LeaveOutFailed(node, index, *plan, &robots, &why_not);
   if (robots.empty()) {
     if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
@@ -333,6 +352,11 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
   command.deadline_us = StepDeadline(node, index, instruction.timeout_ms).value_or(0);
   Occupation occupies;
   if (const RobotOffer* offer = core_.OfferOf(instruction.operation, invocation.robot)) {
+    if (const std::string fault = ArgumentFault(*offer, instruction); !fault.empty()) {
+      core_.Say(absl::StrCat(Subject(node, index), " ", instruction.label), "running", "failed", fault);
+      invocation.handler->Failed(instruction.step, instruction.attempt, fault, false);
+      return;
+    }
     command.expected_incarnation = offer->incarnation;
     command.idempotent = offer->idempotent;
     occupies = offer->occupies;
@@ -464,7 +488,8 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
   TermBinding given = mapped || !child.Flow().outputs.empty() ? FlowResults(child) : TermBinding();
   if (child.Flow().outputs.empty()) {
     for (const auto& [name, value] : child.variables) {
-      if (mapped || run_.variables.count(name) == 0) given.emplace(name, value);
+      const bool is_input = invocation.inputs.contains(name);  // it was given to the sub-flow alone
+      if (mapped || (!is_input && run_.variables.count(name) == 0)) given.emplace(name, value);
     }
   }
   const TermBinding results = ResultsOf(owner.node, owner.invocation, given);

@@ -51,6 +51,10 @@ void RunStepper::SetVariables(const TermBinding& binding) {
   std::set<std::string> changed;
   for (const auto& [name, value] : binding) {
     if (name.empty() || name[0] == '_') continue;
+    if (value == kNoValue) {
+      if (run_.variables.erase(name) > 0) changed.insert(name);
+      continue;
+    }
     auto [it, inserted] = run_.variables.try_emplace(name, value);
     if (!inserted && it->second != value)
       it->second = value;
@@ -277,6 +281,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       fresh.match = old.match;
       fresh.sent = old.sent;
       fresh.attempt = old.attempt + 1;  // its own retries begin anew
+      fresh.failure = old.state == WorkState::kFailed ? old.reason : old.failure;
       DelayAttempt(syntax.retry_policy, node.attempt - 2, old, &fresh);
       old = std::move(fresh);
     }
@@ -290,6 +295,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
 
 void RunStepper::NodeFailedForGood(size_t index, const std::string& reason) {
   const std::string& name = flow_.nodes[index].name.value;
+  NoteDone(index);
   SetNode(index, WorkState::kFailed, reason);
   std::vector<size_t> taken;
   for (size_t i : graph_.LinksFrom(index)) {
@@ -321,6 +327,19 @@ void RunStepper::CancelNode(size_t index, const std::string& reason) {
   SetNode(index, WorkState::kCancelled, reason);
 }
 
+namespace {
+
+// Of what the node does now, why an attempt before failed.
+std::string LastFailure(const NodeState& node) {
+  for (const InvocationState& invocation : node.invocations) {
+    if (!IsFinal(invocation.state) && !invocation.failure.empty())
+      return absl::StrCat("; the attempt before failed: ", invocation.failure);
+  }
+  return "";
+}
+
+}  // namespace
+
 bool RunStepper::CheckDeadlines(size_t index) {
   NodeState& node = run_.nodes[index];
   TimeMicros now = core_.input->now_us;
@@ -329,7 +348,8 @@ bool RunStepper::CheckDeadlines(size_t index) {
     NodeFailed(index, node.state == WorkState::kWaiting
                           ? absl::StrCat("its condition did not hold within ",
                                          TimeText(syntax.condition->timeout_ms.value_or(0)))
-                          : absl::StrCat("it was not done within ", TimeText(syntax.timeout_ms.value_or(0))));
+                          : absl::StrCat("it was not done within ", TimeText(syntax.timeout_ms.value_or(0)),
+                                         LastFailure(node)));
     return true;
   }
   for (size_t i = 0; i < node.invocations.size(); ++i) {
@@ -421,7 +441,10 @@ bool RunStepper::CheckEnd() {
 
 void RunStepper::End(WorkState state, const std::string& why) {
   if (run_.state != WorkState::kRunning) return;
-  if (state == WorkState::kFailed && GoesOn() && HasDoneSteps()) return EndAndUndo(state, why);
+  if (state == WorkState::kFailed && GoesOn()) {
+    NoteDoneOfRunning();
+    if (HasDoneSteps()) return EndAndUndo(state, why);
+  }
   const std::string reason = run_.undoing ? EndUndoing(why) : why;
   run_.state = state;  // first: what is cancelled below must not go on
   core_.ended.insert(run_.id);

@@ -53,6 +53,7 @@ class RunStepper {
   void End(WorkState state, const std::string& why);
 
   // Ends the run when what its done nodes did is undone (run_compensation.cc).
+  void NoteDoneOfRunning();
   void EndAndUndo(WorkState outcome, const std::string& reason);
 
   // In the round after the node wrote at="open": a guard that this made fall is not asked again.
@@ -138,6 +139,7 @@ class RunStepper {
   absl::StatusOr<std::vector<TermBinding>> BindingsOf(size_t index) const;
   static absl::Status TooManyBindings();
   std::vector<TermBinding> WithDoneValues(size_t index, std::vector<TermBinding> matches) const;
+  void AddResults(size_t index, size_t number, TermBinding* binding) const;
   const InvocationState* DoneFor(size_t index, const TermBinding& binding, size_t invoke) const;
   absl::Status MakeInvocations(size_t index);
   absl::StatusOr<std::vector<TermBinding>> Compute(const cawl::Computation& computed,
@@ -148,6 +150,7 @@ class RunStepper {
   absl::Status Notify(size_t index, const cawl::Action& action);
   absl::StatusOr<std::string> TextOf(const cawl::Text& text, const TermBinding* binding) const;
   // run_results.cc: results of what was invoked
+  void RefuseNames(const std::string& subject, TermBinding* results);
   TermBinding ResultsOf(size_t node, size_t invocation, const TermBinding& given);
   void KeepSolutions(const cawl::Action& action, std::vector<TermBinding> solutions);
   absl::Status MayWrite(size_t facts);

@@ -109,6 +109,13 @@ TEST_F(RunAssignments, NaNIsANumberOfDouble) {
   EXPECT_TRUE(Has(Fact("out", "x", Term::Literal("NaN", std::string(kXsdNs) + "double"))));
 }
 
+TEST_F(RunAssignments, ATextIsAsLongAsATermMayBe) {
+  DeployOne("<ext:assign variable=\"x\" expression=\"CONCAT($y, $y)\"/>");
+  EXPECT_THAT(
+      Said(Run({{"y", Term::Literal(std::string(600000, 'y'))}})),
+      Contains(HasSubstr("variable x: the literal has 1200000 bytes, the limit term_bytes is 1048576")));
+}
+
 TEST_F(RunAssignments, WithoutASolutionTheNodeFails) {
   DeployOne("<ext:assign>SELECT ?x WHERE { w:it w:p ?x }</ext:assign>");
   EXPECT_THAT(Said(Run()), Contains("F-1/A running>failed: it cannot assign: the SELECT has no solution"));

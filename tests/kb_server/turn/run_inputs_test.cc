@@ -121,6 +121,34 @@ TEST_F(RunInputs, TheRobotMayBeOne) {
   EXPECT_THAT(Sent(Run({{"x", test::Iri("R1")}})), ElementsAre(IsEmpty()));
 }
 
+TEST_F(RunInputs, WhatIsNoRobotFailsAtOnce) {
+  Must(test::WorldFacts());
+  DeployOne("<invoke operation=\"greet\"><ext:input part=\"robot\" variable=\"x\"/></invoke>");
+  EXPECT_THAT(Said(Run({{"x", Term::Literal("R1")}})),
+              Contains(HasSubstr("it has \"R1\" as its robot, which is no robot")));
+}
+
+TEST_F(RunInputs, TheRobotSaysOfWhatTypeTheyAre) {
+  Must(test::WorldFacts());
+  const std::string greet = "urn:docent:operation:greet";
+  WriteBatch described = Tell({Fact("R1", "docent:offers", greet),
+                               Fact(greet, "docent:input", Term::Literal("user")),
+                               Fact(greet, "docent:inputsKnown", Term::Boolean(true)),
+                               Fact(greet, "docent:inputPart", "part"),
+                               Fact("part", "docent:partName", Term::Literal("user")),
+                               {test::Iri("part"), Term::Iri(DocentIri("partType")),
+                                Term::Iri(std::string(kXsdNs) + "decimal"), Term()}});
+  described.source = test::Name("R1");
+  Must(described);
+  DeployOne("<invoke operation=\"greet\" ext:retry=\"3\"><ext:input part=\"user\" variable=\"x\"/></invoke>");
+  const TurnResult wrong = Run({{"x", Term::Literal("ninety")}});
+  EXPECT_THAT(Sent(wrong), IsEmpty());
+  EXPECT_THAT(Said(wrong), Contains(HasSubstr("greet cannot take \"ninety\" as user, which is of xsd:string, "
+                                              "not of xsd:decimal")));
+  EXPECT_THAT(Sent(Run({{"x", Term::Integer(90)}})),
+              ElementsAre(ElementsAre(Pair("user", Term::Integer(90)))));
+}
+
 TEST_F(RunInputs, ASubflowBeginsWithIt) {
   Must(test::Put(Document::Kind::kCawl, "w.xml",
                  "<CAWL name=\"W\" xmlns:w=\"urn:w:\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"

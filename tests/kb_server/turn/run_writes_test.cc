@@ -285,6 +285,42 @@ TEST_F(RunWrites, ACancelledRunTakesItsFactsAlong) {
   EXPECT_FALSE(Has(Fact("it", "p", "b")));
 }
 
+// A resource that a run has told that it uses is not free before its robot stands.
+TEST_F(RunWrites, FactsOfARunThatIsCancelledStayUntilItsCommandsHaveEnded) {
+  Must(test::WorldFacts());
+  DeployOne("<ext:tell lifetime=\"run\">w:Lift w:inUseBy $x</ext:tell><invoke operation=\"greet\"/>");
+  const TurnResult turn = Run({{"x", test::Iri("John")}});
+  WriteBatch cancel;
+  cancel.run_requests.push_back({RunRequest::Kind::kCancel, "F-1", {}});
+  Must(cancel);
+  EXPECT_TRUE(Has(Fact("Lift", "inUseBy", "John"))) << "the robot still rides";
+  Must(test::Report(turn.record.commands[0].id, CommandReport::Outcome::kCancelled));
+  EXPECT_FALSE(Has(Fact("Lift", "inUseBy", "John")));
+}
+
+TEST_F(RunWrites, AlsoThoseOfASubflowAndOfTheRunAroundIt) {
+  Must(test::WorldFacts());
+  Must(test::Put(
+      Document::Kind::kCawl, "w.xml",
+      "<CAWL name=\"W\" xmlns:w=\"urn:w:\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"
+      "<flow name=\"F\"><source name=\"s\"/><node name=\"A\"><ext:tell lifetime=\"run\">w:Lift w:inUseBy "
+      "w:outer</ext:tell><invoke subflow=\"Sub\"/></node><sink name=\"e\"/><link from=\"s\" to=\"A\"/><link "
+      "from=\"A\" to=\"e\"/></flow>"
+      "<flow name=\"Sub\"><source name=\"s\"/><node name=\"A\"><ext:tell lifetime=\"run\">w:Door w:inUseBy "
+      "w:inner</ext:tell><invoke operation=\"greet\"/></node><sink name=\"e\"/><link from=\"s\" "
+      "to=\"A\"/><link "
+      "from=\"A\" to=\"e\"/></flow></CAWL>"));
+  const TurnResult turn = Run();
+  WriteBatch cancel;
+  cancel.run_requests.push_back({RunRequest::Kind::kCancel, "F-1", {}});
+  Must(cancel);
+  EXPECT_TRUE(Has(Fact("Lift", "inUseBy", "outer")));
+  EXPECT_TRUE(Has(Fact("Door", "inUseBy", "inner")));
+  Must(test::Report(turn.record.commands[0].id, CommandReport::Outcome::kCancelled));
+  EXPECT_FALSE(Has(Fact("Lift", "inUseBy", "outer")));
+  EXPECT_FALSE(Has(Fact("Door", "inUseBy", "inner")));
+}
+
 TEST_F(RunWrites, AWithdrawTakesWhatTheRunTold) {
   WriteBatch other = Tell({Fact("it", "p", "b")});
   other.source = "urn:w:Camera";

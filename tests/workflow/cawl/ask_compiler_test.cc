@@ -188,7 +188,9 @@ TEST(AskCompiler, KeyVariablesAreTheActivatorsOwn) {
                  "to=\"e\"/></flow></CAWL>");
   };
   for (const auto& [variables, keys] : std::map<std::string, std::vector<std::string>>{
-           {"", {"user", "place"}}, {"<variable name=\"user\"/>", {"user"}}}) {
+           {"", {"user", "place"}},
+           {"<variable name=\"user\"/>", {"user"}},
+           {"<variable name=\"greeting\"/>", {"user", "place"}}}) {
     DocumentPtr document = with(variables);
     auto asks = CompileCondition(*document, document->activator->condition, Values({}), {});
     ASSERT_TRUE(asks.ok());

@@ -104,6 +104,8 @@ struct RobotOffer {
   bool offline = false;     // its lease ran out
   // The parts that the operation takes, in order; nullopt: the robot did not describe them.
   std::optional<std::vector<std::string>> inputs;
+  std::map<std::string, std::string> input_types =
+      {};  // part → IRI of its class or datatype, where it is told
   Occupation occupies;
   bool busy = false;  // it says that it carries something out; a command of ours may be the reason
   // Why it takes no command whatever it does for us, for people: "is charging"; empty: it takes some.

@@ -87,6 +87,23 @@ size_t RobotLedger::EndingOf(const CommandOwner& owner) const {
   return count == ending_by_owner_.end() ? 0 : count->second;
 }
 
+std::optional<CommandId> RobotLedger::LastEndingOf(const RunId& run) const {
+  std::optional<CommandId> last;
+  for (const auto& [id, ending] : ending_) {
+    const bool of_run = std::any_of(ending.owners.begin(), ending.owners.end(),
+                                    [&run](const CommandOwner& owner) { return owner.run == run; });
+    if (of_run) last = id;
+  }
+  return last;
+}
+
+void RobotLedger::Keep(const CommandId& command, const RunId& run, std::vector<TermQuad> facts) {
+  EndingCommand& ending = ending_.at(command);
+  undo_.emplace_back(command, ending);
+  std::vector<TermQuad>& kept = ending.kept[run];
+  kept.insert(kept.end(), facts.begin(), facts.end());
+}
+
 bool RobotLedger::Occupied(const RobotId& robot, const Occupation& wanted, const CommandOwner& self) const {
   for (const CommandId& id : EndingOn(robot)) {
     if (Collide(ending_.at(id).occupies, wanted)) return true;

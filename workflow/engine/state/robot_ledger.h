@@ -44,6 +44,8 @@ struct EndingCommand {
   // The invocation that sent it, then those that its run is nested in.
   std::vector<CommandOwner> owners;
   TimeMicros since_us = 0;
+  // Facts that runs told for as long as they last (lifetime="run"). The runs have ended; this is the last of their commands.
+  std::map<RunId, std::vector<TermQuad>> kept = {};
 };
 
 class RobotLedger {
@@ -72,6 +74,10 @@ class RobotLedger {
   const std::set<CommandId>& EndingOn(const RobotId& robot) const;
   // How many commands of this invocation, and of runs nested in it, are ending.
   size_t EndingOf(const CommandOwner& owner) const;
+  // The last one that the run, or a run nested in it, sent; nullopt: none is ending.
+  std::optional<CommandId> LastEndingOf(const RunId& run) const;
+  // Facts of the run stay until this command, which is ending, has its final report.
+  void Keep(const CommandId& command, const RunId& run, std::vector<TermQuad> facts);
   const Ending& ending() const { return ending_; }
 
   // Whether something other than the task of `self` occupies some of what `wanted` does.

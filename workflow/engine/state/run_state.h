@@ -71,11 +71,16 @@ struct OpenCommand {
 };
 
 // One invoke of a node, for one binding of forEach.
+// In a binding: the variable has no value, also where the run has one.
+inline const Term kNoValue = {};
+
 struct InvocationState {
   size_t invoke = 0;    // index in cawl::Node::invokes
   TermBinding binding;  // forEach: the variables of this invocation, in front of the run's
   TermBinding
       inputs;  // ext:input: as they were when this attempt last tried to begin, in front of the binding
+  TermBinding
+      results;  // done: what it made of variables of the run; kNoValue: a named result that was not given
   WorkState state = WorkState::kPending;
   int attempt = 1;  // of the whole invoke, counted over all attempts of the node; part of its commands' ids
   int retries = 0;  // of those, by the invoke's own ext:retry in this attempt of the node
@@ -98,6 +103,7 @@ struct InvocationState {
   TermBinding match;        // of the guard, with which the node opened for this invocation
   Revision guard_revision;  // at which the guard was last seen to hold: when this attempt began
   bool sent = false;        // in this attempt or one before, a command or a sub-flow
+  std::string failure;      // why the attempt before failed
   bool queued = false;      // pending: it waits for a robot in the waiting room (waiting_room.h)
   bool once =
       false;  // an outcome is unknown and the operation is not idempotent: there is no further attempt
