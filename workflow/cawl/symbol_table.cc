@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "workflow/xml/term_text.h"
+
 namespace docent::cawl {
 namespace {
 
@@ -81,6 +83,12 @@ std::vector<InitialValue> InitialValues(const Scope& scope) {
     }
   }
   return out;
+}
+
+bool IsVariableKey(std::string_view name) {
+  const size_t dot = name.find('.');
+  return xml::IsVariableName(name.substr(0, dot)) &&
+         (dot == std::string_view::npos || xml::IsVariableName(name.substr(dot + 1)));
 }
 
 }  // namespace docent::cawl

@@ -48,6 +48,9 @@ struct InitialValue {
 // Of the scope's own variables, in document order. A copy of a whole variable with parts copies each part.
 std::vector<InitialValue> InitialValues(const Scope& scope);
 
+// Whether a variable of a run can be called so: "user", or "request.booth", a part of one.
+bool IsVariableKey(std::string_view name);
+
 }  // namespace docent::cawl
 
 #endif  // DOCENT_WORKFLOW_CAWL_SYMBOL_TABLE_H_

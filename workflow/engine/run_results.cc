@@ -7,9 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/utf8.h"
+#include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/run_values.h"
-#include "workflow/xml/term_text.h"
 
 namespace docent::engine {
 
@@ -28,13 +28,6 @@ namespace {
 constexpr size_t kMostResults = 1000;  // of one invocation
 constexpr size_t kShownBytes = 60;
 
-// "user" or "request.booth".
-bool IsKey(std::string_view name) {
-  const size_t dot = name.find('.');
-  return xml::IsVariableName(name.substr(0, dot)) &&
-         (dot == std::string_view::npos || xml::IsVariableName(name.substr(dot + 1)));
-}
-
 // Whole characters.
 std::string_view Beginning(std::string_view text) {
   return text.size() <= kShownBytes
@@ -49,7 +42,7 @@ void RunStepper::RefuseNames(const std::string& subject, TermBinding* results) {
   size_t taken = 0;
   std::vector<std::string> refused;
   std::erase_if(*results, [&](const auto& result) {
-    if (IsKey(result.first) && ++taken <= kMostResults) return false;
+    if (cawl::IsVariableKey(result.first) && ++taken <= kMostResults) return false;
     refused.push_back(result.first);
     return true;
   });
