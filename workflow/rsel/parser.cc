@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "workflow/xml/datatype_names.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {
@@ -48,6 +49,8 @@ class DocumentReader {
                              reader_.CheckAttributes(e, {"name", "type"});
                              Part part{ReadPartName(e, "name"), reader_.Attribute(e, "type"), e.span};
                              if (!part.type.empty()) part.type_term = reader_.TermOf(e, part.type);
+                             if (part.type_term && part.type_term->IsIri())
+                               xml::CheckDatatype(part.type_term->lexical, part.type.span, &reader_);
                              out.parts.push_back(std::move(part));
                              reader_.ReadChildren(e, {});
                            }}});
