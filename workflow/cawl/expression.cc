@@ -11,6 +11,15 @@ namespace docent::cawl {
 namespace {
 
 constexpr char kQuote = '\'';
+constexpr char kOperators[] = "write and, or and not in place of &&, || and !";
+
+// Of another language.
+bool HasOperator(std::string_view word) {
+  for (const std::string_view sign : {"&&", "||", "&", "|", "!"}) {
+    if (word == sign || (sign.size() == 2 && word.find(sign) != std::string_view::npos)) return true;
+  }
+  return false;
+}
 
 class Parser {
  public:
@@ -23,7 +32,8 @@ class Parser {
     std::optional<Expression> out = Sequence(Expression::Kind::kOr);
     if (out && !token_.empty()) {
       return Fail(token_ == ")" ? "a ) without its ("
-                                : absl::StrCat("`and` or `or` is missing before ", std::string(token_)));
+                                : absl::StrCat("`and` or `or` is missing before ", std::string(token_)),
+                  HasOperator(token_) ? kOperators : "");
     }
     return out;
   }
@@ -214,7 +224,16 @@ std::vector<const Expression*> NamesIn(const Expression& expression) {
   return out;
 }
 
-xml::Advice InExpression(xml::Advice advice) {
+xml::Advice AdviceOnName(const Expression& name, const std::vector<std::string>& known,
+                         const std::string& otherwise, const xml::ElementReader& reader) {
+  const std::string& word = name.name;
+  const bool negated = word.size() > 1 && word[0] == '!';
+  if (negated && std::find(known.begin(), known.end(), word.substr(1)) != known.end()) {
+    const std::string right = NameText(word.substr(1));
+    return xml::Advice(Concat("write not ", right), word, Concat("not ", right));
+  }
+  if (negated || HasOperator(word)) return kOperators;
+  xml::Advice advice = reader.DidYouMean(word, known, otherwise);
   if (NameText(advice.wrong) != advice.wrong || NameText(advice.right) != advice.right) advice.right.clear();
   return advice;
 }

@@ -38,8 +38,10 @@ bool Evaluate(const Expression& expression, const std::function<bool(const std::
 // Every kName of the expression, in order of writing.
 std::vector<const Expression*> NamesIn(const Expression& expression);
 
-// The advice for a name in an expression: without words that would have to be quoted there.
-xml::Advice InExpression(xml::Advice advice);
+// The advice for a name in an expression that is none of `known`: the nearest one, the operator that it is written with
+// (a&&b, !a), or `otherwise`. Its fix has no words that would have to be quoted there.
+xml::Advice AdviceOnName(const Expression& name, const std::vector<std::string>& known,
+                         const std::string& otherwise, const xml::ElementReader& reader);
 
 // With the fewest parentheses and quotes that keep its meaning.
 std::string ToText(const Expression& expression);

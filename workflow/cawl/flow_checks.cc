@@ -172,9 +172,10 @@ class FlowChecker {
       if (reader_.full()) return;
       reader_.Error(
           e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
-          InExpression(reader_.DidYouMean(
-              e->name, before,
-              before.empty() ? "no link leads here" : Concat("links lead here from ", xml::ListOf(before)))));
+          AdviceOnName(
+              *e, before,
+              before.empty() ? "no link leads here" : Concat("links lead here from ", xml::ListOf(before)),
+              reader_));
     }
   }
 

@@ -10,42 +10,6 @@
 namespace docent::cawl {
 namespace {
 
-// The names of an expression that do not stand under a `not`.
-void PositiveNames(const Expression& expression, std::set<std::string>* out) {
-  if (expression.kind == Expression::Kind::kNot) return;
-  if (expression.kind == Expression::Kind::kName) out->insert(expression.name);
-  for (const Expression& child : expression.children) PositiveNames(child, out);
-}
-
-bool Counts(const std::optional<Expression>& expression, const Text& name) {
-  if (!expression) return true;
-  std::set<std::string> names;
-  PositiveNames(*expression, &names);
-  return names.contains(name.value);
-}
-
-// The free variables outside of `not`, where each stands first.
-std::vector<const Word*> FreeWords(const Condition& condition) {
-  std::vector<const Word*> out;
-  auto add = [&out](const Word& word) {
-    if (word.kind != Word::Kind::kFree || word.comparison != Word::Comparison::kNone) return;
-    if (std::none_of(out.begin(), out.end(), [&](const Word* known) { return known->name == word.name; }))
-      out.push_back(&word);
-  };
-  for (const Context& context : condition.contexts) {
-    if (!Counts(condition.expression, context.name)) continue;
-    for (const Rule& rule : context.rules) {
-      for (const Constraint& constraint : rule.constraints) {
-        if (!Counts(rule.expression, constraint.name)) continue;
-        add(constraint.subject);
-        add(constraint.verb);
-        add(constraint.object);
-      }
-    }
-  }
-  return out;
-}
-
 class NameChecker {
  public:
   NameChecker(const Document& document, xml::ElementReader* reader)
@@ -229,9 +193,10 @@ class NameChecker {
       if (std::find(names.begin(), names.end(), e->name) != names.end() || reader_.full()) continue;
       reader_.Error(
           e->span, Concat("the expression names ", e->name, ", but there is no ", what, " of that name here"),
-          InExpression(reader_.DidYouMean(e->name, names,
-                                          names.empty() ? Concat("give each ", what, " a name")
-                                                        : Concat("there are: ", xml::ListOf(names)))));
+          AdviceOnName(*e, names,
+                       names.empty() ? Concat("give each ", what, " a name")
+                                     : Concat("there are: ", xml::ListOf(names)),
+                       reader_));
     }
     for (const Text* t : children) {
       if (!t->empty() && !used.contains(t->value)) {
@@ -296,10 +261,7 @@ class NameChecker {
       }
       Scope scope(flow_scope, node);
       CheckScope(scope, Concat("node ", node.name.value));
-      if (node.condition) {
-        CheckCondition(scope, *node.condition);
-        CheckFreeNames(flow, scope, *node.condition);
-      }
+      if (node.condition) CheckCondition(scope, *node.condition);
       if (node.hold) CheckConstraint(scope, *node.hold);
       for (const Action& action : node.actions) CheckAction(scope, node, action);
       for (const Invoke& invoke : node.invokes) {
@@ -314,28 +276,6 @@ class NameChecker {
     });
     for (const Link& link : flow.links) {
       if (link.while_constraint) CheckConstraint(flow_scope, *link.while_constraint);
-    }
-  }
-
-  // ?name in a node's condition may match anything, also where the run has a value of that name: most often $name was meant.
-  void CheckFreeNames(const Flow& flow, const Scope& scope, const Condition& condition) {
-    std::vector<std::string> activated;
-    if (document_.activator && document_.activator->flow.value == flow.name.value)
-      activated = BoundBy(document_.activator->condition);
-    for (const Word* word : FreeWords(condition)) {
-      const Variable* variable = scope.FindVariable(word->name);
-      const bool initialized = variable != nullptr && !variable->initializers.empty();
-      if (!initialized && std::find(activated.begin(), activated.end(), word->name) == activated.end())
-        continue;
-      Diagnostic& report = reader_.Warning(
-          word->span,
-          Concat("?", word->name, " may match another value than the one that ",
-                 initialized ? "the variable begins with" : "the activator bound"),
-          Concat(
-              "write $", word->name, " for the run's own",
-              variable != nullptr ? "" : Concat(", and <variable name=\"", word->name, "\"/> in the flow")));
-      if (variable != nullptr && reader_.source().substr(word->span.offset, 1) == "?")
-        report.fix = {{word->span.offset, 1, "$"}};
     }
   }
 
@@ -362,12 +302,6 @@ class NameChecker {
 };
 
 }  // namespace
-
-std::vector<std::string> BoundBy(const Condition& condition) {
-  std::vector<std::string> out;
-  for (const Word* word : FreeWords(condition)) out.push_back(word->name);
-  return out;
-}
 
 void CheckNames(const Document& document, xml::ElementReader* reader) {
   NameChecker(document, reader).Check();

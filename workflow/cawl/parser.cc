@@ -21,6 +21,7 @@ ParsedCawl ParseCawl(std::string_view text, const std::string& file, const Limit
   xml::ElementReader reader(document->source, file, kExtensionNs, parsed.root.get());
   if (ReadDocument(*parsed.root, limits, &reader, document.get())) {
     CheckNames(*document, &reader);
+    CheckFreeNames(*document, &reader);
     CheckFlows(*document, &reader);
     CheckLastingRules(*document, &reader);
     CheckTimes(*document, &reader);

@@ -14,6 +14,9 @@ namespace docent::cawl {
 // names in expressions, the activator's flow, forEach's variables).
 void CheckNames(const Document& document, xml::ElementReader* reader);
 
+// ?name in a condition, ext:while or ext:while-holds of a node where the run has a value of that name from its beginning on.
+void CheckFreeNames(const Document& document, xml::ElementReader* reader);
+
 // Rules with ext:for: see lasting_rules.h.
 void CheckLastingRules(const Document& document, xml::ElementReader* reader);
 

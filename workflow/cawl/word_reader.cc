@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -28,6 +29,20 @@ std::pair<Word::Comparison, size_t> ComparisonAt(std::string_view text) {
   if (text.starts_with(">")) return {C::kGreater, 1};
   if (text.starts_with("<") && (text.size() == 1 || !absl::ascii_isalpha(text[1]))) return {C::kLess, 1};
   return {C::kNone, 0};
+}
+
+// What other languages write for a comparison, and what is meant.
+struct OtherSign {
+  std::string_view sign, meant;
+};
+
+std::optional<OtherSign> OtherSignAt(std::string_view text) {
+  for (const OtherSign& other : {OtherSign{"==", "="}, {"=>", ">="}, {"<>", "!="}, {"=<", "<="}}) {
+    const bool opens_iri =
+        other.sign == "=<" && text.size() > 2 && absl::ascii_isalpha(static_cast<unsigned char>(text[2]));
+    if (text.starts_with(other.sign) && !opens_iri) return other;
+  }
+  return std::nullopt;
 }
 
 // "$name" or "?name" at the beginning of `text`.
@@ -57,6 +72,13 @@ Word WordOf(std::string_view text, WordRole role, const xml::Prefixes& prefixes,
             xml::ElementReader* reader) {
   Word word;
   size_t offset = 0;
+  if (const auto other = role == WordRole::kObject ? OtherSignAt(text) : std::nullopt) {
+    const std::string rest(absl::StripAsciiWhitespace(ToAbsl(text.substr(other->sign.size()))));
+    reader->Error(place(0, other->sign.size()), Concat("in the object: ", other->sign, " is no comparison"),
+                  xml::Advice(Concat("write ", other->meant, rest.empty() ? "" : " ", rest), other->sign,
+                              std::string(other->meant)));
+    return word;
+  }
   if (role == WordRole::kObject) {
     std::tie(word.comparison, offset) = ComparisonAt(text);
     while (offset < text.size() && absl::ascii_isspace(text[offset])) ++offset;
@@ -126,6 +148,16 @@ std::string_view NextPiece(std::string_view text, size_t* at) {
   return text.substr(start, *at - start);
 }
 
+// "$n < 3", "$n != $m": a sign of a comparison where a verb stands.
+bool IsComparison(std::string_view text) {
+  size_t at = 0;
+  const std::string_view subject = NextPiece(text, &at);
+  const bool variable = subject.starts_with("$") || subject.starts_with("?");
+  if (variable && subject.find_first_of("<>=") != std::string_view::npos) return true;
+  const std::string_view verb = NextPiece(text, &at);
+  return !verb.empty() && (OtherSignAt(verb) || ComparisonAt(verb).first != Word::Comparison::kNone);
+}
+
 }  // namespace
 
 Word ReadWord(const xml::Element& element, WordRole role, xml::ElementReader* reader) {
@@ -152,6 +184,12 @@ std::optional<Constraint> ReadConstraintText(const xml::Element& element, const 
                                              xml::ElementReader* reader) {
   std::string_view value = text.value;
   size_t at = 0;
+  if (IsComparison(value)) {
+    reader->Error(text.span, Concat("\"", value, "\" compares two values; a pattern is needed here"),
+                  "write a subject, a verb and an object, and the comparison as the object: "
+                  "$user expo:visits < 3 (in XML: &lt; 3)");
+    return std::nullopt;
+  }
   Constraint constraint;
   constraint.span = text.span;
   Word* words[] = {&constraint.subject, &constraint.verb, &constraint.object};
