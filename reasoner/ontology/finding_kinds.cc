@@ -112,35 +112,48 @@ const std::vector<FindingKind>& FindingKinds() {
        "Correct the text at the place that the finding names."},
       {"timeout-without-effect", "warning", "CAWL",
        "A timeout ends nothing: it stands where nothing takes time, at an activator, or behind one that ends "
-       "first.",
-       "Take it away, or put it where something is waited for."},
+       "first. Or the delay of further attempts is as long as the timeout of the node, so that there are "
+       "none.",
+       "Take it away, or put it where something is waited for; make the delay shorter."},
       {"type-clash", "warning", "CAWL, RSEL",
        "A value does not suit: a literal where the property has resources or the reverse, a literal of "
        "another datatype, a variable whose declared type is disjoint with what a constraint or an operation "
-       "needs, a part that is given to one of another type.",
+       "needs, a constant that a variable or an input of another type gets, a part that is given to one of "
+       "another type.",
        "Correct the word, or the type of the variable or part."},
-      {"undefined-term", "error or warning", "CAWL, RDF, SPARQL, rules",
-       "A word of a namespace that the files named define is not defined there. Usually it is misspelt; the "
-       "hint names the nearest word. In CAWL it is a warning.",
+      {"undefined-term", "error or warning", "CAWL, RSEL, RDF, SPARQL, rules",
+       "A word of a namespace that the files named define is not defined there, or a datatype of xsd: is "
+       "none "
+       "of XML Schema. Usually it is misspelt; the hint names the nearest word. In CAWL and RSEL it is a "
+       "warning.",
        "Correct the word, or declare it in its ontology."},
       {"unknown-input", "warning", "CAWL",
-       "ext:input gives a value to an input that the operation does not have. The value is not used.",
+       "ext:input gives a value to an input that the operation, or the flow of the same document, does not "
+       "have. The value is not used.",
        "Correct the name of the part."},
       {"unknown-operation", "warning", "CAWL, RSEL",
        "No robot offers an operation now, and no robot service has this name. An invocation of it waits "
        "until a robot joins that offers it.",
        "Correct the name where it is misspelt; the hint names the nearest one."},
+      {"unknown-output", "warning", "CAWL",
+       "ext:output names a result that the flow of the same document, or the robot service, does not give. "
+       "The "
+       "variable gets no value.",
+       "Correct the name of the part."},
       {"unreachable-node", "error", "CAWL", "No links lead from the source to a node.",
        "Link it, or remove it."},
       {"unsatisfiable-condition", "warning", "CAWL",
        "An alternative of a condition can never hold: its constraints need one thing to be in two disjoint "
        "classes, need something to hold and not to hold, compare with a variable that has no value, or must "
-       "have held for longer than the wait lasts.",
-       "Correct one of the constraints."},
+       "have held for longer than the wait lasts. Or a joinCondition is never true: it needs a node and "
+       "needs it not, or two of which only one comes.",
+       "Correct one of the constraints, or the expression."},
       {"unset-variable", "error or warning", "CAWL",
-       "A variable is used where it can have no value: nothing initializes it, and no condition or operation "
-       "before gives it one.",
-       "Initialize it, or bind it in a condition before."},
+       "A variable is used where it can have no value: nothing initializes it, and no condition, action or "
+       "operation before gives it one. The same is said of ?name in an expression, and of a variable of an "
+       "activator "
+       "that its condition does not bind.",
+       "Initialize it, or bind it in a condition before; write $name in an expression."},
       {"unused-prefix", "warning", "RDF, SPARQL, rules", "A prefix is declared and not used.",
        "Remove the declaration."},
       {"value-range", "warning", "RDF",
@@ -150,6 +163,12 @@ const std::vector<FindingKind>& FindingKinds() {
        "comparisons with it "
        "are errors.",
        "Write a value that can be computed with, if it is to be compared."},
+      {"variable-race", "warning", "CAWL",
+       "Two nodes that may be active at the same time, or two invokes of one node, set the same variable. "
+       "What "
+       "it is afterwards depends on which of them is done last. Two that set the same constant, or count on "
+       "from its value, are not meant, nor two before a joinCondition with `or`.",
+       "Put them one after the other, or let each set a variable of its own."},
       {"while-holds-without-effect", "warning", "CAWL",
        "A node with ext:while-holds=\"true\" makes its own condition fall by what it tells or withdraws when "
        "it opens. What a "

@@ -12,6 +12,7 @@
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/lexer.h"
 #include "graph/sparql/syntax/parser.h"
+#include "workflow/cawl/expression_advice.h"
 
 namespace docent::cawl {
 namespace {
@@ -73,6 +74,7 @@ class ComputationReader {
   void ReadExpression(const Text& expression, const Text& output) {
     out_.text = expression;
     const std::string& text = out_.text.value;
+    is_expression_ = true;
     if (!Report(sparql::ParseExpression(text, options_).diagnostics)) return;
     ReadInputs(text);
     constexpr std::string_view kBefore = "SELECT ((";
@@ -85,6 +87,7 @@ class ComputationReader {
     }
     out_.outputs.push_back(output);
     ReadCalls(*parsed.query.algebra, kBefore.size());
+    ReadValues(*parsed.query.algebra, kBefore.size());
     out_.query = std::make_shared<const sparql::Query>(std::move(parsed.query));
   }
 
@@ -139,8 +142,9 @@ class ComputationReader {
   // True if there is no error.
   bool Report(const Diagnostics& diagnostics) {
     for (const Diagnostic& d : diagnostics) {
-      if (d.severity == Diagnostic::Severity::kError)
-        reader_.Error(PlaceOf(d.span), Concat("SPARQL: ", d.message), d.hint);
+      if (d.severity != Diagnostic::Severity::kError) continue;
+      const ExpressionAdvice advice = AdviceOn(out_.text.value, d, is_expression_, element_.name == "input");
+      reader_.Error(PlaceOf(advice.span), advice.message, advice.hint);
     }
     return !HasErrors(diagnostics);
   }
@@ -178,6 +182,21 @@ class ComputationReader {
     });
   }
 
+  // What stands outside of patterns, which ask the graph.
+  void ReadValues(const sparql::Algebra& algebra, size_t before) {
+    sparql::ForEachExpression(algebra, [&](const sparql::Expression& e) {
+      if (e.kind != sparql::Expression::Kind::kVariable || e.span.offset < before ||
+          e.span.offset - before >= out_.text.value.size() || out_.text.value[e.span.offset - before] != '?')
+        return;
+      SourceSpan in_text = e.span;
+      in_text.offset -= before;
+      out_.without_value.emplace_back(e.variable.name, PlaceOf(in_text));
+    });
+    if (algebra.expression != nullptr && algebra.expression->kind == sparql::Expression::Kind::kTerm)
+      out_.constant = algebra.expression->term;
+    for (const sparql::AlgebraPtr& child : algebra.children) ReadValues(*child, before);
+  }
+
   void CheckSubSelects(const sparql::Algebra& algebra) {
     ForEachSubSelect(algebra, false, [&](const sparql::Algebra& select) {
       for (const sparql::Variable* used : sparql::VariablesInScope(*select.children[0])) {
@@ -198,6 +217,7 @@ class ComputationReader {
   xml::ElementReader& reader_;
   Computation& out_;
   sparql::ParseOptions options_;
+  bool is_expression_ = false;
 };
 
 void ReadNone(const xml::Element& element, xml::ElementReader* reader, Action* out) {
@@ -205,6 +225,7 @@ void ReadNone(const xml::Element& element, xml::ElementReader* reader, Action* o
   const Text otherwise = Given(element, "default", reader);
   if (none.given() && otherwise.given())
     reader->Error(none.span, "<assign> has either none or default", "take one of them away");
+  out->otherwise_text = otherwise;
   if (otherwise.given()) out->otherwise = reader->TermOf(element, otherwise);
   out->may_be_none = none.value == "unset";
   if (none.given() && !out->may_be_none && none.value != "fail")

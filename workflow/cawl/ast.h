@@ -207,6 +207,9 @@ struct Computation {
   std::vector<Text> outputs;                   // what its columns are called, in their order
   std::vector<Call> calls;                     // of functions that SPARQL itself does not have
   bool ordered = false;                        // it has ORDER BY
+  // Of an expression: ?name outside of EXISTS { … }, to which nothing gives a value; what it is if it is one literal or resource.
+  std::vector<std::pair<std::string, SourceSpan>> without_value;
+  std::optional<Term> constant;
 };
 
 // <ext:input part="text" expression='"Hello"'/>   <ext:input part="place" variable="stand"/>
@@ -228,6 +231,7 @@ struct Output {
 };
 // ext:retry-delay="10s" ext:retry-backoff="2" ext:retry-other-robot="true", beside ext:retry: how the next attempt begins.
 struct RetryPolicy {
+  Text delay_text;
   std::optional<int64_t> delay_ms;  // from the failure to the next attempt
   double backoff = 1;               // factor from one delay to the next
   bool other_robot = false;         // not on a robot that has failed it, while another one offers it
@@ -299,6 +303,7 @@ struct Action {
   Computation computed;           // kAssign: its outputs are the variables that are set
   bool may_be_none = false;       // none="unset"
   std::optional<Term> otherwise;  // default
+  Text otherwise_text;
   // kNotify
   std::vector<Text> data;                                // names of variables
   Text target;                                           // "https://…", "mqtt:TOPIC" or $name

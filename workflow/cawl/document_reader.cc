@@ -315,8 +315,8 @@ class DocumentReader {
                                  ": it is the factor from one delay to the next"));
     }
     out.other_robot = reader_.Flag(element, "retry-other-robot");
-    const Text delay = reader_.Extension(element, "retry-delay");
-    if (backoff.given() && !delay.given()) {
+    out.delay_text = reader_.Extension(element, "retry-delay");
+    if (backoff.given() && !out.delay_text.given()) {
       reader_.Error(backoff.span,
                     "ext:retry-backoff without ext:retry-delay: there is no delay to be made longer",
                     "write ext:retry-delay=\"…\", or take it away");

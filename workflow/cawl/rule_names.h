@@ -18,9 +18,11 @@ inline constexpr char kTypeClash[] = "type-clash";
 inline constexpr char kUndefinedTerm[] = "undefined-term";
 inline constexpr char kUnknownInput[] = "unknown-input";
 inline constexpr char kUnknownOperation[] = "unknown-operation";
+inline constexpr char kUnknownOutput[] = "unknown-output";
 inline constexpr char kUnreachableNode[] = "unreachable-node";
 inline constexpr char kUnsatisfiable[] = "unsatisfiable-condition";
 inline constexpr char kUnsetVariable[] = "unset-variable";
+inline constexpr char kVariableRace[] = "variable-race";
 inline constexpr char kWhileHoldsWithoutEffect[] = "while-holds-without-effect";
 
 }  // namespace docent::cawl

@@ -44,9 +44,12 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
     out.conditions = ConditionTexts(*out.document, limits, &reader);
     CheckConditions(*out.document, environment, &reader);
     CheckFeedback(*out.document, &reader);
+    CheckRaces(*out.document, &reader);
     CheckRuns(*out.document, &reader);
+    CheckExchange(*out.document, environment, &reader);
     CheckValues(*out.document, environment, &reader);
     CheckTypes(*out.document, environment, &reader);
+    CheckDatatypes(*out.document, &reader);
     CheckTimeouts(*out.document, environment, &reader);
   }
   for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));

@@ -41,11 +41,13 @@ class EnvironmentChecker {
   }
 
  private:
+  static constexpr char kDeclare[] = "declare it in the ontology, if it is not misspelt";
   static constexpr char kNeverHolds[] = "it will never hold unless a fact with this word is told";
 
   // Of what a scope declares: classes, or datatypes of the ontology.
   template <typename ScopeElement>
   void CheckTypes(const ScopeElement& element) {
+    otherwise_ = kDeclare;
     const auto check = [&](const std::optional<Term>& type, const SourceSpan& span) {
       if (type && type->IsIri() && !environment_.IsKnown(type->lexical))
         CheckWord(type->lexical, span, "class", &Environment::IsClass, &Environment::Classes);
@@ -54,6 +56,7 @@ class EnvironmentChecker {
       for (const Part& part : message.parts) check(part.type_term, part.type.span);
     }
     for (const Variable& variable : element.variables) check(variable.type_term, variable.type.span);
+    otherwise_ = kNeverHolds;
   }
 
   std::optional<OperationSignature> CheckOperation(const Text& name) {
@@ -98,7 +101,9 @@ class EnvironmentChecker {
     const std::string& quoted = invoke.operation.value;
     if (quoted.size() < 2) return;  // a mistake that is reported already
     const std::string wanted = quoted.substr(1, quoted.size() - 2);
+    otherwise_ = "an invoke of it waits until a robot joins that offers an operation of this class";
     CheckWord(wanted, invoke.operation.span, "class", &Environment::IsClass, &Environment::Classes);
+    otherwise_ = kNeverHolds;
     const std::optional<std::vector<std::string>> offered = environment_.OfferedCapabilities();
     if (!offered || reader_.full()) return;
     std::vector<std::string> shown;
@@ -154,7 +159,7 @@ class EnvironmentChecker {
       if (node.hold) CheckConstraint(*node.hold);
       for (const Action& action : node.actions) {
         otherwise_ = action.kind == Action::Kind::kTell
-                         ? "declare it in the ontology, if it is not misspelt"
+                         ? kDeclare
                          : "it takes nothing away unless a fact with this word is told";
         for (const Constraint& fact : action.facts) CheckConstraint(fact);
         otherwise_ = kNeverHolds;
@@ -170,6 +175,7 @@ class EnvironmentChecker {
           CheckCapability(invoke);
           continue;
         }
+        if (!invoke.subflow.empty()) continue;  // an operation beside it is an error of its own
         std::optional<OperationSignature> operation = CheckOperation(invoke.operation);
         if (operation && operation->inputs_known) {
           CheckInputs(flow, node, invoke, *operation, keys);

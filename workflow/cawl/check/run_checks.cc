@@ -1,155 +1,38 @@
-// What will go wrong in runs of a flow: two nodes that command one robot at the same time, loops that nothing slows down.
+// What will go wrong in runs of a flow: loops that nothing slows down, joins that never open, what a node undoes itself.
 #include <algorithm>
-#include <iterator>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "graph/base/text.h"
 #include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/link_graph.h"
 #include "workflow/cawl/rule_names.h"
-#include "workflow/cawl/structure_checks.h"
 
 namespace docent::cawl {
 namespace {
 
-constexpr char kRobot[] = "robot";
 constexpr size_t kMaxReported = 10;  // of each kind, in one flow
-
-bool Declares(const std::vector<Variable>& variables) {
-  return std::any_of(variables.begin(), variables.end(),
-                     [](const Variable& v) { return v.name.value == kRobot; });
-}
-
-bool BindsRobot(const Node& node) {
-  if (!node.condition) return false;
-  const std::vector<std::string> bound = BoundBy(*node.condition);
-  return std::find(bound.begin(), bound.end(), kRobot) != bound.end();
-}
 
 class RunChecker {
  public:
-  RunChecker(const Document& document, const Flow& flow, xml::ElementReader* reader)
-      : document_(document), flow_(flow), reader_(*reader) {
-    for (const Node& node : flow.nodes) {
-      nodes_.emplace(node.name.value, &node);
-      if (BindsRobot(node)) binds_robot_.insert(node.name.value);
-    }
-    starts_with_robot_ = StartsWithRobot();
+  RunChecker(const Flow& flow, xml::ElementReader* reader) : flow_(flow), reader_(*reader) {
+    for (const Node& node : flow.nodes) nodes_.emplace(node.name.value, &node);
     for (const Link& link : flow.links) {
       all_[link.from.value].insert(link.to.value);
-      if (link.while_text.given()) continue;
-      forward_[link.from.value].insert(link.to.value);
-      if (!link.on_failure && !link.on_interrupt) together_[link.from.value].insert(link.to.value);
+      into_[link.to.value].push_back(&link);
     }
   }
 
   void Check() {
-    CheckNodes();
-    if (flow_.nodes.size() <= kMaxPairedNodes) CheckRaces();
     CheckLoops();
+    for (const Node& node : flow_.nodes) CheckJoin(node);
   }
 
  private:
-  // Whether a run has a robot from its start on.
-  bool StartsWithRobot() const {
-    const auto& activator = document_.activator;
-    const bool activated = activator && activator->flow.value == flow_.name.value;
-    if (Declares(document_.variables) || Declares(flow_.variables)) return true;
-    if (!activated) return false;
-    const std::vector<std::string> bound = BoundBy(activator->condition);
-    return Declares(activator->variables) || std::find(bound.begin(), bound.end(), kRobot) != bound.end();
-  }
-
-  // Invocations of one node that start together.
-  void CheckNodes() {
-    for (const Node& node : flow_.nodes) {
-      const bool one_robot = starts_with_robot_ || binds_robot_.contains(node.name.value);
-      if (!one_robot) continue;
-      std::set<std::string> seen;
-      for (const Invoke& invoke : node.invokes) {
-        const std::string& operation = invoke.operation.value;
-        if (operation.empty() || seen.insert(operation).second) continue;
-        Diagnostic& report = reader_.Warning(
-            invoke.operation.span,
-            Concat("node ", node.name.value, " invokes ", operation, " twice at the same time, of one robot"),
-            "put one of the two into a node of its own");
-        report.rule = kRobotRace;
-      }
-      const bool each_its_own =
-          std::find(node.for_each.begin(), node.for_each.end(), kRobot) != node.for_each.end();
-      if (!node.for_each.empty() && !node.sequential && !each_its_own && !seen.empty()) {
-        reader_
-            .Warning(node.for_each_text.span,
-                     Concat("node ", node.name.value, " invokes ", *seen.begin(),
-                            " for each match at the same time, of one robot"),
-                     "add ext:sequential=\"true\", or let forEach have ?robot")
-            .rule = kRobotRace;
-      }
-    }
-  }
-
-  // Operations of a robot that the node has from elsewhere.
-  bool CommandsTheRobot(const std::string& name) const {
-    const auto it = nodes_.find(name);
-    if (it == nodes_.end() || binds_robot_.contains(name)) return false;
-    return std::any_of(it->second->invokes.begin(), it->second->invokes.end(),
-                       [](const Invoke& invoke) { return !invoke.operation.empty(); });
-  }
-
-  // Some node before both binds ?robot, or the run begins with one.
-  bool OneRobot(const std::string& a, const std::string& b) const {
-    if (starts_with_robot_) return true;
-    return std::any_of(binds_robot_.begin(), binds_robot_.end(), [&](const std::string& name) {
-      const std::set<std::string>& after = After(name);
-      return after.contains(a) && after.contains(b);
-    });
-  }
-
-  const std::set<std::string>& After(const std::string& name) const {
-    const auto [it, is_new] = after_.try_emplace(name);
-    if (is_new) it->second = Reachable(forward_, name);
-    return it->second;
-  }
-
-  // Two links out of one node that are both followed: what comes after the one may be active together with what comes
-  // after the other, unless the one comes after the other.
-  void CheckRaces() {
-    if (!starts_with_robot_ && binds_robot_.empty()) return;
-    for (const auto& [fork, targets] : together_) {
-      for (auto first = targets.begin(); first != targets.end(); ++first) {
-        for (auto second = std::next(first); second != targets.end(); ++second)
-          CheckBranches(*first, *second);
-      }
-    }
-  }
-
-  void CheckBranches(const std::string& first, const std::string& second) {
-    for (const std::string& a : After(first)) {
-      if (!CommandsTheRobot(a) || After(second).contains(a)) continue;
-      for (const std::string& b : After(second)) {
-        if (races_.size() >= kMaxReported) return;
-        if (a == b || !CommandsTheRobot(b) || After(first).contains(b)) continue;
-        if (After(a).contains(b) || After(b).contains(a) || !OneRobot(a, b)) continue;
-        ReportRace(a, b);
-      }
-    }
-  }
-
-  void ReportRace(const std::string& a, const std::string& b) {
-    const Node *one = nodes_.at(a), *other = nodes_.at(b);
-    if (one->name.span.offset > other->name.span.offset) std::swap(one, other);
-    if (!races_.insert({one, other}).second) return;
-    reader_
-        .Warning(
-            other->name.span,
-            Concat("nodes ", one->name.value, " and ", other->name.value,
-                   " may be active at the same time, and both command the robot of the run"),
-            "link them one after the other, or give one of them a condition that binds a ?robot of its own")
-        .rule = kRobotRace;
-  }
-
   static bool TakesTime(const Node& node) {
     if (!node.invokes.empty()) return true;
     for (const Action& action : node.actions) {
@@ -188,17 +71,70 @@ class RunChecker {
     }
   }
 
-  const Document& document_;
+  // How a link is followed: when its node is done, and its `while` holds or has none; or when it fails, or is interrupted.
+  struct Follows {
+    const Text* from;
+    bool done_while, done_plain, failed, interrupted;
+  };
+
+  // The only link to a node, where it has one.
+  std::optional<Follows> OnlyWayTo(const std::string& name) const {
+    const auto links = into_.find(name);
+    if (links == into_.end() || links->second.size() != 1) return std::nullopt;
+    const Link& link = *links->second[0];
+    const bool exceptional = link.on_failure || link.on_interrupt, repeats = link.while_text.given();
+    return Follows{&link.from, !exceptional && repeats, !exceptional && !repeats, link.on_failure,
+                   link.on_interrupt};
+  }
+
+  // Links out of one node of which either the one or the other is followed lead to them, and nothing else.
+  bool Exclude(const std::string& a, const std::string& b) const {
+    const std::optional<Follows> one = OnlyWayTo(a), other = OnlyWayTo(b);
+    return one && other && one->from->value == other->from->value &&
+           !(one->done_while && other->done_while) && !(one->done_plain && other->done_plain) &&
+           !(one->failed && other->failed) && !(one->interrupted && other->interrupted);
+  }
+
+  // The expression is tried with every set of predecessors that may have come.
+  void CheckJoin(const Node& node) {
+    constexpr size_t kMaxNames = 10;
+    if (!node.join) return;
+    std::set<std::string> distinct;
+    for (const Expression* e : NamesIn(*node.join)) distinct.insert(e->name);
+    if (distinct.size() > kMaxNames) return;
+    const std::vector<std::string> names(distinct.begin(), distinct.end());
+    std::vector<std::pair<size_t, size_t>> exclusive;
+    for (size_t i = 0; i < names.size(); ++i) {
+      for (size_t j = i + 1; j < names.size(); ++j) {
+        if (Exclude(names[i], names[j])) exclusive.emplace_back(i, j);
+      }
+    }
+    std::optional<std::pair<size_t, size_t>> excluded;
+    for (size_t came = size_t{1} << names.size(); came-- > 0;) {  // most often all of them may
+      const auto has = [&](size_t i) { return (came >> i & 1) != 0; };
+      const bool opens = Evaluate(*node.join, [&](const std::string& name) {
+        return has(std::lower_bound(names.begin(), names.end(), name) - names.begin());
+      });
+      if (!opens) continue;
+      const auto clash = std::find_if(exclusive.begin(), exclusive.end(),
+                                      [&](const auto& pair) { return has(pair.first) && has(pair.second); });
+      if (clash == exclusive.end()) return;
+      excluded = *clash;
+    }
+    const std::string why = !excluded ? "joinCondition is never true"
+                                      : Concat("joinCondition needs ", names[excluded->first], " and ",
+                                               names[excluded->second], ", and only one of them comes");
+    reader_
+        .Warning(node.join_text.span, Concat("node ", node.name.value, " never opens: ", why),
+                 !excluded ? "correct the expression" : "write or, or leave the <wait> out")
+        .rule = kUnsatisfiable;
+  }
+
   const Flow& flow_;
   xml::ElementReader& reader_;
   std::map<std::string, const Node*> nodes_;
-  std::set<std::string> binds_robot_;  // nodes whose own condition does
-  bool starts_with_robot_ = false;
-  LinkGraph all_;       // every link
-  LinkGraph forward_;   // without `while`
-  LinkGraph together_;  // without `while` and `onFailure`: all of a node's are followed
-  mutable std::map<std::string, std::set<std::string>> after_;
-  std::set<std::pair<const Node*, const Node*>> races_;
+  LinkGraph all_;  // every link
+  std::map<std::string, std::vector<const Link*>> into_;
 };
 
 }  // namespace
@@ -278,7 +214,7 @@ void CheckOpening(const Node& node, xml::ElementReader* reader) {
 
 void CheckRuns(const Document& document, xml::ElementReader* reader) {
   for (const Flow& flow : document.flows) {
-    RunChecker(document, flow, reader).Check();
+    RunChecker(flow, reader).Check();
     for (const Node& node : flow.nodes) CheckOpening(node, reader);
   }
 }

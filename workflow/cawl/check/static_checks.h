@@ -21,8 +21,14 @@ void CheckConditions(const Document& document, const Environment* environment, x
 // Activators that the facts of their own runs start again.
 void CheckFeedback(const Document& document, xml::ElementReader* reader);
 
-// Flows: nodes that may command one robot at the same time, loops that nothing slows down, what a node does when it opens and
-// undoes at once.
+// Names of inputs and results that a flow of the document, or a robot service, does not have. `environment` null: what an
+// operation takes and gives is not known.
+void CheckExchange(const Document& document, const Environment* environment, xml::ElementReader* reader);
+
+// Nodes that may command one robot, or set one variable, at the same time.
+void CheckRaces(const Document& document, xml::ElementReader* reader);
+
+// Flows: loops that nothing slows down, joins that never open, what a node does when it opens and undoes at once.
 void CheckRuns(const Document& document, xml::ElementReader* reader);
 
 // Variables that are used where they can have no value. `environment` null: what an invoked operation gives and takes is not
@@ -32,7 +38,10 @@ void CheckValues(const Document& document, const Environment* environment, xml::
 // Values of variables of a type that does not suit. `environment` null: by the names of types alone.
 void CheckTypes(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
-// Timeouts that end nothing.
+// Names of datatypes that XML Schema does not have.
+void CheckDatatypes(const Document& document, xml::ElementReader* reader);
+
+// Timeouts that end nothing, and attempts that come too late.
 void CheckTimeouts(const Document& document, const Environment* environment, xml::ElementReader* reader);
 
 }  // namespace docent::cawl

@@ -47,6 +47,7 @@ class TypeChecker {
       for (const Node& node : flow.nodes) {
         const Scope of_node(scope, node);
         if (node.condition) CheckBound(*node.condition, {&of_node}, "node");
+        for (const Action& action : node.actions) CheckAssigned(of_node, action);
         for (const Invoke& invoke : node.invokes) CheckInputTypes(of_node, invoke);
       }
     }
@@ -64,16 +65,35 @@ class TypeChecker {
 
   void CheckInitialTypes(const Scope& scope) {
     for (const Variable& variable : scope.variables()) {
-      const Message* message = scope.PartsOf(variable);
       for (const Initialize& i : variable.initializers) {
-        std::string type = TypeOf(variable.type_term);
-        if (message != nullptr) {
-          const auto part = std::find_if(message->parts.begin(), message->parts.end(),
-                                         [&](const Part& p) { return p.name.value == i.part.value; });
-          type = part == message->parts.end() ? "" : TypeOf(part->type_term);
-        }
+        const std::string key =
+            i.part.given() ? Concat(variable.name.value, ".", i.part.value) : variable.name.value;
+        const std::string type = TypeIn(scope, key);
         if (!type.empty() && i.value) CheckValue(*i.value, type, i.from_expression.span);
       }
+    }
+  }
+
+  // The declared type of "name" or "name.part"; empty: none.
+  static std::string TypeIn(const Scope& scope, const std::string& key) {
+    const size_t dot = key.find('.');
+    const Variable* variable = scope.FindVariable(key.substr(0, dot));
+    if (variable == nullptr) return "";
+    const Message* message = scope.PartsOf(*variable);
+    if (message == nullptr) return dot == std::string::npos ? TypeOf(variable->type_term) : "";
+    const auto part = std::find_if(message->parts.begin(), message->parts.end(), [&](const Part& p) {
+      return dot != std::string::npos && p.name.value == key.substr(dot + 1);
+    });
+    return part == message->parts.end() ? "" : TypeOf(part->type_term);
+  }
+
+  // An expression that is one constant, and what is taken where there is no value.
+  void CheckAssigned(const Scope& scope, const Action& action) {
+    for (const Text& output : action.computed.outputs) {
+      const std::string type = TypeIn(scope, output.value);
+      if (type.empty()) continue;
+      if (action.computed.constant) CheckValue(*action.computed.constant, type, action.computed.text.span);
+      if (action.otherwise) CheckValue(*action.otherwise, type, action.otherwise_text.span);
     }
   }
 
@@ -204,15 +224,28 @@ class TypeChecker {
                        [&](const std::string& iri) { return Concat("<", iri, ">") == wanted; });
   }
 
+  // What another expression gives is not known.
+  void CheckConstant(const Input& input, const std::string& type) {
+    if (input.computed.constant && !type.empty())
+      CheckValue(*input.computed.constant, type, input.computed.text.span);
+  }
+
   // The types of variables against those of what is invoked.
   void CheckInputTypes(const Scope& scope, const Invoke& invoke) {
+    if (const Flow* flow = document_.FindFlow(invoke.subflow.value); !invoke.subflow.empty() && flow) {
+      const Scope inner(cawl_, *flow);
+      for (const Input& input : invoke.inputs) CheckConstant(input, TypeIn(inner, input.part.value));
+    }
     if (environment_ == nullptr || invoke.operation.empty()) return;
     const std::string shown = invoke.capability.given()
                                   ? Concat("each operation of class ", names_.InText(invoke.operation.value))
                                   : Concat("operation ", invoke.operation.value);
     for (const auto& [input, wanted] : InputTypesOf(invoke)) {
       const Input* given = invoke.FindInput(input);
-      if (given != nullptr && given->variable.empty()) continue;  // what an expression gives is not known
+      if (given != nullptr && given->variable.empty()) {
+        CheckConstant(*given, wanted);
+        continue;
+      }
       const std::string name = given == nullptr ? input : given->variable.value;
       const Variable* variable = scope.FindVariable(name);
       const std::string type = variable != nullptr ? TypeOf(variable->type_term) : std::string();

@@ -1,117 +1,16 @@
 // Variables that are used where they can have no value.
 #include <algorithm>
-#include <map>
-#include <set>
+#include <string>
 #include <utility>
 
 #include "graph/base/text.h"
+#include "workflow/cawl/check/flow_values.h"
 #include "workflow/cawl/check/static_checks.h"
-#include "workflow/cawl/link_graph.h"
 #include "workflow/cawl/rule_names.h"
-#include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
 
 namespace docent::cawl {
 namespace {
-
-using Keys = std::set<std::string>;
-
-// What a match of the condition may give a value: ?x, and $x, which is like it until it has one.
-Keys MatchedBy(const Condition& condition) {
-  Keys out;
-  for (const std::string& name : BoundBy(condition)) out.insert(name);
-  for (const Context& context : condition.contexts) {
-    for (const Rule& rule : context.rules) {
-      for (const Constraint& c : rule.constraints) {
-        for (const Word* word : {&c.subject, &c.verb, &c.object}) {
-          if (word->kind == Word::Kind::kVariable && word->comparison == Word::Comparison::kNone)
-            out.insert(word->name);
-        }
-      }
-    }
-  }
-  return out;
-}
-
-void AddInitial(const Scope& scope, Keys* keys) {
-  for (const InitialValue& initial : InitialValues(scope)) {
-    if (initial.value || keys->contains(initial.copy_of)) keys->insert(initial.key);
-  }
-}
-
-// What a node gives values to: by its condition when it opens, by its invocations when they are done.
-struct NodeValues {
-  Keys matched, given;
-  bool gives_anything = false;  // an operation or sub-flow of which the results are not known
-};
-
-NodeValues ValuesOf(const Node& node, const Environment* environment) {
-  NodeValues out;
-  if (node.condition) out.matched = MatchedBy(*node.condition);
-  for (const Action& action : node.actions) {
-    for (const Text& output : action.computed.outputs) out.matched.insert(output.value);
-  }
-  for (const Invoke& invoke : node.invokes) {
-    for (const Output& output : invoke.outputs) out.given.insert(output.variable.value);
-    if (!invoke.outputs.empty()) continue;
-    std::optional<OperationSignature> operation;
-    if (environment != nullptr && !invoke.operation.empty())
-      operation = environment->FindOperation(invoke.operation.value);
-    if (!operation || operation->of_robot) {
-      out.gives_anything = true;
-    } else {
-      out.given.insert(operation->outputs.begin(), operation->outputs.end());
-    }
-  }
-  return out;
-}
-
-// Of the flow that the activator starts: what its runs have values for, and where.
-class FlowValues {
- public:
-  FlowValues(const Document& document, const Flow& flow, const Environment* environment) : flow_(flow) {
-    for (const Link& link : flow.links) links_[link.from.value].insert(link.to.value);
-    for (const Node& node : flow.nodes) nodes_.push_back(ValuesOf(node, environment));
-    const Scope cawl(document), of_activator(cawl, *document.activator), of_flow(cawl, flow);
-    start_ = MatchedBy(document.activator->condition);
-    for (const Scope* scope : {&cawl, &of_activator, &of_flow}) AddInitial(*scope, &start_);
-  }
-
-  const Keys& at_start() const { return start_; }
-
-  // Whether `key` may have a value when the node opens; `after` also when it is done.
-  bool MayHave(const std::string& key, const Node& node, bool after) const {
-    if (start_.contains(key)) return true;
-    for (size_t i = 0; i < nodes_.size(); ++i) {
-      const Node& other = flow_.nodes[i];
-      const bool itself = &other == &node;
-      if (itself && nodes_[i].matched.contains(key)) return true;
-      const bool gives =
-          nodes_[i].gives_anything || nodes_[i].given.contains(key) || nodes_[i].matched.contains(key);
-      if (gives && ((itself && after) || LeadsTo(other.name.value, node.name.value))) return true;
-    }
-    return false;
-  }
-
- private:
-  // By a way of one link at least.
-  bool LeadsTo(const std::string& from, const std::string& to) const {
-    const auto [it, is_new] = after_.try_emplace(from);
-    if (is_new) {
-      const auto first = links_.find(from);
-      if (first != links_.end()) {
-        for (const std::string& next : first->second) it->second.merge(Reachable(links_, next));
-      }
-    }
-    return it->second.contains(to);
-  }
-
-  const Flow& flow_;
-  LinkGraph links_;
-  std::vector<NodeValues> nodes_;  // in the order of the flow's
-  Keys start_;
-  mutable std::map<std::string, std::set<std::string>> after_;
-};
 
 bool IsComparedVariable(const Word& word) {
   return word.kind == Word::Kind::kVariable && word.comparison != Word::Comparison::kNone;
@@ -124,9 +23,11 @@ class ValueChecker {
 
   void Check() {
     for (const Flow& flow : document_.flows) {
-      for (const Node& node : flow.nodes) CheckNode(node);
+      const Scope of_flow(cawl_, flow);
+      for (const Node& node : flow.nodes) CheckNode(Scope(of_flow, node), node);
     }
     if (!document_.activator) return;
+    CheckKeys(*document_.activator);
     const Flow* flow = document_.FindFlow(document_.activator->flow.value);
     if (flow != nullptr && flow->nodes.size() <= kMaxPairedNodes) CheckActivated(*flow);
   }
@@ -138,13 +39,51 @@ class ValueChecker {
     return report;
   }
 
-  void CheckNode(const Node& node) {
+  void CheckNode(const Scope& scope, const Node& node) {
+    for (const Action& action : node.actions) CheckFree(scope, action.computed);
+    for (const Invoke& invoke : node.invokes) {
+      for (const Input& input : invoke.inputs) CheckFree(scope, input.computed);
+    }
     for (const Variable& variable : node.variables) {
       if (variable.initializers.empty()) continue;
       Warn(variable.name.span,
            Concat("variable ", variable.name.value,
                   " never gets its initial value: those of a node's variables have no effect"),
            "declare the variable in the flow", kUnsetVariable);
+    }
+  }
+
+  // ?name in an expression: only a pattern of EXISTS gives it a value.
+  void CheckFree(const Scope& scope, const Computation& computed) {
+    for (const auto& [name, span] : computed.without_value) {
+      const bool declared = scope.FindVariable(name) != nullptr;
+      Diagnostic& report =
+          Warn(span, Concat("?", name, " has no value here: nothing binds it in an expression"),
+               declared ? Concat("write $", name, " for the value of the variable")
+                        : Concat("write $", name, " for a variable of the run, and declare it in the flow"),
+               kUnsetVariable);
+      if (declared && reader_.source().substr(span.offset, 1) == "?") report.fix = {{span.offset, 1, "$"}};
+    }
+  }
+
+  // The activator's own variables are there to be bound: they are the key of its runs.
+  void CheckKeys(const Activator& activator) {
+    Keys declared, bound;
+    for (const Variable& variable : activator.variables) declared.insert(variable.name.value);
+    for (const std::string& key : MatchedBy(activator.condition)) bound.insert(key.substr(0, key.find('.')));
+    std::vector<std::string> meant;  // what the wrong one may stand for
+    for (const std::string& name : bound) {
+      if (!declared.contains(name)) meant.push_back(name);
+    }
+    for (const Variable& variable : activator.variables) {
+      const std::string& name = variable.name.value;
+      if (name.empty() || !variable.initializers.empty() || bound.contains(name) || reader_.full()) continue;
+      Warn(variable.name.span,
+           Concat("variable ", name, " gets no value: the activator's condition does not bind ?", name),
+           reader_.DidYouMean(name, meant,
+                              meant.empty() ? Concat("bind ?", name, " in the condition, or take it away")
+                                            : Concat("it binds ?", xml::ListOf(meant))),
+           kUnsetVariable);
     }
   }
 
@@ -162,7 +101,7 @@ class ValueChecker {
       const Word& limit = link.while_constraint->object;
       const auto from = std::find_if(flow.nodes.begin(), flow.nodes.end(),
                                      [&](const Node& node) { return node.name.value == link.from.value; });
-      if (from != flow.nodes.end() && !values.MayHave(limit.name, *from, true)) NeverTrue(limit);
+      if (from != flow.nodes.end() && !values.MayHaveAfter(limit.name, *from)) NeverTrue(limit);
     }
   }
 
@@ -186,8 +125,7 @@ class ValueChecker {
     for (const Context& context : condition.contexts) {
       for (const Rule& rule : context.rules) {
         for (const Constraint& c : rule.constraints) {
-          if (IsComparedVariable(c.object) && !values.MayHave(c.object.name, node, false))
-            NeverTrue(c.object);
+          if (IsComparedVariable(c.object) && !values.MayHaveBefore(c.object.name, node)) NeverTrue(c.object);
         }
       }
     }
@@ -196,7 +134,7 @@ class ValueChecker {
   // What a node tells or takes into a query.
   void CheckAction(const Action& action, const Node& node, const FlowValues& values) {
     const auto check = [&](const std::string& name, const SourceSpan& span) {
-      CheckSet(name, span, node, action.when_done, values);
+      CheckSet(name, span, node, &action, values);
     };
     for (const Constraint& fact : action.facts) {
       for (const Word* word : {&fact.subject, &fact.verb, &fact.object}) {
@@ -204,17 +142,19 @@ class ValueChecker {
       }
     }
     for (const auto& [name, span] : action.uses) check(name, span);
-    CheckSet(action.computed, node, action.when_done, values);
+    CheckSet(action.computed, node, &action, values);
   }
 
-  void CheckSet(const Computation& computed, const Node& node, bool when_done, const FlowValues& values) {
-    for (size_t i = 0; i < computed.inputs.size(); ++i)
-      CheckSet(computed.inputs[i], computed.input_places[i], node, when_done, values);
-  }
-
-  void CheckSet(const std::string& name, const SourceSpan& span, const Node& node, bool when_done,
+  // `action`: of the node; null: of its invokes.
+  void CheckSet(const Computation& computed, const Node& node, const Action* action,
                 const FlowValues& values) {
-    if (values.MayHave(name, node, when_done)) return;
+    for (size_t i = 0; i < computed.inputs.size(); ++i)
+      CheckSet(computed.inputs[i], computed.input_places[i], node, action, values);
+  }
+
+  void CheckSet(const std::string& name, const SourceSpan& span, const Node& node, const Action* action,
+                const FlowValues& values) {
+    if (values.MayHaveIn(name, node, action)) return;
     Warn(span, Concat("variable ", name, " is never set before: the node fails"),
          Concat("initialize it, or bind ?", name, " in a condition before"), kUnsetVariable);
   }
@@ -226,8 +166,8 @@ class ValueChecker {
 
   void CheckInputs(const Scope& scope, const Node& node, const Invoke& invoke, const FlowValues& values) {
     for (const Input& input : invoke.inputs) {
-      if (!input.variable.empty()) CheckSet(input.variable.value, input.variable.span, node, false, values);
-      CheckSet(input.computed, node, false, values);
+      if (!input.variable.empty()) CheckSet(input.variable.value, input.variable.span, node, nullptr, values);
+      CheckSet(input.computed, node, nullptr, values);
     }
     if (environment_ == nullptr || invoke.operation.empty()) return;
     const std::optional<OperationSignature> operation = environment_->FindOperation(invoke.operation.value);
@@ -235,7 +175,8 @@ class ValueChecker {
     for (const std::string& input : operation->inputs) {
       const Variable* variable = scope.FindVariable(input);
       if (invoke.FindInput(input) != nullptr) continue;
-      if (variable == nullptr || scope.PartsOf(*variable) != nullptr || values.MayHave(input, node, false))
+      if (variable == nullptr || scope.PartsOf(*variable) != nullptr ||
+          values.MayHaveIn(input, node, nullptr))
         continue;
       Warn(invoke.operation.span,
            Concat("operation ", operation->name, " needs ", input, ", and variable ", input,
