@@ -173,7 +173,8 @@ class ExchangeChecker {
   void AddOperation(const std::string& name, KnownNames* out) const {
     std::optional<OperationSignature> operation;
     if (environment_ != nullptr) operation = environment_->FindOperation(name);
-    out->complete = out->complete && operation && operation->inputs_known;
+    // Another robot may take more.
+    out->complete = out->complete && operation && operation->inputs_known && !operation->of_robot;
     if (operation) out->names.insert(operation->inputs.begin(), operation->inputs.end());
   }
 
