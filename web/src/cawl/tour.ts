@@ -20,6 +20,42 @@ export interface TourPlan {
   speak?: string; // operation that speaks $text
 }
 
+// What a tour can be made of: steps that are known, with the values that they take.
+export interface TourOffer {
+  kind: "operation" | "service" | "workflow";
+  id: string;
+  title: string;
+  inputs: readonly { name: string; type: string }[];
+  uses?: readonly string[]; // of a service: what it is made of
+}
+export interface TourChoices<O extends TourOffer> {
+  travel: O[]; // that can drive to a booth
+  at: O[]; // that can be done at one
+  travelBy: string; // chosen at first
+  present: string[]; // chosen at first: each thing once
+  speak: string; // that says a text; empty: nothing does
+}
+const drives = /move|drive|go|navigat|guide|lead|walk|bring/i;
+const presents = /info|brief|display|present|say|show|tell|explain/i;
+
+export function tourChoices<O extends TourOffer>(entries: readonly O[], travel = ""): TourChoices<O> {
+  const offers = entries.filter((e) => e.kind !== "workflow");
+  const withBooth = offers.filter((e) => e.inputs.some((i) => i.name === "booth"));
+  const atBooth = withBooth.length > 0 ? withBooth : offers; // robots that do not say what their operations take
+  const driving = atBooth.filter((e) => drives.test(e.id));
+  const fitting = driving.length > 0 ? driving : atBooth;
+  const travelBy = travel || ([/move.*booth|drive.*booth|goto/i, /drive|move|go/i].map((pattern) => fitting.find((e) => pattern.test(e.id))).find((e) => e !== undefined)?.id ?? "");
+  const at = atBooth.filter((e) => e.id !== travelBy && !(withBooth.length > 0 && driving.includes(e)));
+  // A service and the operation that it is made of are one thing.
+  const inServices = new Set(offers.filter((e) => e.kind === "service").flatMap((e) => e.uses ?? []));
+  const speaks = offers.filter((e) => e.inputs.some((i) => i.name === "text"));
+  return {
+    travel: fitting, at, travelBy,
+    present: withBooth.filter((e) => at.includes(e) && presents.test(e.id) && !(e.kind === "operation" && inServices.has(e.id))).map((e) => e.id),
+    speak: (speaks.find((e) => e.id === "say") ?? speaks.find((e) => /^(say|speak|announce)/i.test(e.id)) ?? offers.find((e) => e.id === "say" && e.inputs.length === 0))?.id ?? "",
+  };
+}
+
 const driveMS = 0.6; // metres a second of a guide robot that is followed by people
 const detour = 1.3; // of a way around booths against a straight line
 export const presentS = 25;

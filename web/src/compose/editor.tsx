@@ -9,7 +9,8 @@ import { Link as AppLink } from "../app/link";
 import { navigate, paths } from "../app/router";
 import { partAt, prefixesOf } from "../cawl/document";
 import { shownFlow } from "../cawl/shown";
-import { StartDialog, startVariables } from "../operate/start_dialog";
+import { startVariables } from "../cawl/start_values";
+import { StartDialog } from "../operate/start_dialog";
 import { Dialog } from "../ui/dialog";
 import { Picker, type PickerItem } from "../ui/picker";
 import { toast } from "../ui/toasts";
@@ -151,7 +152,7 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
     if ([...links].some((key) => !linkKeys.has(key))) setLinks(new Set([...links].filter((key) => linkKeys.has(key))));
   }, [shown, steps, links]);
 
-  const variables = startVariables([...document.variables, ...(shown?.flow.variables ?? []), ...(document.activator?.variables ?? [])]);
+  const variables = startVariables(document, shown?.flow);
   const chosenSteps = shown?.steps.filter((s) => steps.has(s.key) && !s.stale) ?? [];
   const chosenLinks = shown?.links.filter((l) => links.has(l.key) && !l.stale) ?? [];
   const only = chosenSteps.length === 1 && chosenLinks.length === 0 ? chosenSteps[0] : undefined;

@@ -8,6 +8,7 @@ import { query } from "../api/sparql";
 import { kept } from "../api/storage";
 import { prefixesOf, readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
+import { needOf, startFlow } from "../cawl/start_values";
 import { loadDraft } from "./drafts";
 
 export interface PaletteEntry {
@@ -16,6 +17,7 @@ export interface PaletteEntry {
   title: string;
   detail: string;
   inputs: { name: string; type: string; optional?: boolean }[]; // types are IRIs
+  uses?: readonly string[]; // operations and services that a service is made of
 }
 export interface PaletteData {
   entries: PaletteEntry[];
@@ -39,23 +41,19 @@ export function keepImported(entries: readonly PaletteEntry[]) {
   kept.setItem(importedKey, JSON.stringify([...known, ...entries].slice(-500)));
 }
 
-// Given, it is the robot that the run takes; else the run takes one that is free.
-const robotVariable = "robot";
-
 // A workflow with the values that it begins with, so that the flow that reuses it has them, too.
 export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
   if (entry.kind !== "workflow" || entry.inputs.length > 0) return entry;
   const text = await workflows.listVersions({ workflow: entry.id, withTexts: true }).then((r) => (r.versions.find((v) => v.live) ?? r.versions.at(-1))?.text, () => undefined) ?? loadDraft(entry.id)?.text;
   if (!text) return entry;
   const document = readCawl(text);
-  const flow = document.flows.find((f) => f.name === document.activator?.flow) ?? document.flows[0];
+  const flow = startFlow(document);
   const prefixes = prefixesOf(document);
-  const bound = new Set(flow?.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject.text, k.object.text]))) ?? []).filter((t) => t.startsWith("?")).map((t) => t.slice(1)));
   return {
     ...entry,
-    inputs: (flow?.variables ?? []).filter((v) => v.name && !v.initial && !bound.has(v.name)).map((v) => {
+    inputs: (flow?.variables ?? []).filter((v) => v.name && ["needed", "any"].includes(needOf(v, flow, text))).map((v) => {
       const colon = v.type.indexOf(":");
-      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "", ...(v.name === robotVariable && { optional: true }) };
+      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "", ...(needOf(v, flow, text) === "any" && { optional: true }) };
     }),
   };
 }
@@ -89,7 +87,7 @@ export function usePalette(): PaletteData {
     const entries: PaletteEntry[] = [];
     for (const s of registered.services) {
       const inputs = s.inputParts.length > 0 ? s.inputParts.map((p) => ({ name: p.name, type: p.type })) : s.inputs.map((name) => ({ name, type: "" }));
-      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs) });
+      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs), uses: s.steps.flatMap((step) => [step.operation, step.service]).filter(Boolean) });
     }
     for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
       if (taken.has(operation)) continue;

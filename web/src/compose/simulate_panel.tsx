@@ -3,7 +3,8 @@ import { ChevronDown, ChevronUp, CircleAlert, CirclePause, FlaskConical, LoaderC
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Names } from "../api/prefixes";
 import { shorten } from "../api/sparql";
-import { StartFields, type StartVariable } from "../operate/start_dialog";
+import type { StartVariable } from "../cawl/start_values";
+import { StartFields } from "../operate/start_dialog";
 import { StateTag } from "../operate/states";
 import type { ShownFlow } from "../cawl/shown";
 import type { Findings } from "./findings";

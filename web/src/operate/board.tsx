@@ -8,6 +8,7 @@ import { usePast } from "../api/past";
 import { useNames, type Names } from "../api/prefixes";
 import { nameOf } from "../api/labels";
 import { quadOf } from "../api/terms";
+import { patternWords } from "../compose/term_name";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import type { Quad } from "../gen/docent/v1/term_pb";
@@ -18,10 +19,13 @@ import { useRuns, useTicks } from "./runs";
 import { clock, duration, isLive, nowUs, runWords } from "./states";
 import { TellDialog } from "./tell";
 import { type Group, groupWaits, type WaitKind } from "./waits";
+import { othersOf, othersWords, useWhyNot } from "./why";
 import "./board.css";
 
 const asked = 60; // runs that are explained at a time, the oldest first
 const shownAtOnce = 12;
+const groupsCounted = 20; // whose other ways are asked for
+const othersMs = 10_000;
 const looks: Record<WaitKind, { words: string; icon: LucideIcon }> = {
   operator: { words: "Somebody has to decide", icon: CircleAlert },
   fact: { words: "A fact is missing", icon: Hourglass },
@@ -57,7 +61,7 @@ export default function Board() {
         {runs.error && !runs.data && <div className="nothing"><Unplug size={28} /><h2>{runs.error.title}</h2><p>{runs.error.detail}</p></div>}
         {runs.data && groups.length === 0 && <div className="nothing"><CircleCheck size={28} /><h2>Nothing waits</h2><p>As soon as a run waits for a fact, a robot or a person, you see it here: what is missing, for how long, and what you can do.</p></div>}
         <div className="board">
-          {groups.map((group) => <GroupCard key={group.key} group={group} names={names} again={refresh} onTell={(quads) => setTelling({ group, quads })} />)}
+          {groups.map((group, i) => <GroupCard key={group.key} group={group} counted={i < groupsCounted} names={names} again={refresh} onTell={(quads) => setTelling({ group, quads })} />)}
           {left > 0 && <p className="faint small">{left} younger runs are not asked about.</p>}
         </div>
       </div>
@@ -66,11 +70,13 @@ export default function Board() {
   );
 }
 
-function GroupCard({ group, names, again, onTell }: { group: Group; names: Names; again: () => void; onTell: (quads: Quad[]) => void }) {
+function GroupCard({ group, counted, names, again, onTell }: { group: Group; counted: boolean; names: Names; again: () => void; onTell: (quads: Quad[]) => void }) {
   const { words, icon: Icon } = looks[group.kind];
   const [busy, setBusy] = useState(false);
   const [all, setAll] = useState(false);
   const past = usePast() !== null; // can't be changed
+  const missing = useWhyNot(past || !counted ? "" : group.ask, othersMs);
+  const others = missing.data && !missing.data.holds && missing.data.sets.length > 0 ? othersOf(missing.data, 1) : 0;
   const tell = async () => {
     setBusy(true);
     try {
@@ -85,12 +91,12 @@ function GroupCard({ group, names, again, onTell }: { group: Group; names: Names
   };
   const shown = all ? group.waiting : group.waiting.slice(0, shownAtOnce);
   return (
-    <section className="card board-group" aria-label={`${words}: ${group.title.join(", ")}`}>
+    <section className="card board-group" aria-label={`${words}: ${group.title.map((t) => (group.kind === "fact" ? patternWords(t, names.prefixes) : t)).join(", ")}`}>
       <header>
         <span className={`board-icon ${group.kind}`}><Icon size={16} /></span>
         <div className="grow">
           <p className="board-kind faint small">{words}</p>
-          <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <code key={i}>{t}</code> : <span key={i}>{i > 0 && " or "}{t}</span>))}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
+          <div className="board-title">{group.title.map((t, i) => (group.kind === "fact" ? <span key={i} className="board-fact" title={t}>{patternWords(t, names.prefixes)}</span> : <span key={i}>{i > 0 && " or "}{t}</span>))}{others > 0 && <span className="quiet small"> {othersWords(others)}</span>}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
         </div>
         <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
         {group.ask && !past && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}

@@ -16,7 +16,8 @@ import { askRobots } from "./past_hall";
 import { RobotTag, taskWords } from "./robot_words";
 import { TourPanel } from "./tour_panel";
 import { useWays, type Way } from "./ways";
-import type { Stop } from "../cawl/tour";
+import { toast } from "../ui/toasts";
+import { newTour, useTourDraft } from "./tour_draft";
 import "./hall.css";
 
 export function useRobots() {
@@ -34,11 +35,15 @@ export default function Hall({ picked }: { picked: string }) {
   const names = useNames();
   const [camera, setCamera] = useState<Camera | null>(null);
   const pickedIri = picked ? names.long(picked) : "";
-  const [tour, setTour] = useState<Stop[] | null>(null);
+  const [tour, setTour] = useTourDraft();
+  const leaveTour = () => {
+    if (tour && tour.stops.length > 0) toast("good", "The tour is left", tour.stops.map((s) => s.name).join(", "), { label: "Undo", run: () => setTour(tour) });
+    setTour(null);
+  };
   const past = usePast() !== null;
   const pickTour = (iri: string) => {
     const shape = layout.data?.shapes.find((s) => s.iri === iri && s.kind === "booth");
-    if (shape && tour) setTour([...tour, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }]);
+    if (shape && tour) setTour({ ...tour, stops: [...tour.stops, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }] });
   };
   const pick = (iri: string) => navigate(paths.hall(iri === pickedIri ? "" : iri && (names.short(iri) || iri)), true);
   const tellPlace = (iri: string) => {
@@ -54,7 +59,7 @@ export default function Hall({ picked }: { picked: string }) {
     { title: "Nearer", group: "Hall", icon: Plus, keys: "+|=", run: () => setCamera((c) => zoomed(c, layout.data, 0.8)) },
     { title: "Farther", group: "Hall", icon: Minus, keys: "-", run: () => setCamera((c) => zoomed(c, layout.data, 1.25)) },
     { title: "Select nothing", group: "Hall", keys: "Escape", hidden: true, run: () => pick("") },
-    { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => setTour([]) },
+    { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => tour ?? setTour(newTour) },
     ...list.slice(0, drawnRobots).map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
     ...(past ? [] : (people.data ?? []).slice(0, 100).map((p) => ({ title: `${p.name || names.name(p.iri)} is at…`, group: "Hall", icon: User, words: "tell place where", run: () => tellPlace(p.iri) }))),
     ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => pick(s.iri) })),
@@ -65,8 +70,8 @@ export default function Hall({ picked }: { picked: string }) {
       <div className="hall-stage">
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
-        {layout.data && !empty && <HallDrawing layout={layout.data} robots={drawn} people={people.data ?? []} trails={trails} ways={ways.data ?? noWays} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour })} />}
-        {!tour && !past && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour([])}><Route size={14} />New tour</button>}
+        {layout.data && !empty && <HallDrawing layout={layout.data} robots={drawn} people={people.data ?? []} trails={trails} ways={ways.data ?? noWays} picked={pickedIri} camera={camera} onCamera={setCamera} onPick={tour ? pickTour : pick} {...(tour && { tour: tour.stops })} />}
+        {!tour && !past && layout.data && layout.data.shapes.some((s) => s.kind === "booth") && <button className="button hall-tour" title="Booths in order become a workflow (T)" onClick={() => setTour(newTour)}><Route size={14} />New tour</button>}
         <div className="hall-zoom">
           <button className="button icon" aria-label="Nearer" onClick={() => setCamera((c) => zoomed(c, layout.data, 0.8))}><Plus size={15} /></button>
           <button className="button icon" aria-label="Farther" onClick={() => setCamera((c) => zoomed(c, layout.data, 1.25))}><Minus size={15} /></button>
@@ -74,7 +79,7 @@ export default function Hall({ picked }: { picked: string }) {
         </div>
       </div>
       <aside className="dock hall-side" aria-label="Robots and people">
-        {tour ? <TourPanel stops={tour} from={list[0]?.hasPose ? { x: list[0].xM, y: list[0].yM } : null} names={names} onStops={setTour} onClose={() => setTour(null)} /> : pickedIri ? <Details key={pickedIri} way={ways.data?.get(pickedIri)} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
+        {tour ? <TourPanel tour={tour} from={list[0]?.hasPose ? { x: list[0].xM, y: list[0].yM } : null} names={names} onChange={setTour} onMade={() => setTour(null)} onClose={leaveTour} /> : pickedIri ? <Details key={pickedIri} way={ways.data?.get(pickedIri)} iri={pickedIri} robots={list} layout={layout.data} names={names} onClose={() => pick("")} again={robots.again} /> : (
           <>
             <h2 className="hall-title">Robots <span className="faint number">{list.length}</span></h2>
             {list.length === 0 && <p className="faint small hall-hint">{robots.error ? robots.error.title : "None has joined. Start one: docent-robot."}</p>}

@@ -23,7 +23,6 @@ export function RobotPanel({ robot, way, names, again }: { robot: RobotStatus; w
     <>
       <p className="quiet">{taskWords(robot)}{task?.step ? `, step ${task.step}` : ""}{robot.heldBy && <> for <Link href={paths.run(task?.run || robot.heldBy, task?.node ?? "")}>{runWords(task?.run || robot.heldBy)}</Link>{task?.run && task.run !== robot.heldBy && <>, a part of <Link href={paths.run(robot.heldBy)}>{runWords(robot.heldBy)}</Link></>}</>}</p>
       {robot.hasPose && <p className="faint small number">{robot.xM.toFixed(2)} m, {robot.yM.toFixed(2)} m, {Math.round((robot.headingRad * 180) / Math.PI)}°{way?.deviationM != null && ` ± ${(way.deviationM * 2).toFixed(2)} m`}</p>}
-      {robot.state === "offline" && robot.lastSeenUs > 0n && <p className="faint small">last seen {clock(robot.lastSeenUs)}</p>}
       {!past && (
         <div className="row">
           {robot.outOfService

@@ -4,6 +4,7 @@ import { useEffect, useMemo, useState } from "react";
 import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
+import { usePoll } from "../api/poll";
 import { readTriples, useNames, type Names } from "../api/prefixes";
 import { query } from "../api/sparql";
 import { termText } from "../api/terms";
@@ -19,8 +20,9 @@ import { FlowView } from "./flow_view";
 import { askRun } from "./past_runs";
 import { RunActions, SettleButtons } from "./run_actions";
 import { useRuns, useTicks, whereWords } from "./runs";
-import { progressOf, stateOf } from "./runs_within";
-import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
+import { LostBar, useOfflineRobots } from "./offline";
+import { lostOf, progressOf, stateOf } from "./runs_within";
+import { clock, duration, isLive, nowUs, runWords, StateTag, timeTitle } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
 import { RunTest } from "./run_test";
@@ -43,6 +45,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
   const [tab, setTab] = useState<"now" | "history" | "values">("now");
   const pick = (name: string) => navigate(paths.run(id, name), true);
   const all = useRuns().data?.runs ?? [];
+  const offline = useOfflineRobots();
   const chosen = run?.nodes.find((n) => n.name === node);
   if (!run)
     return (
@@ -64,6 +67,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
         {!run.parent && at === null && <span className="wide-only row" style={{ gap: 2 }}><RunTest run={run} /></span>}
         <RunActions run={run} again={polled.again} keys />
       </header>
+      <LostBar lost={lostOf(run, offline)} />
       {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} />{run.reason}</div>}
       <div className="editor-body run-body">
         {flow ? <FlowView flow={flow} run={run} picked={node} onPick={pick} serviceNames={serviceNames} /> : (
@@ -138,7 +142,7 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
       <div className="row">
         {titled && <Link href={paths.run(run.id, node.name)} className="cut" style={{ fontWeight: 600, color: "var(--text)" }}>{node.name}</Link>}
         <StateTag state={node.state} />
-        {node.sinceUs > 0n && <span className="faint small number">for {duration(node.sinceUs, ["waiting", "running", "incident"].includes(node.state) ? nowUs() : run.endedUs || nowUs())}</span>}
+        <NodeTime run={run.id} node={node} />
       </div>
       {node.reason && <p className="notice bad"><CircleAlert size={14} />{node.reason}</p>}
       <SettleButtons run={run.id} node={node} again={again} />
@@ -154,6 +158,15 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
       {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} heldAt={() => firedAt(run.id, node.name)} />)}</ul></>}
     </section>
   );
+}
+
+// How long it is so; of what has ended, when it ended and how long it took.
+function NodeTime({ run, node }: { run: string; node: Node }) {
+  const ended = !["waiting", "running", "incident", "compensating"].includes(node.state) && node.sinceUs > 0n;
+  const fired = usePoll(ended ? `fired ${run} ${node.name} ${node.sinceUs}` : "", () => firedAt(run, node.name), 60_000);
+  if (node.sinceUs === 0n) return null;
+  const took = fired.data && fired.data > 0n && fired.data <= node.sinceUs ? `, took ${duration(fired.data, node.sinceUs)}` : "";
+  return <span className="faint small number" title={timeTitle(node.sinceUs)}>{ended ? `at ${clock(node.sinceUs)}${took}` : `for ${duration(node.sinceUs, nowUs())}`}</span>;
 }
 
 // When the step opened last, as the graph has it; 0: not known.

@@ -12,7 +12,8 @@ import { navigate, paths } from "../app/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
 import { words } from "../cawl/names";
 import { askRuns } from "./past_runs";
-import { stateOf } from "./runs_within";
+import { LostTag, useOfflineRobots } from "./offline";
+import { lostOf, stateOf } from "./runs_within";
 import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
 import "./runs.css";
 
@@ -28,6 +29,7 @@ export function useRuns() {
 
 export default function Runs(props: { state: string; workflow: string }) {
   const polled = useRuns();
+  const offline = useOfflineRobots();
   const [count, setCount] = useState(shownAtOnce);
   useTicks(1000);
   useEffect(() => void (document.title = "Runs – Docent"), []);
@@ -69,7 +71,7 @@ export default function Runs(props: { state: string; workflow: string }) {
               {runs.slice(0, count).map((run) => (
                 <tr key={run.id} onClick={() => navigate(paths.run(run.id))}>
                   <td><Link href={paths.run(run.id)} className="run-id">{runWords(run.id)}</Link>{run.parent && <span className="faint small"> in {runWords(run.parent)}</span>}</td>
-                  <td><StateTag state={stateOf(run, all)} /></td>
+                  <td><span className="run-states"><StateTag state={stateOf(run, all)} /><LostTag lost={lostOf(run, offline)} /></span></td>
                   <td className="run-where">{whereWords(run)}</td>
                   <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ")}</td>
                   <td className="number faint">{clock(run.startedUs)}</td>

@@ -1,6 +1,7 @@
 // Runs that steps of another run have started: how far they are, and whether they wait. Pure functions.
 import type { Invocation, Run } from "../gen/docent/v1/workflows_pb";
-import { isLive } from "./states";
+import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { clock, isLive } from "./states";
 
 const deepest = 8;
 
@@ -30,4 +31,17 @@ export function stateOf(run: Run, runs: readonly Run[] = [], depth = 0): string 
   const states = new Set(under.map((inner) => (inner ? stateOf(inner, runs, depth + 1) : "running")));
   const [only] = states;
   return states.size === 1 && only && ["waiting", "paused", "incident"].includes(only) ? only : "running";
+}
+
+export type Lost = Pick<RobotStatus, "robot" | "label" | "lastSeenUs" | "heldBy" | "heldFor">;
+
+// Of robots that are offline: those that a live run has something under way with.
+export function lostOf(run: Run, offline: readonly Lost[]): readonly Lost[] {
+  if (!isLive(run.state) || offline.length === 0) return [];
+  const busy = new Set(run.nodes.filter((n) => n.state === "running").flatMap((n) => n.invocations.filter((i) => i.state === "running").map((i) => i.robot)));
+  return offline.filter((r) => busy.has(r.robot) || r.heldFor.some((task) => task.run === run.id) || (r.heldBy === run.id && r.heldFor.length > 0));
+}
+// " since 18:20:03"
+export function sinceWords(robot: Pick<RobotStatus, "lastSeenUs">): string {
+  return robot.lastSeenUs > 0n ? ` since ${clock(robot.lastSeenUs)}` : "";
 }

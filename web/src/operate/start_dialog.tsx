@@ -6,25 +6,17 @@ import { plain, type PlainError } from "../api/errors";
 import { randomUuid } from "../api/ids";
 import { navigate, paths } from "../app/router";
 import { words } from "../cawl/names";
+import type { StartVariable } from "../cawl/start_values";
 import { ofClass, type Vocabulary } from "../compose/vocabulary";
 import { termOf } from "../api/terms";
-import { writtenValue } from "../cawl/values";
+import { shownValue, writtenValue } from "../cawl/values";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 import { runWords } from "./states";
 
-export interface StartVariable {
-  name: string;
-  type: string;
-  initial: string;
-}
-// Of the variables of a document and its flow: each name once.
-export function startVariables(variables: readonly StartVariable[]): StartVariable[] {
-  return variables.filter((v, i, all) => v.name && all.findIndex((w) => w.name === v.name) === i).map(({ name, type, initial }) => ({ name, type, initial }));
-}
 // Throws RangeError with what is wrong.
-export function startArguments(values: Readonly<Record<string, string>>, prefixes: ReadonlyMap<string, string>, variables: readonly StartVariable[] = []) {
+export function startArguments(values: Readonly<Record<string, string>>, prefixes: ReadonlyMap<string, string>, variables: readonly Pick<StartVariable, "name" | "type">[] = []) {
   const typeOf = (name: string) => {
     const [prefix = "", local = ""] = (variables.find((v) => v.name === name)?.type ?? "").split(":");
     return local ? (prefixes.get(prefix) ?? "") + local : "";
@@ -38,12 +30,22 @@ function kindWords(v: StartVariable): string {
   return kind === words(v.name).toLowerCase() ? "" : kind;
 }
 
+// What stands in its field as long as nothing is given.
+function needWords(v: StartVariable): string {
+  return v.need === "set" ? shownValue(v.initial) : { needed: "needed", found: "found by a condition", made: "made by its steps", any: "one that is free" }[v.need];
+}
+// "user and booth"
+function listed(variables: readonly StartVariable[]): string {
+  const all = variables.map((v) => words(v.name).toLowerCase());
+  return all.length < 2 ? all.join("") : `${all.slice(0, -1).join(", ")} and ${all.at(-1)}`;
+}
+
 // One field a variable; things of its class are offered.
 export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
   return props.variables.map((v) => (
     <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
       <span>{words(v.name)} <span className="faint small">{kindWords(v)}</span></span>
-      <Combo label={v.name} placeholder={v.initial || "not given"} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
+      <Combo label={v.name} placeholder={needWords(v)} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
     </div>
   ));
 }
@@ -55,6 +57,9 @@ export function StartDialog(props: {
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<PlainError | null>(null);
   const { variables } = props;
+  const needed = variables.filter((v) => v.need === "needed");
+  const found = variables.filter((v) => v.need === "found");
+  const lacks = needed.filter((v) => !(values[v.name] ?? "").trim());
   const start = async () => {
     setBusy(true);
     try {
@@ -71,13 +76,13 @@ export function StartDialog(props: {
     <Dialog label="Start a run" width={480} onClose={props.onClose}>
       <div className="sheet-head"><h2 className="grow">Start {props.workflow}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
-        <p className="quiet">{variables.length > 0 ? "Give the values that it needs at its beginning; the rest it finds by its conditions." : "It needs no values."}</p>
+        <p className="quiet">{needed.length > 0 ? `It needs ${listed(needed)}.` : "It needs no values."}{found.length > 0 && ` ${listed(found).replace(/^./, (c) => c.toUpperCase())} ${found.length === 1 ? "is" : "are"} found by its conditions, where nothing is given.`}</p>
         <StartFields variables={variables} values={values} vocabulary={props.vocabulary} onChange={setValues} />
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
       </div>
       <div className="sheet-foot">
         <button className="button" onClick={props.onClose}>Cancel</button>
-        <button className="button primary" disabled={busy} onClick={() => void start()}><Play size={13} />Start</button>
+        <button className="button primary" disabled={busy || lacks.length > 0} title={lacks[0] ? `${words(lacks[0].name)} is missing` : undefined} onClick={() => void start()}><Play size={13} />Start</button>
       </div>
     </Dialog>
   );

@@ -7,7 +7,8 @@ import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
 import { timeText, usePast } from "../api/past";
 import { quadOf, quadText, termOf } from "../api/terms";
-import type { MissingSet, Proof } from "../gen/docent/v1/context_pb";
+import { patternWords } from "../compose/term_name";
+import type { ExplainReply, MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";
 import { QuadSchema } from "../gen/docent/v1/term_pb";
 import { clock } from "./states";
@@ -16,6 +17,18 @@ import "./why.css";
 
 export function shortPattern(pattern: string, names: Names): string {
   return pattern.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole).replace(/\s*\.$/, "");
+}
+
+// "<…John> <…selected> ?booth ." is "John selected a booth".
+export function lackWords(pattern: string, names: Names): string {
+  return patternWords(shortPattern(pattern, names), names.prefixes);
+}
+// Ways that would do as well as the ones that are shown.
+export function othersOf(reply: Pick<ExplainReply, "sets" | "more">, shown: number): number {
+  return Math.max(0, reply.sets.length + Number(reply.more) - shown);
+}
+export function othersWords(others: number): string {
+  return others === 1 ? "or in one other way" : `or in one of ${others} other ways`;
 }
 
 // A fact that can be asked why. `short`: its subject is known. `heldAt`: when it was so, for one that may no longer be so; 0: not known.
@@ -89,12 +102,13 @@ export function WhyNot({ ask, names, title }: { ask: string; names: Names; title
       {polled.data.sets.map((set, i) => (
         <section key={i} className="lack">
           {i > 0 && <p className="faint small">or</p>}
-          {set.missing.map((m, k) => <p key={k} className="lack-words"><ChevronRight size={12} /><code>{shortPattern(m, names)}</code></p>)}
+          {set.missing.map((m, k) => <p key={k} className="lack-words" title={shortPattern(m, names)}><ChevronRight size={12} /><span>{lackWords(m, names)}</span></p>)}
           {set.conditions.map((c, k) => <p key={`c${k}`} className="lack-words faint"><ChevronRight size={12} /><code>{shortPattern(c, names)}</code></p>)}
-          {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <code>{quadText(q, names.short)}</code></p>)}
+          {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <span title={quadText(q, names.short)}>{patternWords(quadText(q, names.short), names.prefixes)}</span></p>)}
           {set.add.length > 0 && <button className="button small" onClick={() => setTelling(set)}><FlaskConical size={13} />Simulate or tell</button>}
         </section>
       ))}
+      {othersOf(polled.data, polled.data.sets.length) > 0 && <p className="faint small">{othersWords(othersOf(polled.data, polled.data.sets.length))}</p>}
       {polled.data.sets.length === 0 && <pre className="small faint" style={{ whiteSpace: "pre-wrap" }}>{polled.data.text}</pre>}
       {telling && <TellDialog title={title} quads={telling.add.map(quadOf)} patterns={telling.missing.map((m) => shortPattern(m, names))} names={names} onTold={polled.again} onClose={() => setTelling(null)} />}
     </div>

@@ -235,6 +235,18 @@ describe("for everybody", () => {
   });
 });
 
+it("a start by hand says what it needs and what it finds, and waits for what is missing", async () => {
+  const page = await stage.page("/compose/BoothGuide");
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByText("It needs user. Booth is found by its conditions, where nothing is given.").waitFor();
+  const start = page.locator("dialog").getByRole("button", { name: "Start" });
+  expect([await start.isDisabled(), await start.getAttribute("title")]).toEqual([true, "User is missing"]);
+  await stage.picture(page, "start-dialog");
+  await page.locator('dialog input[aria-label="user"]').fill("<https://w3id.org/docent/expo#John>");
+  await page.keyboard.press("Tab");
+  expect(await start.isEnabled()).toBe(true);
+});
+
 describe("a browser that keeps nothing", () => {
   const closed = 'Object.defineProperty(window, "localStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } }); Object.defineProperty(window, "sessionStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } });';
   const full = 'Storage.prototype.setItem = function () { throw new DOMException("full", "QuotaExceededError"); };';

@@ -28,7 +28,7 @@ function answers(): Answers {
     "Workflows/ListRuns": () => ({ runs: [run("BoothGuide-1", "John"), run("BoothGuide-2", "Ann"), run("BoothGuide-3", "Kim", "incident")] }),
     "Workflows/Get": ({ run: id }) => (id === "BoothGuide-3" ? run("BoothGuide-3", "Kim", "incident") : id === "BoothGuide-1" ? run("BoothGuide-1", "John") : new Error("not_found")),
     "Workflows/Watch": () => [{ revision: "9", timeUs: "1795666887845000", run: "BoothGuide-1", node: "Move2User", kind: "node", from: "waiting", to: "running", detail: `condition holds with robot = <${expo}R01>` }],
-    "Context/Explain": ({ whyNot }) => (whyNot ? { holds: false, sets: [{ missing: [`<${expo}John> <${docent}selected> ?booth .`], add: [quad] }] } : { holds: true, proof: { steps: [{ fact: quad, told: [{ graph: `${expo}R01`, offset: "3", timeUs: "1795666887845000" }] }], roots: [0] } }),
+    "Context/Explain": ({ whyNot }) => (whyNot ? { holds: false, more: "11", sets: [{ missing: [`<${expo}John> <${docent}selected> ?booth .`], add: [quad] }] } : { holds: true, proof: { steps: [{ fact: quad, told: [{ graph: `${expo}R01`, offset: "3", timeUs: "1795666887845000" }] }], roots: [0] } }),
     "Workflows/Explain": ({ run: id }) => (id === "BoothGuide-3" ? { waits: [{ node: "Move2Booth", kind: "operator", detail: "it failed: the robot does not answer; settle it: docent runs retry, skip or fail BoothGuide-3 Move2Booth" }] } : { waits: [{ node: "Move2Booth", kind: "fact", missing: `<${expo}John> <${docent}selected> ?booth .` }] }),
     "Context/WhatIf": () => ({ transitions: [{ subject: "BoothGuide-1/Move2Booth", from: "waiting", to: "running" }] }),
     "Context/Assert": () => ({ offset: "20", added: "1" }),
@@ -102,6 +102,29 @@ describe("operating", () => {
     await panel.getByRole("link", { name: "BoothGuide-1" }).first().click();
     await page.locator('.react-flow__node[data-id="Move2Booth"].selected').waitFor();
   });
+  it("a robot that is offline in the middle of a run is said in the list, on its page and in the hall, which does not say that it goes on", async () => {
+    const page = await open("/runs");
+    const usual = answers();
+    const driving = { ...run("BoothGuide-1", "John", "running"), nodes: run("BoothGuide-1", "John", "running").nodes.map((n) => (n.name === "Move2Booth" ? { ...n, invocations: [{ operation: "moveToBooth", state: "running", robot: `${expo}R01`, progress: 0.4 }] } : n)) };
+    const robot = { robot: `${expo}R01`, label: "R01", state: "offline", lastSeenUs: "1795666891731000", operations: [], hasPose: true, xM: 3, yM: 9, headingRad: 0, heldBy: "BoothGuide-1", heldFor: [{ run: "BoothGuide-1", node: "Move2Booth", operation: "moveToBooth" }] };
+    stage.answers = { ...usual, "Fleet/List": () => ({ robots: [robot] }), "Workflows/ListRuns": () => ({ runs: [driving, run("BoothGuide-2", "Ann")] }), "Workflows/Get": () => driving };
+    await page.goto(`${stage.url}/runs`);
+    await page.locator("tbody tr", { hasText: "BoothGuide-1" }).locator(".tag.wait", { hasText: /R01 offline since .*:31/ }).waitFor();
+    expect(await page.locator(".tag", { hasText: "offline" }).count()).toBe(1);
+    await stage.picture(page, "runs-offline");
+    await page.locator("tbody tr", { hasText: "BoothGuide-1" }).click();
+    await page.locator(".stale", { hasText: /R01 is offline since/ }).waitFor();
+    await stage.picture(page, "run-offline");
+    await page.goto(`${stage.url}/hall`);
+    await page.locator(".hall-row", { hasText: /not seen since .*; it had begun: move to booth/ }).waitFor();
+  });
+  it("a step that has ended says when, and how long it took", async () => {
+    const page = await open("/runs/BoothGuide-1?node=Move2User");
+    const usual = answers();
+    stage.answers = { ...usual, "Context/Query": (q) => (String(q["query"]).includes("firedAt") ? [{ header: { variables: ["t"] } }, { row: { values: [{ literal: { lexical: new Date(1795666887731).toISOString() } }] } }] : usual["Context/Query"]?.(q)) };
+    await page.reload();
+    await page.locator(".run-section .small.number", { hasText: /^at .*:31.*, took 4\.0 s$/ }).waitFor();
+  });
   it("an incident is settled", async () => {
     const page = await open("/runs/BoothGuide-3");
     await page.getByRole("button", { name: "Count as done" }).click();
@@ -114,7 +137,8 @@ describe("operating", () => {
   });
   it("everything that waits is grouped by what lacks", async () => {
     const page = await open("/board");
-    await page.getByText("expo:John docent:selected ?booth").waitFor();
+    await page.getByText("John selected booth").waitFor();
+    await page.getByText("or in one of 11 other ways").waitFor();
     expect(await page.locator(".board-group").count()).toBe(2);
     expect(await page.locator(".board-group", { hasText: "A fact is missing" }).locator("li").count()).toBe(2);
     await stage.picture(page, "board");

@@ -27,6 +27,18 @@ describe.skipIf(why !== "")("a tour", () => {
     await page.locator(".tour-stop", { hasText: "B09" }).click();
     await page.getByRole("textbox", { name: "Say here" }).fill("It's the nets' booth");
     await page.locator(".tour-own").getByLabel("Display information").uncheck();
+    expect(await page.locator(".tour-present input:checked").count()).toBe(2); // services, and not the operations that they are made of
+    // It is there again after another view, and after the page was loaded again.
+    await page.keyboard.press("Tab");
+    await page.getByRole("link", { name: "Runs" }).click();
+    await page.getByRole("heading", { name: "Runs" }).waitFor();
+    await page.goBack();
+    await page.locator(".tour-stop", { hasText: "It's the nets' booth" }).waitFor();
+    await page.reload();
+    await page.locator(".tour-stop", { hasText: "It's the nets' booth" }).click();
+    await page.getByRole("button", { name: "Close", exact: true }).click();
+    await page.locator(".toast", { hasText: "The tour is left" }).getByRole("button", { name: "Undo" }).click();
+    await page.locator(".tour-stop", { hasText: "B09" }).click();
     await page.getByLabel("Wait until the visitor is there").uncheck();
     estimate = Number(/About (\d+) min/.exec(await page.locator(".hall-details").innerText())?.[1]);
     await stage.picture(page, "tour-own");
