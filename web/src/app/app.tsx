@@ -18,6 +18,7 @@ import { KeysDialog } from "./keys_dialog";
 import { Link } from "./link";
 import { usePast } from "../api/past";
 import { navigate, paths, useRoute, type Route } from "./router";
+import { Time } from "../api/times";
 import { themeShown, toggleTheme, useTheme } from "./theme";
 import "./shell.css";
 
@@ -60,6 +61,7 @@ export function App() {
   ]);
   return (
     <div className="shell">
+      <a className="skip" href="#view" onClick={(e) => (e.preventDefault(), document.getElementById("view")?.focus())}>Skip the menu</a>
       <nav className="rail" aria-label="Views">
         <Link className="rail-mark" href={paths.documents()} aria-label="Docent, all workflows"><img src="/icon.svg" alt="" /></Link>
         {places.map((place) => (
@@ -74,7 +76,7 @@ export function App() {
         <button className="rail-small" onClick={() => setOpen("keys")} aria-label="Keys" title="Keys (?)"><Keyboard size={17} /></button>
         <button className="rail-small" onClick={toggleTheme} aria-label={theme === "dark" ? "Light colours" : "Dark colours"} title="Light or dark">{theme === "dark" ? <Sun size={16} /> : <Moon size={16} />}</button>
       </nav>
-      <div className="page">
+      <div className="page" id="view" tabIndex={-1}>
         <Stale />
         <Guard key={routeKey(route)}>
           <Suspense fallback={<div className="view" aria-busy="true" />}>
@@ -129,7 +131,7 @@ function Stale() {
   return (
     <div className="stale" role="status">
       <Unplug size={14} />
-      The server does not answer since {new Date(connection.since).toLocaleTimeString()}. What you see may be old; what you write is kept here.
+      The server does not answer since <Time us={BigInt(connection.since) * 1000n} />. What you see may be old; what you write is kept here.
     </div>
   );
 }

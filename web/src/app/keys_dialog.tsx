@@ -9,6 +9,12 @@ const onCanvas: [string, string][] = [
   ["Move it", "↑ ↓ ← →"],
   ["Select several", "Shift"],
 ];
+// Their commands are there only where they can be used.
+const ofStep: [string, string][] = [
+  ["Open the flow that the step runs", "O"],
+  ["Back to the flow that it was opened from", "U"],
+  ["Set or remove a breakpoint", "B"],
+];
 
 const inSimulation: [string, string][] = [
   ["Play or pause", "Space"],
@@ -42,7 +48,7 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
         {groups.includes("Steps") && (
           <section>
             <h3>On the canvas</h3>
-            <ul>{onCanvas.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
+            <ul>{[...onCanvas, ...ofStep.filter(([, key]) => !commands.some((c) => c.group !== "Everywhere" && c.keys === key))].map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
             <h3>In the panel of a simulation</h3>
             <ul>{inSimulation.map(([title, key]) => <li key={title}>{title}<kbd>{key}</kbd></li>)}</ul>
           </section>

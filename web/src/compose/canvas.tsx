@@ -13,6 +13,7 @@ import type { Finding } from "./findings";
 import { LinkEdge, type LinkEdgeType } from "./link_edge";
 import { look } from "../operate/states";
 import { lessMotion } from "./playing";
+import { useRefit } from "./refit";
 import { StepCard, stepWords, type StepNode } from "./step_card";
 import type { StepTrial } from "./trials";
 import "./canvas.css";
@@ -120,6 +121,7 @@ function Flow(props: CanvasProps) {
   };
   const latestShow = useRef(show);
   latestShow.current = show;
+  useRefit(pane, fromModel, flow.getViewport, () => latestShow.current(1));
   const traced = props.trial !== null; // a panel has made the canvas smaller
   useEffect(() => {
     const t = window.setTimeout(() => latestShow.current(1), 60);

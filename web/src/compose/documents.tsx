@@ -1,9 +1,10 @@
 // All workflows: the deployed ones, the drafts of this browser, and ways to begin.
 import { CircleDot, Cloud, FileUp, PauseCircle, Pencil, Plus, PowerOff, Trash2, Unplug, Workflow } from "lucide-react";
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { workflows } from "../api/client";
 import { usePoll } from "../api/poll";
 import { kept as storage } from "../api/storage";
+import { clockMinutes, timeTitle } from "../api/times";
 import { useCommands } from "../app/commands";
 import { Link } from "../app/link";
 import { navigate, paths } from "../app/router";
@@ -18,7 +19,10 @@ import { openFile } from "./files";
 import { TemplateCards } from "./template_cards";
 import "./documents.css";
 
+const usOf = (time: string) => BigInt(Date.parse(time) || 0) * 1000n;
+
 export default function Documents() {
+  useEffect(() => void (document.title = "Workflows – Docent"), []);
   const polled = usePoll("workflows", (signal) => workflows.list({}, { signal }), 3000);
   const onServer = usePoll("server drafts", listServerDrafts, 5000);
   const [drafts, setDrafts] = useState(listDrafts);
@@ -68,8 +72,8 @@ export default function Documents() {
                 <Link href={paths.compose(name)} className="document">
                   <span className={`document-icon${workflow ? "" : " draft"}`}>{workflow ? <Workflow size={16} /> : <Pencil size={15} />}</span>
                   <span className="document-words"><b className="cut">{name}</b><span className="faint small cut">{workflow ? [workflow.version && `version ${workflow.version}`, workflow.flows.length > 1 && `${workflow.flows.length} flows`, workflow.activatedFlow ? "starts by itself" : "started by hand"].filter(Boolean).join(" · ") : "never deployed"}</span></span>
-                  {draft && <span className="tag accent"><Pencil size={11} />draft of {new Date(draft.savedMs).toLocaleString([], { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" })}</span>}
-                  {kept.filter((d) => d.name === name).map((d) => <span key={d.saved} className="tag" title="Saved on the server: it can be opened in any browser"><Cloud size={11} />on the server, {new Date(d.saved).toLocaleString([], { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" })}</span>)}
+                  {draft && <span className="tag accent" title={timeTitle(BigInt(draft.savedMs) * 1000n)}><Pencil size={11} />draft of {clockMinutes(BigInt(draft.savedMs) * 1000n)}</span>}
+                  {kept.filter((d) => d.name === name).map((d) => <span key={d.saved} className="tag" title={`Saved on the server, ${timeTitle(usOf(d.saved))}: it can be opened in any browser`}><Cloud size={11} />on the server, {clockMinutes(usOf(d.saved))}</span>)}
                   {workflow?.paused && <span className="tag wait"><PauseCircle size={12} />paused</span>}
                   {workflow?.disabled && <span className="tag"><PowerOff size={11} />off</span>}
                   {workflow && !workflow.paused && !workflow.disabled && <span className="tag good"><CircleDot size={11} />deployed</span>}

@@ -3,6 +3,7 @@
 import { useEffect, useRef, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
 import { usePoll } from "../api/poll";
+import { clockMinutes, timeTitle } from "../api/times";
 import { type DraftSync, versionWords } from "./draft_sync";
 import { liveOf, type LiveVersion } from "./load_document";
 
@@ -33,9 +34,8 @@ export function useLiveVersion(name: string, sync: DraftSync): { live: LiveVersi
 
 // "Version 1.2 was deployed at 18:20 after you began."
 export function behindWords(live: LiveVersion, base: string | null): string {
-  const at = new Date(Number(live.timeUs / 1000n));
-  const today = at.toDateString() === new Date().toDateString();
-  const when = live.timeUs > 0n ? ` ${today ? "at" : "on"} ${at.toLocaleString([], { ...(!today && { day: "numeric", month: "short" }), hour: "2-digit", minute: "2-digit" })}` : "";
+  const today = new Date(Number(live.timeUs / 1000n)).toDateString() === new Date().toDateString();
+  const when = live.timeUs > 0n ? ` ${today ? "at" : "on"} ${clockMinutes(live.timeUs)}` : "";
   return base === null ? `${versionWords(live)} was deployed${when}, and this text did not begin from it.` : `${versionWords(live)} was deployed${when} after you began.`;
 }
 
@@ -44,7 +44,7 @@ export function BehindBar({ sync }: { sync: DraftSync }) {
   if (!live || !sync.behind) return null;
   return (
     <div className="stale" role="alert">
-      <span>{behindWords(live, sync.base)} Deploying this text takes it back.</span>
+      <span title={live.timeUs > 0n ? timeTitle(live.timeUs) : undefined}>{behindWords(live, sync.base)} Deploying this text takes it back.</span>
       <BehindChoices sync={sync} />
     </div>
   );

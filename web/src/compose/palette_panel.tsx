@@ -10,7 +10,7 @@ import { KindIcon } from "./step_card";
 const groups = [
   { kind: "service", title: "Services", says: "What any robot that is free can do for the run.", hint: "Register RSEL documents to have some." },
   { kind: "operation", title: "Robots' operations", says: "Single commands that the robots here know.", hint: "They come when a robot joins." },
-  { kind: "workflow", title: "Workflows", says: "Whole flows that are deployed, run as one step.", hint: "Deployed ones; each can be a step of another." },
+  { kind: "workflow", title: "Workflows", says: "Whole flows that are deployed, run as one step.", hint: "Deployed workflows appear here. Each can be a step of another one." },
 ] as const;
 
 export function PalettePanel(props: { palette: PaletteData; name: string; onAdd: (what: NewKind) => void; onImport: () => void; onHide: () => void }) {

@@ -3,6 +3,7 @@ import { CloudCheck, CloudUpload } from "lucide-react";
 import { useEffect, useState } from "react";
 import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
+import { Time } from "../api/times";
 import { useCommands } from "../app/commands";
 import { toast } from "../ui/toasts";
 import type { DraftSync } from "./draft_sync";
@@ -54,7 +55,7 @@ export function ServerDraftBar({ draft, session }: { draft: ServerDraftState; se
   const both = base === null ? null : mergeTexts(base, session.written, newer.text);
   return (
     <div className="stale" role="alert">
-      Another browser has saved a draft on the server at {new Date(newer.saved).toLocaleTimeString()}.
+      Another browser has saved a draft on the server at <Time us={BigInt(Date.parse(newer.saved) || 0) * 1000n} />.
       {both !== null && both !== newer.text && <button className="button small" onClick={() => (session.mergeIn(both), draft.see(newer.saved, newer.text))}>Put both together</button>}
       <button className="button small" onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved, newer.text))}>Take its text</button>
       <button className="button small" onClick={() => draft.see(newer.saved, newer.text)}>Keep mine</button>

@@ -30,7 +30,7 @@ export function TrialsPanel(props: { trials: Trials; text: string; names: Names;
       {props.open && (
         <div className="trials" tabIndex={0} aria-label="Runs">
           <p className="trials-hint faint small">
-            <span className="grow">{trials.list.length === 0 ? (trials.error ? `${trials.error.title}.` : "This workflow has not run yet. Its runs can be lived again here after each edit, without robots.") : "A run is lived again with this document, on the facts of then and with the answers that robots gave. Nothing is sent, nothing changes."}</span>
+            <span className="grow">{trials.list.length === 0 ? (trials.error ? `${trials.error.title}.` : "This workflow has not run yet. Its past runs can be replayed here after each edit, without robots.") : "A past run is replayed with this document, on the facts of then and with the answers that robots gave. Nothing is sent, nothing changes."}</span>
             {trials.list.length > 0 && <label className="row"><input type="checkbox" checked={trials.assume} onChange={(e) => trials.setAssume(e.target.checked)} />Simulate: commands that were not sent then count as done</label>}
           </p>
           <ul>{trials.list.map((t) => <TrialRow key={t.run} {...props} trial={t} old={t.text !== "" && t.text !== text} open={props.chosen === t.run} />)}</ul>

@@ -1,11 +1,12 @@
 // The flow of a run, with the state of each node; nothing can be changed here.
 import { Background, BackgroundVariant, Controls, MarkerType, ReactFlow, ReactFlowProvider, useReactFlow } from "@xyflow/react";
 import "@xyflow/react/dist/style.css";
-import { useEffect, useMemo } from "react";
+import { useEffect, useMemo, useRef } from "react";
 import type { Flow } from "../cawl/document";
 import { placeSteps, stepHeight, stepWidth } from "../cawl/placing";
 import { inFlowOrder } from "../cawl/shown";
 import { LinkEdge, type LinkEdgeType } from "../compose/link_edge";
+import { useRefit } from "../compose/refit";
 import { StepCard, stepWords, type StepNode } from "../compose/step_card";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { look } from "./states";
@@ -46,8 +47,10 @@ function View({ flow, run, serviceNames, picked, onPick }: { flow: Flow; run: Ru
     const timer = window.setTimeout(() => void view.fitView({ padding: 0.14, maxZoom: 1 }), 60);
     return () => window.clearTimeout(timer);
   }, [view, flow]);
+  const pane = useRef<HTMLDivElement>(null);
+  useRefit(pane, nodes, view.getViewport, () => void view.fitView({ padding: 0.14, maxZoom: 1 }));
   return (
-    <div className="canvas run-canvas">
+    <div className="canvas run-canvas" ref={pane}>
       <ReactFlow<StepNode, LinkEdgeType>
         nodes={nodes} edges={edges} nodeTypes={nodeTypes} edgeTypes={edgeTypes} nodesDraggable={false} nodesConnectable={false} deleteKeyCode={null} panOnScroll fitView={nodes.length <= 120} fitViewOptions={{ padding: 0.14, maxZoom: 1 }} minZoom={0.15} onlyRenderVisibleElements={nodes.length > 120}
         onNodeClick={(_, node) => onPick(node.data.step.kind === "node" ? node.data.step.name : "")} onPaneClick={() => onPick("")}

@@ -10,7 +10,7 @@ import { usePast } from "../api/past";
 import { navigate, paths } from "../app/router";
 import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Details } from "./hall_details";
-import { HallDrawing, type Camera } from "./hall_drawing";
+import { broughtIntoView, HallDrawing, type Camera } from "./hall_drawing";
 import { type Layout, useLayout, usePeople } from "./layout";
 import { askRobots } from "./past_hall";
 import { RobotTag, taskWords } from "./robot_words";
@@ -46,8 +46,17 @@ export default function Hall({ picked }: { picked: string }) {
     if (shape && tour) setTour({ ...tour, stops: [...tour.stops, { iri, term: names.short(iri) || `<${iri}>`, name: shape.name, x: shape.label.x, y: shape.label.y }] });
   };
   const pick = (iri: string) => navigate(paths.hall(iri === pickedIri ? "" : iri && (names.short(iri) || iri)), true);
-  const tellPlace = (iri: string) => {
+  // What was chosen in a list or by name comes into view on the map.
+  const find = (iri: string) => {
+    const robot = list.find((r) => r.robot === iri);
+    const person = people.data?.find((p) => p.iri === iri);
+    const shape = (at: string) => layout.data?.shapes.find((s) => s.iri === at)?.label;
+    const at = robot ? (robot.hasPose ? { x: robot.xM, y: robot.yM } : undefined) : person && person.x !== null && person.y !== null ? { x: person.x, y: person.y } : (shape(person?.at ?? "") ?? shape(iri));
+    if (at) setCamera((c) => broughtIntoView(c, layout.data, at));
     if (iri !== pickedIri) pick(iri);
+  };
+  const tellPlace = (iri: string) => {
+    find(iri);
     window.setTimeout(() => document.querySelector<HTMLSelectElement>(".tell-place select")?.focus(), 400);
   };
   const trails = useTrails(robots.data?.robots, past);
@@ -60,13 +69,14 @@ export default function Hall({ picked }: { picked: string }) {
     { title: "Farther", group: "Hall", icon: Minus, keys: "-", run: () => setCamera((c) => zoomed(c, layout.data, 1.25)) },
     { title: "Select nothing", group: "Hall", keys: "Escape", hidden: true, run: () => pick("") },
     { title: "New tour from the map", group: "Hall", icon: Route, keys: "T", words: "booths workflow", run: () => tour ?? setTour(newTour) },
-    ...list.slice(0, drawnRobots).map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => pick(r.robot) })),
+    ...list.slice(0, drawnRobots).map((r) => ({ title: `Show robot ${r.label || names.name(r.robot)}`, group: "Hall", icon: Bot, run: () => find(r.robot) })),
     ...(past ? [] : (people.data ?? []).slice(0, 100).map((p) => ({ title: `${p.name || names.name(p.iri)} is at…`, group: "Hall", icon: User, words: "tell place where", run: () => tellPlace(p.iri) }))),
-    ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => pick(s.iri) })),
+    ...(layout.data?.shapes ?? []).filter((s) => ["booth", "region"].includes(s.kind)).map((s) => ({ title: `Show ${s.name}`, group: "Hall", icon: MapIcon, words: s.detail, run: () => find(s.iri) })),
   ]);
   const empty = layout.data?.shapes.length === 0 && list.length === 0;
   return (
     <main className="page hall">
+      <h1 className="unseen">Hall</h1>
       <div className="hall-stage">
         {layout.error && !layout.data && <div className="nothing"><Unplug size={28} /><h2>{layout.error.title}</h2><p>{layout.error.detail}</p></div>}
         {empty && <div className="nothing"><MapIcon size={28} /><h2>No hall is described yet</h2><p>Load a description of the place, with geometries of its regions: <code>docent load hall.ttl</code>. Robots appear when their adapters join.</p></div>}
@@ -83,10 +93,10 @@ export default function Hall({ picked }: { picked: string }) {
           <>
             <h2 className="hall-title">Robots <span className="faint number">{list.length}</span></h2>
             {list.length === 0 && <p className="faint small hall-hint">{robots.error ? robots.error.title : "None has joined. Start one: docent-robot."}</p>}
-            <ul>{list.slice(0, listedRobots).map((r) => <RobotRow key={r.robot} robot={r} names={names} onPick={pick} />)}</ul>
+            <ul>{list.slice(0, listedRobots).map((r) => <RobotRow key={r.robot} robot={r} names={names} onPick={find} />)}</ul>
             {list.length > listedRobots && <p className="faint small hall-hint">and {list.length - listedRobots} more: Ctrl-K finds a robot by its name{list.length > drawnRobots ? `; the map draws the first ${drawnRobots}` : ""}.</p>}
             <h2 className="hall-title">People <span className="faint number">{people.data?.length ?? 0}</span></h2>
-            <ul>{(people.data ?? []).slice(0, 100).map((p) => <li key={p.iri}><button className="hall-row" onClick={() => pick(p.iri)}><span className="hall-icon person"><User size={14} /></span><span className="grow cut"><b>{p.name || names.name(p.iri)}</b><span className="faint small">{p.at ? `at ${names.name(p.at)}` : "somewhere"}</span></span></button></li>)}</ul>
+            <ul>{(people.data ?? []).slice(0, 100).map((p) => <li key={p.iri}><button className="hall-row" onClick={() => find(p.iri)}><span className="hall-icon person"><User size={14} /></span><span className="grow cut"><b>{p.name || names.name(p.iri)}</b><span className="faint small">{p.at ? `at ${names.name(p.at)}` : "somewhere"}</span></span></button></li>)}</ul>
           </>
         )}
       </aside>

@@ -1,13 +1,26 @@
 // The drawing of the hall: metres in, y to the north. The layout is drawn once; what moves is drawn above it.
-import { memo, useCallback, useMemo, useRef } from "react";
+import { memo, useCallback, useLayoutEffect, useMemo, useRef, useState } from "react";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { type Box, placeLabels, textBox } from "./label_places";
 import { centre, type Layout, type Person, type Point, type Shape } from "./layout";
 import { taskWords } from "./robot_words";
 import { restOf, type Way } from "./ways";
 
-const robotText = 0.62; // metres
-const personText = 0.5;
+// Sizes of letters: as many metres as look well where the whole hall is seen, within pixels that can be read; the same over the zoom.
+interface Letters {
+  booth: number;
+  region: number;
+  detail: number;
+  robot: number;
+  person: number;
+  stop: number; // of a tour, in its disc
+}
+// In metres, at so many metres a pixel; `whole`: where the whole hall is seen.
+export function lettersAt(metresAPixel: number, whole: number): Letters {
+  const of = (metres: number, least: number, most: number) => Math.min(most, Math.max(least, metres / whole)) * metresAPixel;
+  return { booth: of(0.74, 12, 20), region: of(0.56, 11, 15), detail: of(0.5, 11, 13.5), robot: of(0.62, 12, 17), person: of(0.5, 11, 14), stop: of(0.56, 11, 15) };
+}
+const outline = 0.22; // of a name on the map, as a part of its letters' size
 const labelsPlaced = 60; // things that move whose names are placed with care
 const shownDeviations = 2; // the robot is within this circle at about 95 %
 
@@ -15,6 +28,14 @@ export interface Camera {
   x: number; // middle, in metres
   y: number;
   scale: number; // 1: the whole hall; smaller is nearer
+}
+
+// The camera as it is where the place is seen, else moved there as near as it is.
+export function broughtIntoView(camera: Camera | null, layout: Pick<Layout, "min" | "max"> | undefined, at: { x: number; y: number }): Camera | null {
+  if (!camera || !layout) return camera;
+  const half = { x: ((layout.max.x - layout.min.x + 2) * camera.scale) / 2, y: ((layout.max.y - layout.min.y + 2) * camera.scale) / 2 };
+  const seen = Math.abs(at.x - camera.x) < half.x * 0.85 && Math.abs(at.y - camera.y) < half.y * 0.85;
+  return seen ? camera : { ...camera, x: at.x, y: at.y };
 }
 
 export function HallDrawing(props: {
@@ -34,12 +55,25 @@ export function HallDrawing(props: {
     const size = svg.current?.getBoundingClientRect();
     return size ? Math.max(box.width / size.width, box.height / size.height) : 0.05;
   };
+  const [pane, setPane] = useState({ width: 0, height: 0 });
+  useLayoutEffect(() => {
+    const element = svg.current;
+    if (!element) return;
+    const measure = () => setPane({ width: element.clientWidth, height: element.clientHeight });
+    measure();
+    const observer = new ResizeObserver(measure);
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, []);
+  const whole = pane.width > 0 && pane.height > 0 ? Math.max(width / pane.width, height / pane.height) : 0.04;
+  const scale = Math.round(now.scale * 100) / 100; // names are placed anew in small steps
+  const letters = useMemo(() => lettersAt(whole * scale, whole), [whole, scale]);
   const size = Math.max(0.32, 0.62 * Math.sqrt(now.scale)); // of a robot: seen from far, and not huge near by
   const people = placePeople(props.people, layout);
-  const names = useMemo(() => namesOf(layout), [layout]);
+  const names = useMemo(() => namesOf(layout, letters), [layout, letters]);
   const labels = placeLabels(names, [
-    ...props.robots.filter((r) => r.hasPose).slice(0, labelsPlaced).map((r) => ({ key: r.robot, x: r.xM, y: -r.yM, radius: size, text: r.label, size: robotText })),
-    ...people.slice(0, labelsPlaced).map(({ person, at }) => ({ key: person.iri, x: at.x, y: -at.y, radius: size * 0.42, text: person.name, size: personText })),
+    ...props.robots.filter((r) => r.hasPose).slice(0, labelsPlaced).map((r) => ({ key: r.robot, x: r.xM, y: -r.yM, radius: size, text: r.label, size: letters.robot })),
+    ...people.slice(0, labelsPlaced).map(({ person, at }) => ({ key: person.iri, x: at.x, y: -at.y, radius: size * 0.42, text: person.name, size: letters.person })),
   ]);
   return (
     <svg
@@ -71,14 +105,15 @@ export function HallDrawing(props: {
       }}
     >
       <Shapes layout={layout} picked={props.picked} onPick={stablePick} />
+      <Names layout={layout} letters={letters} />
       {[...props.trails].map(([iri, trail]) => <polyline key={iri} className="hall-trail" points={trail.map((p) => `${p.x},${-p.y}`).join(" ")} />)}
       {props.robots.filter((r) => r.hasPose).map((r) => <WayMark key={r.robot} way={props.ways.get(r.robot)} at={{ x: r.xM, y: r.yM }} />)}
       {props.tour && <polyline className="hall-tourline" points={props.tour.map((p) => `${p.x},${-p.y + 1.25}`).join(" ")} />}
-      {props.tour?.map((p, i) => <g key={i} className="hall-tourstop" transform={`translate(${p.x} ${-p.y + 1.25})`}><circle r={0.52} /><text y={0.2} fontSize={0.56}>{i + 1}</text></g>)}
+      {props.tour?.map((p, i) => <g key={i} className="hall-tourstop" transform={`translate(${p.x} ${-p.y + 1.25})`}><circle r={letters.stop * 0.93} /><text y={letters.stop * 0.36} fontSize={letters.stop}>{i + 1}</text></g>)}
       {people.map(({ person, at }) => (
         <g key={person.iri} className={`hall-person${props.picked === person.iri ? " picked" : ""}`} data-iri={person.iri} transform={`translate(${at.x} ${-at.y})`}>
           <circle r={size * 0.42} />
-          <text {...labels.get(person.iri)} fontSize={personText}>{person.name}</text>
+          <text {...labels.get(person.iri)} fontSize={letters.person} style={{ strokeWidth: letters.person * outline }}>{person.name}</text>
         </g>
       ))}
       {props.robots.filter((r) => r.hasPose).map((r) => (
@@ -89,7 +124,7 @@ export function HallDrawing(props: {
             <circle className="hall-body" r={size} />
             <path className="hall-nose" d={`M${size * 0.15},${-size * 0.5} L${size * 0.72},0 L${size * 0.15},${size * 0.5}`} />
           </g>
-          <text {...labels.get(r.robot)} fontSize={robotText}>{r.label}</text>
+          <text {...labels.get(r.robot)} fontSize={letters.robot} style={{ strokeWidth: letters.robot * outline }}>{r.label}</text>
         </g>
       ))}
     </svg>
@@ -113,10 +148,13 @@ const Shapes = memo(function Shapes({ layout, picked, onPick }: { layout: Layout
   return (
     <g>
       {layout.shapes.map((shape) => <ShapeMark key={shape.iri} shape={shape} picked={picked === shape.iri} onPick={onPick} />)}
-      {layout.shapes.filter(isNamed).map((s) => <ShapeLabel key={s.iri} shape={s} />)}
     </g>
   );
 }, (a, b) => a.layout === b.layout && a.picked === b.picked);
+
+const Names = memo(function Names({ layout, letters }: { layout: Layout; letters: Letters }) {
+  return <g>{layout.shapes.filter(isNamed).map((s) => <ShapeLabel key={s.iri} shape={s} letters={letters} />)}</g>;
+});
 
 function ShapeMark({ shape, picked, onPick }: { shape: Shape; picked: boolean; onPick: (iri: string) => void }) {
   const [first] = shape.rings;
@@ -129,30 +167,36 @@ function ShapeMark({ shape, picked, onPick }: { shape: Shape; picked: boolean; o
   return <path {...common} d={shape.rings.map((ring) => `M${ring.map((p) => `${p.x},${-p.y}`).join("L")}Z`).join("")} />;
 }
 
-function linesOf(shape: Shape): { name: { y: number; size: number }; lines: { text: string; y: number }[] } {
-  const xs = shape.rings[0]?.map((p) => p.x) ?? [0];
-  const wide = Math.max(...xs) - Math.min(...xs);
-  const lines = shape.kind === "booth" && shape.detail && wide > 3 ? wrap(shape.detail, Math.floor(wide / 0.31)) : [];
-  return { name: { y: -shape.label.y - (lines.length > 0 ? 0.15 : -0.2), size: shape.kind === "booth" ? 0.74 : 0.56 }, lines: lines.map((text, i) => ({ text, y: -shape.label.y + 0.55 + i * 0.6 })) };
+// A name that has no room in its place is left out until it is nearer; a booth's number always stands.
+export function linesOf(shape: Shape, letters: Letters): { name: { text: string; y: number; size: number }; lines: { text: string; y: number }[] } {
+  const [xs, ys] = [shape.rings[0]?.map((p) => p.x) ?? [0], shape.rings[0]?.map((p) => p.y) ?? [0]];
+  const [wide, high] = [Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)];
+  const size = shape.kind === "booth" ? letters.booth : letters.region;
+  const room = Math.floor(wide / (letters.detail * letterWidth));
+  const wanted = shape.kind === "booth" && shape.detail ? wrap(shape.detail, room) : [];
+  const lines = wanted.every((line) => line.length <= room) && size * 1.3 + wanted.length * letters.detail * 1.2 < high ? wanted : [];
+  const fits = shape.kind === "booth" || Math.max(wide, high) >= shape.name.length * size * letterWidth * 0.8;
+  const top = -shape.label.y + (lines.length > 0 ? -size * 0.2 : size * 0.3);
+  return { name: { text: fits ? shape.name : "", y: top, size }, lines: lines.map((text, i) => ({ text, y: top + letters.detail * (1.25 + i * 1.2) })) };
 }
+const letterWidth = 0.56; // of their size
 const isNamed = (shape: Shape) => shape.kind === "booth" || shape.kind === "region";
 
 // What the names of places cover.
-function namesOf(layout: Layout): Box[] {
+function namesOf(layout: Layout, letters: Letters): Box[] {
   return layout.shapes.filter(isNamed).flatMap((shape) => {
-    const { name, lines } = linesOf(shape);
-    return [textBox(shape.label.x, name.y, shape.name, name.size), ...lines.map((line) => textBox(shape.label.x, line.y, line.text, detailText))];
+    const { name, lines } = linesOf(shape, letters);
+    return [textBox(shape.label.x, name.y, name.text, name.size), ...lines.map((line) => textBox(shape.label.x, line.y, line.text, letters.detail))];
   });
 }
-const detailText = 0.5;
 
-function ShapeLabel({ shape }: { shape: Shape }) {
+function ShapeLabel({ shape, letters }: { shape: Shape; letters: Letters }) {
   if (!shape.rings[0]) return null;
-  const { name, lines } = linesOf(shape);
+  const { name, lines } = linesOf(shape, letters);
   return (
     <g className={`shape-label ${shape.kind}`} aria-hidden>
-      <text x={shape.label.x} y={name.y} fontSize={name.size}>{shape.name}</text>
-      {lines.map((line) => <text key={line.y} className="shape-detail" x={shape.label.x} y={line.y} fontSize={detailText}>{line.text}</text>)}
+      <text x={shape.label.x} y={name.y} fontSize={name.size}>{name.text}</text>
+      {lines.map((line) => <text key={line.y} className="shape-detail" x={shape.label.x} y={line.y} fontSize={letters.detail}>{line.text}</text>)}
     </g>
   );
 }

@@ -4,7 +4,7 @@ import { query, type Row } from "../api/sparql";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import { runOf } from "./past_runs";
-import { clock, runWords, StateTag } from "./states";
+import { runWords, StateTag, Time } from "./states";
 
 const shown = 6;
 export function latelyQuery(iri: string): string {
@@ -29,7 +29,7 @@ export function Lately({ iri }: { iri: string }) {
   return (
     <>
       <h3>Lately</h3>
-      <ul className="lately">{runs.data.map((r) => <li key={r.run}><Link href={paths.run(r.run)} className="run-id cut grow">{runWords(r.run)}</Link><StateTag state={r.state} /><span className="faint small number">{clock(r.beganUs)}</span></li>)}</ul>
+      <ul className="lately">{runs.data.map((r) => <li key={r.run}><Link href={paths.run(r.run)} className="run-id cut grow">{runWords(r.run)}</Link><StateTag state={r.state} /><Time us={r.beganUs} className="faint small number" /></li>)}</ul>
     </>
   );
 }

@@ -22,7 +22,7 @@ import { RunActions, SettleButtons } from "./run_actions";
 import { useRuns, useTicks, whereWords } from "./runs";
 import { LostBar, useOfflineRobots } from "./offline";
 import { lostOf, progressOf, stateOf } from "./runs_within";
-import { clock, duration, isLive, nowUs, runWords, StateTag, timeTitle } from "./states";
+import { clock, duration, isLive, nowUs, runWords, StateTag, Time, timeTitle } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
 import { RunTest } from "./run_test";
@@ -55,12 +55,12 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
     );
   return (
     <main className="editor">
-      <header className="head">
+      <header className="head run-head">
         <Link href={paths.runs()} className="faint crumb">Runs</Link><ChevronRight size={13} className="faint crumb" />
         <Link href={run.parent ? paths.run(run.parent) : paths.runs()} className="button plain icon narrow-only" aria-label={run.parent ? `Back to ${runWords(run.parent)}` : "Back to all runs"}><ArrowLeft size={16} /></Link>
         <h1 className="cut">{runWords(run.id)}</h1>
         <StateTag state={stateOf(run, all)} />
-        <span className="faint small cut number">{clock(run.startedUs)} · {duration(run.startedUs, run.endedUs || nowUs())}</span>
+        <span className="faint small cut number run-time"><Time us={run.startedUs} /> · {duration(run.startedUs, run.endedUs || nowUs())}</span>
         <span className="grow" />
         {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
         <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
@@ -144,13 +144,13 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
         <StateTag state={node.state} />
         <NodeTime run={run.id} node={node} />
       </div>
-      {node.reason && <p className="notice bad"><CircleAlert size={14} />{node.reason}</p>}
+      {node.reason && node.reason !== run.reason && <p className="notice bad"><CircleAlert size={14} />{node.reason}</p>}
       <SettleButtons run={run.id} node={node} again={again} />
       {node.invocations.map((i, k) => (
         <div key={k} className="invocation">
           <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
           {i.state === "running" && <Progress part={progressOf(run, i, runs)} label={i.operation} />}
-          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && ` ${i.reason}`]}</p>
+          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && i.reason !== node.reason && ` ${i.reason}`]}</p>
           {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{runWords(a.heldBy)}</Link></>}</p>)}
         </div>
       ))}

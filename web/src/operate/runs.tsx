@@ -14,7 +14,7 @@ import { words } from "../cawl/names";
 import { askRuns } from "./past_runs";
 import { LostTag, useOfflineRobots } from "./offline";
 import { lostOf, stateOf } from "./runs_within";
-import { clock, duration, isLive, nowUs, runWords, StateTag } from "./states";
+import { duration, isLive, nowUs, runWords, StateTag, Time } from "./states";
 import "./runs.css";
 
 const filters = [["", "All"], ["live", "Live"], ["waiting", "Waiting"], ["incident", "Needs you"], ["done", "Done"], ["failed", "Failed"], ["cancelled", "Cancelled"]] as const;
@@ -74,7 +74,7 @@ export default function Runs(props: { state: string; workflow: string }) {
                   <td><span className="run-states"><StateTag state={stateOf(run, all)} /><LostTag lost={lostOf(run, offline)} /></span></td>
                   <td className="run-where">{whereWords(run)}</td>
                   <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ")}</td>
-                  <td className="number faint">{clock(run.startedUs)}</td>
+                  <td className="number faint"><Time us={run.startedUs} /></td>
                   <td className="number faint right">{duration(run.startedUs, run.endedUs || nowUs())}</td>
                 </tr>
               ))}

@@ -52,17 +52,6 @@ export function duration(fromUs: bigint, toUs: bigint): string {
   if (s < 3600) return `${Math.floor(s / 60)} min ${Math.round(s % 60)} s`;
   return `${Math.floor(s / 3600)} h ${Math.round((s % 3600) / 60)} min`;
 }
-export function clock(us: bigint): string {
-  const at = new Date(Number(us) / 1000);
-  const today = at.toDateString() === new Date().toDateString();
-  return at.toLocaleString([], { ...(!today && { day: "numeric", month: "short" }), hour: "2-digit", minute: "2-digit", second: "2-digit" });
-}
-// The whole of it, with the zone: "26 November 2026 at 18:20:03 GMT+1".
-export function timeTitle(us: bigint): string {
-  return new Date(Number(us) / 1000).toLocaleString([], { day: "numeric", month: "long", year: "numeric", hour: "2-digit", minute: "2-digit", second: "2-digit", timeZoneName: "short" });
-}
-export function Time({ us, className = "" }: { us: bigint; className?: string }) {
-  return <time className={className} dateTime={new Date(Number(us) / 1000).toISOString()} title={timeTitle(us)}>{clock(us)}</time>;
-}
+export { clock, Time, timeTitle } from "../api/times";
 // The time that is shown: of the past where that is shown.
 export const nowUs = () => BigInt(shownNow()) * 1000n;

@@ -59,7 +59,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
     <Dialog label={props.title} width={600} onClose={props.onClose}>
       <div className="sheet-head"><h2 className="grow">{props.title}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
-        <p className="quiet">{props.patterns.length > 0 ? <>What is missing: {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Who or what, what is so of it, and the value. Put a text in quotes."}</p>
+        <p className="quiet">{props.patterns.length > 0 ? <>What is missing: {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Who or what, which property of it, and the value. Put a text in quotes."}</p>
         {rows.map((row, i) => <FactFields key={i} row={row} names={names} onChange={(changed) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? changed : r))))} />)}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         {effect && (

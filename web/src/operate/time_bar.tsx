@@ -8,7 +8,7 @@ import { serverNow, showTime, usePast } from "../api/past";
 import { announce } from "../ui/toasts";
 import { nextMark, spans, useMarks, usualSpan } from "./marks";
 import { useTicks } from "./runs";
-import { clock, duration } from "./states";
+import { clock, duration, timeTitle } from "./states";
 import "./time_bar.css";
 
 const speeds = [1, 4, 16] as const;
@@ -89,7 +89,7 @@ export default function TimeBar({ run }: { run: string }) {
           }}
         />
       </div>
-      <span className="time-words number" role="status">{at === null ? "" : words}{there.error ? <span className="cut" title={there.error.detail}><CircleAlert size={12} /> {there.error.detail}</span> : here && <span className="faint cut">{here.words}</span>}</span>
+      <span className="time-words number" role="status" title={at === null ? undefined : timeTitle(micros(at))}>{at === null ? "" : words}{there.error ? <span className="cut" title={there.error.detail}><CircleAlert size={12} /> {there.error.detail}</span> : here && <span className="faint cut">{here.words}</span>}</span>
       <select className="field small time-speed wide-only" aria-label="Speed of playing" value={speed} onChange={(e) => setSpeed(Number(e.target.value))}>{speeds.map((s) => <option key={s} value={s}>{s}×</option>)}</select>
       {!run && <select className="field small time-span wide-only" aria-label="How far back" value={span} onChange={(e) => (setSpan(Number(e.target.value)), setFrozen(null))}>{spans.map((s) => <option key={s.ms} value={s.ms}>{s.words}</option>)}</select>}
       <button className={`button small time-live${at === null ? " on" : ""}`} aria-pressed={at === null} title="Back to live (L)" onClick={() => go(null)}><Radio size={13} />Live</button>

@@ -7,7 +7,7 @@ import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
 import { showTime, usePast } from "../api/past";
-import { clock, look } from "./states";
+import { clock, look, timeTitle } from "./states";
 import { eventsInWords } from "./timeline_words";
 
 const kept = 2000;
@@ -83,7 +83,7 @@ export function Timeline({ run, names, picked, onPick }: { run: string; names: N
               <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "The run"}</button> <span className="faint">{line?.words}</span></div>
               {line?.detail && <div className="timeline-detail">{line.detail}</div>}
             </div>
-            <button className="timeline-time faint number small" title="Show this time" onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}>{clock(e.timeUs)}</button>
+            <button className="timeline-time faint number small" title={`Show this time: ${timeTitle(e.timeUs)}`} onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}>{clock(e.timeUs)}</button>
           </li>
         );
       })}

@@ -40,7 +40,7 @@ function eventInWords(event: RunEvent, names: Pick<Names, "name">, operations: M
     case "node":
       if (event.to === "waiting" && plain.startsWith("after ")) return { words: "waits for its situation", detail: plain };
       if (event.to === "running" && event.from === "running") return { words: plain, detail: "" };
-      if (event.to === "running") return { words: "opens", detail: plain.replace(/^condition (.*?) holds/, "$1 is so") };
+      if (event.to === "running") return { words: "opens", detail: plain.replace(/^condition (.*?) holds/, "$1 holds") };
       return { words: state, detail: plain === "all its invocations are done" ? "" : plain };
     case "invocation": {
       const [, id = "", part = "", rest = ""] = /^(\S+\/\d+)(?: (\d+\/\d+) ?)?:?\s*([\s\S]*)$/.exec(plain) ?? [];

@@ -1,4 +1,5 @@
 // How far a visitor's run is, and why it waits, as words to be said. Pure functions of what the server tells.
+import { clockMinutes } from "../api/times";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import type { Run, Wait } from "../gen/docent/v1/workflows_pb";
 import type { Word } from "./words";
@@ -139,7 +140,7 @@ function whyNot(r: RobotStatus, run?: Run): Reason[] {
   return [];
 }
 export function clockOf(us: bigint): string {
-  return new Date(Number(us) / 1000).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+  return clockMinutes(us);
 }
 
 function unique(reasons: Reason[]): Reason[] {

@@ -3,6 +3,7 @@ import { Languages, MapPin, Unplug } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { useConnection, serverAnswered, serverSilent } from "../api/connection";
 import { live } from "../api/live";
+import { clockMinutes } from "../api/times";
 import { kept } from "../api/storage";
 import { choose, useChoice } from "./address";
 import { Choosing } from "./choosing";
@@ -95,7 +96,7 @@ function Away() {
     };
   }, []);
   if (connection.state !== "away") return null;
-  return <p className="visit-away" role="status"><Unplug size={16} aria-hidden />{say("away", { time: new Date(connection.since).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}</p>;
+  return <p className="visit-away" role="status"><Unplug size={16} aria-hidden />{say("away", { time: clockMinutes(BigInt(connection.since) * 1000n) })}</p>;
 }
 
 function readLanguage(): string {

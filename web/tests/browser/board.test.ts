@@ -19,7 +19,7 @@ describe.skipIf(why !== "")("the board", () => {
 
   it("has a row for what several runs lack; what is told there moves them on, and a pause stands there", async () => {
     const page = await stage.page("/board");
-    const lacks = page.locator(".board-group", { hasText: "docent:status docent:Standby" });
+    const lacks = page.locator(".board-group", { hasText: "status Standby" });
     await lacks.locator("li").nth(2).waitFor();
     expect(await lacks.locator(".board-count").innerText()).toBe("3");
     await stage.picture(page, "board");

@@ -84,5 +84,26 @@ describe.skipIf(why !== "")("the hall", () => {
     await stage.picture(page, "tell-fact");
     expect(await seriousFindings(page)).toEqual([]);
   });
+  it("what is chosen in the list comes into view; names are as large however near the hall is, and can be read on a phone", async () => {
+    for (const options of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
+      page = await stage.page("/hall", options);
+      const robot = page.locator(".hall-robot");
+      await robot.waitFor();
+      const name = page.locator(".shape-label.booth text").first();
+      const far = await name.evaluate((text) => text.getBoundingClientRect().height);
+      expect(far).toBeGreaterThan(12);
+      expect(await page.getByRole("heading", { level: 1 }).innerText()).toBe("Hall");
+      await stage.picture(page, `hall-names-${options.width}`);
+      for (let i = 0; i < 7; i++) await page.getByRole("button", { name: "Nearer" }).click();
+      await expect.poll(() => name.evaluate((text) => text.getBoundingClientRect().height)).toBeCloseTo(far, -1);
+      await stage.picture(page, `hall-near-${options.width}`);
+      await page.locator(".hall-row", { hasText: "R01" }).click();
+      const map = (await page.locator(".hall-svg").boundingBox())!;
+      await expect.poll(async () => {
+        const box = (await robot.locator(".hall-body").boundingBox())!;
+        return box.x > map.x && box.y > map.y && box.x + box.width < map.x + map.width && box.y + box.height < map.y + map.height;
+      }).toBe(true);
+    }
+  });
   it("no page has thrown", () => stage.noFaults());
 });

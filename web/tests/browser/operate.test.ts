@@ -125,6 +125,29 @@ describe("operating", () => {
     await page.reload();
     await page.locator(".run-section .small.number", { hasText: /^at .*:31.*, took 4\.0 s$/ }).waitFor();
   });
+  it("a phone that is turned shows the flow; the menu can be passed over and reached whole", async () => {
+    const page = await open("/runs/BoothGuide-1", { width: 844, height: 390 });
+    await page.waitForSelector('.react-flow__node[data-id="Move2Booth"]');
+    const box = (await page.getByRole("button", { name: "Dark colours" }).boundingBox())!;
+    expect(box.y + box.height).toBeLessThanOrEqual(390);
+    const seen = () => page.evaluate(() => {
+      const pane = document.querySelector(".react-flow")!.getBoundingClientRect();
+      return [...document.querySelectorAll(".react-flow__node")].filter((n) => ((b) => b.left >= pane.left && b.right <= pane.right && b.top >= pane.top && b.bottom <= pane.bottom)(n.getBoundingClientRect())).length;
+    });
+    for (const size of [{ width: 390, height: 844 }, { width: 844, height: 390 }]) {
+      await page.setViewportSize(size);
+      await expect.poll(seen).toBeGreaterThan(0);
+      await stage.picture(page, `run-turned-${size.width}`);
+    }
+    await page.goto(`${stage.url}/runs`);
+    await page.getByRole("heading", { name: "Runs" }).waitFor();
+    await page.keyboard.press("Tab");
+    expect(await page.evaluate(() => document.activeElement?.textContent)).toBe("Skip the menu");
+    await page.keyboard.press("Enter");
+    expect(await page.evaluate(() => document.activeElement?.id)).toBe("view");
+    await page.setViewportSize({ width: 390, height: 844 });
+    await stage.picture(page, "runs-phone");
+  });
   it("an incident is settled", async () => {
     const page = await open("/runs/BoothGuide-3");
     await page.getByRole("button", { name: "Count as done" }).click();

@@ -35,7 +35,7 @@ describe.skipIf(why !== "")("the time bar", () => {
     await backTo("Move2User of BoothGuide-1 is done");
     await chip("Move2Booth", "waiting").waitFor();
     await chip("InfoBooth", "inactive").waitFor();
-    await page.locator(".lack", { hasText: "docent:selected" }).waitFor();
+    await page.locator(".lack", { hasText: "selected" }).waitFor();
     expect(await page.getByRole("button", { name: "Cancel" }).count()).toBe(0); // the past can't be changed
     await page.waitForFunction(() => /[?&]t=2/.test(location.search));
     await stage.picture(page, "time-run");
@@ -43,7 +43,7 @@ describe.skipIf(why !== "")("the time bar", () => {
   it("what was waited for then is on the board, where nothing can be changed", async () => {
     await page.getByRole("link", { name: "Waiting" }).click();
     await page.waitForFunction(() => location.pathname === "/board" && /[?&]t=2/.test(location.search));
-    await page.locator(".board-group", { hasText: "docent:selected" }).waitFor();
+    await page.locator(".board-group", { hasText: "selected" }).waitFor();
     expect(await page.getByRole("button", { name: "Simulate or tell" }).count()).toBe(0);
     expect(await page.getByRole("button", { name: "Cancel" }).count()).toBe(0);
     await stage.picture(page, "time-board");

@@ -22,7 +22,7 @@ describe("the history of a run", () => {
       { kind: "invocation", node: "Greet", from: "pending", to: "running", detail: `Hello-1/Greet/0: moveToUser on <${expo}R01>` },
       { kind: "command", node: "Greet", to: "sent", detail: `Hello-1/Greet/0/0.1/1/1@17 to <${expo}R01>: moveToUser(user=<${expo}John>), guard as of 19, deadline 17 us` },
     )).toEqual([
-      "began by itself: John is at Entrance, John is a Visitor", "opens: Free is so with robot = R01", "Move to user begins: on R01", "R01 gets the command: moveToUser(user=John)",
+      "began by itself: John is at Entrance, John is a Visitor", "opens: Free holds with robot = R01", "Move to user begins: on R01", "R01 gets the command: moveToUser(user=John)",
     ]);
   });
   it("says once that an operation of one step is done", () => {
