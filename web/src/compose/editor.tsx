@@ -83,8 +83,8 @@ function useSession(name: string, begun: Pick<EditorProps, "text" | "live" | "ba
 function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const { session, sync, name } = props;
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
-  const { live, deployed } = useLiveVersion(name, sync);
   const document = session.shown;
+  const { live, deployed } = useLiveVersion(document.name || name, sync); // a text that was renamed takes the place of what has its new name
   const shown = useMemo(() => shownFlow(session.shown, session.good, props.flow), [session, version, props.flow]);
   const flowKey = shown?.flow.key ?? "";
   const [steps, setSteps] = useState<ReadonlySet<string>>(() => new Set(props.step ? [props.step] : []));

@@ -7,7 +7,8 @@ import { words } from "../cawl/names";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { RunActions, SettleButtons } from "../operate/run_actions";
 import { useRuns, useTicks, whereWords } from "../operate/runs";
-import { stateOf } from "../operate/runs_within";
+import { LostTag, useOfflineRobots } from "../operate/offline";
+import { lostOf, stateOf } from "../operate/runs_within";
 import { duration, isLive, nowUs, StateTag } from "../operate/states";
 
 const shownUs = 5n * 60_000_000n; // how long what has ended stands here
@@ -15,6 +16,7 @@ const shownAtOnce = 40;
 
 export function RunningNow() {
   const runs = useRuns();
+  const offline = useOfflineRobots();
   useTicks(1000);
   const roots = (runs.data?.runs ?? []).filter((r) => !r.parent);
   const live = roots.filter((r) => isLive(r.state));
@@ -27,6 +29,7 @@ export function RunningNow() {
           <span className="desk-run">
             <span><Link href={paths.run(run.id)} className="run-id">{words(run.workflow.replace(/^service /, ""))}</Link> <span className="faint small">{valuesOf(run)}</span></span>
             <span className="quiet small cut">{whereWords(run)}</span>
+            <LostTag lost={lostOf(run, offline)} />
             {run.nodes.filter((n) => n.state === "incident").map((n) => <SettleButtons key={n.name} run={run.id} node={n} again={runs.again} />)}
           </span>
           <span className="faint small cut desk-robot">{robotsOf(run)}</span>

@@ -175,7 +175,7 @@ export function linesOf(shape: Shape, letters: Letters): { name: { text: string;
   const room = Math.floor(wide / (letters.detail * letterWidth));
   const wanted = shape.kind === "booth" && shape.detail ? wrap(shape.detail, room) : [];
   const lines = wanted.every((line) => line.length <= room) && size * 1.3 + wanted.length * letters.detail * 1.2 < high ? wanted : [];
-  const fits = shape.kind === "booth" || Math.max(wide, high) >= shape.name.length * size * letterWidth * 0.8;
+  const fits = shape.kind === "booth" || wide >= shape.name.length * size * letterWidth * 0.8;
   const top = -shape.label.y + (lines.length > 0 ? -size * 0.2 : size * 0.3);
   return { name: { text: fits ? shape.name : "", y: top, size }, lines: lines.map((text, i) => ({ text, y: top + letters.detail * (1.25 + i * 1.2) })) };
 }

@@ -19,9 +19,9 @@ export function useOfflineRobots(): readonly RobotStatus[] {
 }
 
 export function LostTag({ lost }: { lost: readonly Lost[] }) {
-  return lost.map((r) => <span key={r.robot} className="tag wait" title="Nothing moves until it is back"><Unplug size={12} />{r.label || nameOf(r.robot)} offline{sinceWords(r)}</span>);
+  return lost.map((r) => <span key={r.robot} className="tag wait" title="Nothing more is heard of its step until it is back"><Unplug size={12} />{r.label || nameOf(r.robot)} offline{sinceWords(r)}</span>);
 }
 export function LostBar({ lost }: { lost: readonly Lost[] }) {
   if (lost.length === 0) return null;
-  return <div className="stale" role="status"><Unplug size={14} />{lost.map((r) => `${r.label || nameOf(r.robot)} is offline${sinceWords(r)}`).join("; ")}. What it does in this run goes on when it is back.</div>;
+  return <div className="stale" role="status"><Unplug size={14} />{lost.map((r) => `${r.label || nameOf(r.robot)} ${r.lastSeenUs > 0n ? "has been" : "is"} offline${sinceWords(r)}`).join("; ")}. Nothing more is heard of its step until it is back.</div>;
 }

@@ -113,7 +113,7 @@ describe("operating", () => {
     expect(await page.locator(".tag", { hasText: "offline" }).count()).toBe(1);
     await stage.picture(page, "runs-offline");
     await page.locator("tbody tr", { hasText: "BoothGuide-1" }).click();
-    await page.locator(".stale", { hasText: /R01 is offline since/ }).waitFor();
+    await page.locator(".stale", { hasText: /R01 has been offline since/ }).waitFor();
     await stage.picture(page, "run-offline");
     await page.goto(`${stage.url}/hall`);
     await page.locator(".hall-row", { hasText: /not seen since .*; it had begun: move to booth/ }).waitFor();
