@@ -110,3 +110,18 @@ it("a step that undo took away is no longer selected, also when it comes back", 
   expect(await page.locator(`${step("Wave")}.selected`).count()).toBe(0);
   expect(stage.faults.splice(0)).toEqual([]);
 });
+
+it("a refused name does not stay in its field; the keys are listed also where no step has a use for them", async () => {
+  const page = await stage.page("/compose/BoothGuide");
+  await page.locator(step("InfoBooth")).click();
+  const name = page.locator('.properties-head input[aria-label="Name"]');
+  await name.fill("Move2User");
+  await page.keyboard.press("Enter");
+  await page.locator(".toast.bad", { hasText: "There is a step Move2User already" }).waitFor();
+  await expect.poll(() => name.inputValue()).toBe("InfoBooth");
+  await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
+  await page.keyboard.press("?");
+  const keys = page.locator(".keys-list");
+  for (const words of ["Open the flow that the step runs", "Back to the flow that it was opened from", "Set or remove a breakpoint"]) await keys.getByText(words).waitFor();
+  expect(stage.faults.splice(0)).toEqual([]);
+});
