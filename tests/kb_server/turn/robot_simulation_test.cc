@@ -392,6 +392,8 @@ class Simulation {
       const bool writes = t.cause.starts_with("told ") || t.cause.starts_with("withdrew ");
       const bool ends = !absl::StrContains(t.subject, '/') && t.from == "running" && t.to != "running";
       if (writes || ends) writers_.back().insert(t.subject);
+      if (t.from == "waiting") wrote_.erase(t.subject);
+      if (writes) wrote_.insert(t.subject);
     }
     std::array<bool, test::kSimulatedWords> wanted{};
     for (int word = 0; word < test::kSimulatedWords; ++word)
@@ -502,10 +504,11 @@ class Simulation {
         << command.operation << " is not of class " << of_class;
   }
 
-  // What was written in the turn may have made it fall right after it was asked; also by the node itself, whose own writing does
-  // not close its guard.
+  // What was written in the turn may have made it fall right after it was asked. What the node itself writes when it opens does not
+  // close its guard.
   void CheckGuard(const RobotCommand& command, const IdParts& id) {
     if (!writers_.at(command.guard_revision.value()).empty()) return;
+    if (wrote_.contains(absl::StrCat(id.run, "/", id.node))) return;
     const std::string place = absl::StrCat(id.flow(), "/", id.node);
     if (const auto word = documents_.words.find(place); word != documents_.words.end()) {
       const uint64_t at = command.guard_revision.value();
@@ -669,6 +672,7 @@ class Simulation {
   TimeMicros now_us_ = 1'700'000'000'000'000;
   std::vector<log::TurnRecord> log_;
   std::vector<std::array<bool, test::kSimulatedWords>> wanted_;  // by revision
+  std::set<std::string> wrote_;                                  // RUN/NODE: since it opened
   std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
   test::FiringModel firings_;
