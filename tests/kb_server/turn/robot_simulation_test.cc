@@ -366,12 +366,19 @@ class Simulation {
     Remember(*graph, result->record.transitions);
     reservations_ = ReadReservations(dictionary_, *version_);
     for (const Notification& notification : result->notifications) postman_.Send(notification, now_us_);
+    // Runs whose reservations changed in the turn: what was reserved for them when a command was decided is not seen after it.
+    std::set<std::string> reserving;
+    for (const Transition& t : result->record.transitions) {
+      if (t.cause.starts_with("reserved "))
+        reserving.insert(RootOf(*graph, t.subject.substr(0, t.subject.find('/'))));
+    }
     for (const RobotCommand& command : result->record.commands) {
       // one that is cancelled in the turn that decided it is ended before the robot begins it
       const bool stays =
           std::find(result->cancels.begin(), result->cancels.end(), command.id) == result->cancels.end();
       CheckCommand(*graph, command, stays);
-      CheckReserved(command, RootOf(*graph, IdParts(command.id).run), reserved_before, held_before);
+      const std::string root = RootOf(*graph, IdParts(command.id).run);
+      if (!reserving.contains(root)) CheckReserved(command, root, reserved_before, held_before);
       under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run),
                                 RunAndParents(*graph, IdParts(command.id).run)};
     }
