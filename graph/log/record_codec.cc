@@ -117,6 +117,7 @@ class TermTable {
 
 void EncodeBatch(const WriteBatch& batch, TermTable* terms, record::Batch* out) {
   out->set_request_id(batch.request_id);
+  out->set_request_digest(batch.request_digest);
   out->set_source(batch.source);
   out->set_mode(static_cast<uint32_t>(batch.mode));
   out->set_time_us(batch.time_us);
@@ -286,6 +287,7 @@ class Decoder {
 
   void DecodeBatch(const record::Batch& in, WriteBatch* batch) {
     batch->request_id = in.request_id();
+    batch->request_digest = in.request_digest();
     batch->source = in.source();
     batch->mode = EnumOf(in.mode(), WriteBatch::Mode::kLoad, "batch mode");
     batch->time_us = in.time_us();

@@ -116,6 +116,9 @@ struct WriteBatch {
 
   // Chosen by the client. A repeat gets the first answer and is not applied again.
   std::string request_id;
+  // Fingerprint of what the client asked for, its kind included: the same id with another one is no repeat. 0: not known,
+  // as of records that older versions wrote.
+  uint64_t request_digest = 0;
   std::string source;  // IRI of the sender: the graph of quads without a graph. Empty: docent:default
   Mode mode = Mode::kAssert;
   TimeMicros time_us = 0;    // set by the inbox, never decreases

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/request_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -26,6 +27,7 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
         UpdateRequest update;
         update.update = std::move(parsed.update);
         update.request_id = request->request_id();
+        update.request_digest = RequestDigest("update", {request->update()});
         update.min_revision = Revision(request->min_revision());
         update.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
         update.timeout = absl::Milliseconds(timeout_ms);

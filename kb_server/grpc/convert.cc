@@ -10,6 +10,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term_check.h"
 #include "graph/store/server_graphs.h"
+#include "graph/wire/message_bytes.h"
 #include "kb_server/robots/measures.h"
 
 namespace docent::server {
@@ -87,6 +88,11 @@ absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what
   return out;
 }
 
+uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message& request) {
+  if (request_id.empty()) return 0;
+  return RequestDigest(request.GetDescriptor()->name(), {StableBytes(request)});
+}
+
 absl::Status CheckBase(const std::string& base_iri) {
   if (base_iri.empty() || IsAbsoluteIri(base_iri)) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat("base_iri: \"", base_iri, "\" is not an absolute IRI"));
@@ -94,9 +100,7 @@ absl::Status CheckBase(const std::string& base_iri) {
 
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
                                      Cancellation* cancellation) {
-  if (request.request_id().size() > 256) {
-    return absl::InvalidArgumentError("request_id is longer than 256 bytes");
-  }
+  if (absl::Status id = CheckRequestId(request.request_id()); !id.ok()) return id;
   if (!request.source().empty() && !IsAbsoluteIri(request.source())) {
     return absl::InvalidArgumentError(
         absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
@@ -112,6 +116,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   }
   WriteBatch batch;
   batch.request_id = request.request_id();
+  batch.request_digest = DigestOf(request.request_id(), request);
   batch.source = request.source();
   batch.mode =
       request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;

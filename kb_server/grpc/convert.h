@@ -19,6 +19,7 @@
 #include "graph/store/write_batch.h"
 #include "graph/wire/term_proto.h"
 #include "kb_server/door/inbox.h"
+#include "kb_server/door/request_memory.h"
 
 namespace docent::server {
 
@@ -34,6 +35,8 @@ void ToProto(const BatchOutcome& outcome, v1::AssertReply* out);
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
 // As above; an unset graph gives a term with an empty IRI.
 absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
+// Of the whole message, for WriteBatch::request_digest; 0 where it has no request_id.
+uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message& request);
 // INVALID_ARGUMENT where the base of a text is given and no absolute IRI.
 absl::Status CheckBase(const std::string& base_iri);
 

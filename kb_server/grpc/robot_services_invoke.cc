@@ -256,6 +256,7 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   invoke.kind = RunRequest::Kind::kInvokeService;
   invoke.target = request->name();
   auto arguments = FromProto(request->arguments(), "arguments", ports_.limits);
+  batch.request_digest = DigestOf(request->request_id(), *request);
   std::vector<std::pair<std::string, Term>> given;
   if (arguments.ok()) given = *arguments;
   if (arguments.ok() && !request->robot().empty()) {
@@ -273,7 +274,8 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
     absl::MutexLock lock(&link->mutex);
     if (link->pump != nullptr) static_cast<InvokeReactor*>(link->pump)->Begin(std::move(invoked));
   };
-  absl::Status status = arguments.status();
+  absl::Status status = CheckRequestId(request->request_id());
+  if (status.ok()) status = arguments.status();
   if (status.ok()) status = CheckInvocation(ports_, *request, given);
   if (!status.ok()) {
     begin(status);

@@ -108,8 +108,11 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
                                                   const v1::StartRequest* request, v1::StartReply* reply) {
   WriteBatch batch;
+  if (absl::Status id = CheckRequestId(request->request_id()); !id.ok())
+    return FinishNow(context, ToGrpc(id));
   batch.request_id = request->request_id();
   RunRequest start;
+  batch.request_digest = DigestOf(request->request_id(), *request);
   start.kind = RunRequest::Kind::kStart;
   start.target = request->workflow();
   if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());

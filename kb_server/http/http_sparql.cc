@@ -9,6 +9,7 @@
 #include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/request_memory.h"
 #include "kb_server/http/http_query.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
@@ -70,6 +71,15 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
   return absl::OkStatus();
 }
 
+// The same as Context.Update has of the same text, where that is all.
+uint64_t DigestOf(const SparqlRequest& request) {
+  std::vector<std::string_view> parts = {request.text};
+  for (const Term& graph : request.default_graphs) parts.push_back(graph.lexical);
+  if (!request.named_graphs.empty()) parts.push_back("named");
+  for (const Term& graph : request.named_graphs) parts.push_back(graph.lexical);
+  return RequestDigest("update", parts);
+}
+
 // On a worker: parsing may take long.
 void Update(const WritePorts& ports, const Measured& measured, const SparqlRequest& request,
             std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation,
@@ -85,6 +95,7 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   UpdateRequest update;
   update.update = std::move(parsed.update);
   update.request_id = request.request_id;
+  update.request_digest = DigestOf(request);
   update.min_revision = request.min_revision;
   update.cancellation = std::move(cancellation);
   update.timeout = std::max(absl::ZeroDuration(), until - absl::Now());

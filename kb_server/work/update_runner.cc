@@ -11,15 +11,10 @@
 #include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/door/request_memory.h"
 #include "kb_server/work/remote_access.h"
 
 namespace docent::server {
-namespace {
-
-constexpr size_t kRequestIdBytes = 256;  // as in Context.Assert
-
-}  // namespace
-
 // One update on its way. It is in one thread at a time: a worker's or the writer's.
 class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
  public:
@@ -102,6 +97,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   WriteBatch Batch() const {
     WriteBatch batch;
     batch.request_id = request_.request_id;
+    batch.request_digest = request_.request_digest;
     batch.mode = WriteBatch::Mode::kLoad;
     return batch;
   }
@@ -165,10 +161,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
 };
 
 void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
-  if (request.request_id.size() > kRequestIdBytes) {
-    return done(
-        absl::InvalidArgumentError(absl::StrCat("request_id is longer than ", kRequestIdBytes, " bytes")));
-  }
+  if (absl::Status id = CheckRequestId(request.request_id); !id.ok()) return done(id);
   const TimeMicros now_us = ports_.clock->Now();
   // No two updates of a log share a seed: the time to the microsecond, and a count within it.
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);

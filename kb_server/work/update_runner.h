@@ -26,6 +26,7 @@ struct WritePorts;
 struct UpdateRequest {
   sparql::Update update;
   std::string request_id;                      // as in a WriteBatch
+  uint64_t request_digest = 0;                 // as in a WriteBatch
   Revision min_revision;                       // to be evaluated on this version or a later one
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
   absl::Duration timeout;                      // of waiting for a worker, and for min_revision

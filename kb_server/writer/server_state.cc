@@ -238,11 +238,22 @@ void WriteRequests(const std::vector<RememberedRequestPtr>& requests, ByteWriter
   for (const RememberedRequestPtr& request : requests) (*out)(request->id, request->outcome);
 }
 
-bool ReadRequests(ByteReader* in, std::vector<RememberedRequestPtr>* requests) {
+// Since format 11 in a section of their own, one for each request.
+void WriteDigests(const std::vector<RememberedRequestPtr>& requests, ByteWriter* out) {
+  out->Varint(requests.size());
+  for (const RememberedRequestPtr& request : requests) out->Varint(request->digest);
+}
+
+bool ReadDigests(ByteReader* in, std::vector<RememberedRequest>* requests) {
+  if (in->Count() != requests->size()) return false;
+  for (RememberedRequest& request : *requests) request.digest = in->Varint();
+  return in->ok();
+}
+
+bool ReadRequests(ByteReader* in, std::vector<RememberedRequest>* requests) {
   for (size_t left = in->Count(); left > 0 && in->ok(); --left) {
-    RememberedRequest request;
+    RememberedRequest& request = requests->emplace_back();
     (*in)(request.id, request.outcome);
-    requests->push_back(std::make_shared<const RememberedRequest>(std::move(request)));
   }
   return in->ok();
 }
@@ -355,6 +366,7 @@ absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictiona
   WriteRequests(state.requests, &out);
   WriteEvents(state.events, &out);
   WriteVersions(state.versions, &out);
+  WriteDigests(state.requests, &out);
   return out.Take();
 }
 
@@ -382,12 +394,16 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   const std::string_view engine = in.Text();
   std::vector<LastingSince> times;
   if (!ReadTimes(&in, &times)) return Damaged("times of conditions");
-  if (!ReadRequests(&in, &restored.requests)) return Damaged("request ids");
+  std::vector<RememberedRequest> requests;
+  if (!ReadRequests(&in, &requests)) return Damaged("request ids");
   EventShelf::Events events;
   if (format >= 6 && !ReadEvents(&in, map, &events)) return Damaged("events");
   VersionHistory versions;
   if (format >= 7 && !ReadVersions(&in, &versions)) return Damaged("versions of documents");
+  if (format >= 11 && !ReadDigests(&in, &requests)) return Damaged("digests of requests");
   if (!in.AtEnd()) return Damaged("end");
+  for (RememberedRequest& request : requests)
+    restored.requests.push_back(std::make_shared<const RememberedRequest>(std::move(request)));
   if (format >= 6)
     stages.events.Restore(std::move(events), restored.time_us);
   else

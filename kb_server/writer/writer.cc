@@ -79,21 +79,20 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   newest_ = start->offset;
   newest_time_us_ = start->time_us;
   for (const RememberedRequestPtr& request : start->requests)
-    requests_.Remember(request->id, request->outcome);
+    requests_.Remember(request->id, request->outcome, request->digest);
   ports_.inbox->StartAfter(newest_time_us_);
   FillFeed(newest_);
   uint64_t bytes = 0;
-  absl::Status status = ReplayTurns(ports_.log, newest_ + 1, head->offset, stages_.get(),
-                                    [&](TurnResult turn, size_t record_bytes) {
-                                      requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn));
-                                      newest_time_us_ = turn.record.time_us;
-                                      ports_.feed->Keep(EventsOf(turn.record));
-                                      newest_ = turn.record.offset;
-                                      bytes += record_bytes;
-                                      if (progress && newest_ % kTurnsPerProgress == 0)
-                                        progress(newest_, head->offset);
-                                      return absl::OkStatus();
-                                    });
+  absl::Status status = ReplayTurns(
+      ports_.log, newest_ + 1, head->offset, stages_.get(), [&](TurnResult turn, size_t record_bytes) {
+        requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn), turn.record.batch.request_digest);
+        newest_time_us_ = turn.record.time_us;
+        ports_.feed->Keep(EventsOf(turn.record));
+        newest_ = turn.record.offset;
+        bytes += record_bytes;
+        if (progress && newest_ % kTurnsPerProgress == 0) progress(newest_, head->offset);
+        return absl::OkStatus();
+      });
   if (!status.ok()) return status;
   ports_.inbox->StartAfter(newest_time_us_);
   if (progress && newest_ > start->offset) progress(newest_, head->offset);
@@ -251,8 +250,14 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
     group->answers.push_back({BatchOutcome{newest_}, std::move(pending.done)});
     return;
   }
-  if (const BatchOutcome* first = requests_.Find(pending.batch.request_id)) {
-    BatchOutcome outcome = *first;
+  if (const RememberedRequest* first = requests_.Find(pending.batch.request_id)) {
+    if (!first->IsRepeatedBy(pending.batch)) {
+      group->answers.push_back(
+          {absl::AlreadyExistsError("this request_id was that of another request; take a new one"),
+           std::move(pending.done)});
+      return;
+    }
+    BatchOutcome outcome = first->outcome;
     outcome.repeated = true;
     group->answers.push_back({std::move(outcome), std::move(pending.done)});
     return;
@@ -291,7 +296,8 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
   turn.result = *std::move(result);
   turn.outcome = OutcomeOf(turn.result);
   turn.done = std::move(pending.done);
-  requests_.Remember(turn.result.record.batch.request_id, turn.outcome);
+  const WriteBatch& batch = turn.result.record.batch;
+  requests_.Remember(batch.request_id, turn.outcome, batch.request_digest);
   group->turns.push_back(std::move(turn));
 }
 

@@ -51,7 +51,10 @@ class RandomWorld {
     now_us_ += static_cast<TimeMicros>(Below(3'000'000));
     if (Below(10) == 0) now_us_ += 30'000'000;
     batch.time_us = now_us_;
-    if (Below(4) == 0) batch.request_id = absl::StrCat("request-", step_);
+    if (Below(4) == 0) {
+      batch.request_id = absl::StrCat("request-", step_);
+      batch.request_digest = step_;
+    }
     return batch;
   }
   uint32_t Below(uint32_t bound) { return static_cast<uint32_t>(random_() % bound); }

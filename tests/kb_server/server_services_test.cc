@@ -1,6 +1,7 @@
 // Robot services and the fleet over gRPC with a real adapter.
 #include <thread>
 
+#include "absl/strings/str_replace.h"
 #include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "tests/kb_server/scripted_adapter.h"
@@ -288,6 +289,62 @@ TEST_F(ServerWorkflowTest, ARepeatedInvokeIsAnsweredWithTheRecordedEnd) {
   ASSERT_TRUE(Assert(Turtle(":a :b :c .", "told")).ok());
   EXPECT_THAT(Invoke("greetTwice", &status, "told"), IsEmpty());
   EXPECT_EQ(status.error_code(), grpc::StatusCode::ALREADY_EXISTS);
+}
+
+// A start that is answered with another request's outcome would be lost.
+TEST_F(ServerWorkflowTest, ARequestIdOfAnotherRequestIsRefused) {
+  StartServer();
+  const std::string cawl =
+      "<CAWL name='NAME' version='1'><flow name='NAME'><source name='b'/><node name='N'/><sink name='e'/>"
+      "<link from='b' to='N'/><link from='N' to='e'/></flow></CAWL>";
+  for (const char* name : {"W", "V"})
+    ASSERT_TRUE(Deploy(absl::StrCat(name, ".xml"), absl::StrReplaceAll(cawl, {{"NAME", name}})).ok());
+  const auto update = [this](const std::string& text, const std::string& id) {
+    v1::UpdateRequest request;
+    request.set_update(text);
+    request.set_request_id(id);
+    v1::AssertReply reply;
+    return Call(context_, &v1::Context::Stub::Update, request, &reply).error_code();
+  };
+  const std::string insert = "INSERT DATA { <urn:u> <urn:p> 1 }";
+  v1::StartReply first, reply;
+  ASSERT_TRUE(Assert(Turtle(":a :b :c .", "A")).ok());
+  ASSERT_TRUE(StartRun("W", &first, "S").ok());
+  ASSERT_EQ(update(insert, "U"), grpc::StatusCode::OK);
+  grpc::Status invoked;
+  for (const bool restarted : {false, true}) {
+    if (restarted) {
+      StopServer();
+      StartServer();
+    }
+    const auto taken = grpc::StatusCode::ALREADY_EXISTS;
+    for (const char* id : {"A", "U"}) EXPECT_EQ(StartRun("W", &reply, id).error_code(), taken) << id;
+    EXPECT_EQ(StartRun("V", &reply, "S").error_code(), taken) << "another workflow";
+    EXPECT_EQ(Assert(Turtle(":a :b :c .", "S")).error_code(), taken);
+    EXPECT_EQ(Assert(Turtle(":a :b :d .", "A")).error_code(), taken) << "other facts";
+    EXPECT_EQ(update(insert, "A"), taken);
+    EXPECT_EQ(update("INSERT DATA { <urn:u> <urn:p> 2 }", "U"), taken);
+    for (const char* id : {"A", "U", "S"}) {
+      EXPECT_TRUE(Invoke("nothing", &invoked, id).empty());
+      EXPECT_EQ(invoked.error_code(), taken) << id;
+    }
+    EXPECT_TRUE(Assert(Turtle(":a :b :c .", "A")).ok());
+    EXPECT_EQ(update(insert, "U"), grpc::StatusCode::OK);
+    ASSERT_TRUE(StartRun("W", &reply, "S").ok());
+    EXPECT_EQ(reply.run(), first.run());
+    EXPECT_EQ(reply.revision(), first.revision());
+  }
+}
+
+TEST_F(ServerWorkflowTest, ALongRequestIdIsRefusedByEachCallThatTakesOne) {
+  StartServer();
+  const std::string id(257, 'x');
+  v1::StartReply reply;
+  grpc::Status status = StartRun("W", &reply, id);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("request_id_bytes is 256"));
+  EXPECT_TRUE(Invoke("nothing", &status, id).empty());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(ServerWorkflowTest, ARepeatedInvokeFollowsARunThatIsUnderWay) {

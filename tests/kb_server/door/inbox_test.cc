@@ -224,11 +224,31 @@ TEST(RequestMemoryTest, RemembersTheNewest) {
   EXPECT_EQ(memory.Find(""), nullptr);
   memory.Remember("b", {3});
   ASSERT_NE(memory.Find("a"), nullptr);
-  EXPECT_EQ(memory.Find("a")->offset, 1u);
+  EXPECT_EQ(memory.Find("a")->outcome.offset, 1u);
   memory.Remember("c", {4});
   EXPECT_EQ(memory.Find("a"), nullptr);
   ASSERT_NE(memory.Find("b"), nullptr);
-  EXPECT_EQ(memory.Find("c")->offset, 4u);
+  EXPECT_EQ(memory.Find("c")->outcome.offset, 4u);
+}
+
+TEST(RequestMemoryTest, AnotherRequestOfTheSameIdIsNoRepeat) {
+  RequestMemory memory(3);
+  BatchOutcome started;
+  started.started.emplace_back("W-1");
+  memory.Remember("start", started, 5);
+  memory.Remember("old facts", {2});
+  memory.Remember("old start", started);
+  WriteBatch batch;
+  batch.request_digest = 5;
+  batch.run_requests.emplace_back();
+  EXPECT_TRUE(memory.Find("start")->IsRepeatedBy(batch));
+  EXPECT_TRUE(memory.Find("old start")->IsRepeatedBy(batch));
+  EXPECT_FALSE(memory.Find("old facts")->IsRepeatedBy(batch)) << "of which no run came";
+  batch.request_digest = 6;
+  EXPECT_FALSE(memory.Find("start")->IsRepeatedBy(batch));
+  batch.run_requests.clear();
+  EXPECT_TRUE(memory.Find("old facts")->IsRepeatedBy(batch));
+  EXPECT_FALSE(memory.Find("old start")->IsRepeatedBy(batch));
 }
 
 TEST(QueryPortTest, GivesTheNewestAndWaits) {

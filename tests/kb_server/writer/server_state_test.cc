@@ -20,7 +20,7 @@ struct Side {
     auto result = RunTurn(stages.get(), batch, head + 1);
     if (!result.ok()) return result;
     ++head;
-    requests.Remember(batch.request_id, {.offset = head});
+    requests.Remember(batch.request_id, {.offset = head}, batch.request_digest);
     return result;
   }
   std::string Encode(TimeMicros time_us) {
@@ -36,7 +36,7 @@ struct Side {
     head = state->offset;
     requests.Clear();
     for (const RememberedRequestPtr& request : state->requests)
-      requests.Remember(request->id, request->outcome);
+      requests.Remember(request->id, request->outcome, request->digest);
     return absl::OkStatus();
   }
 
@@ -129,13 +129,15 @@ TEST(ServerStateTest, RequestIdsAreRememberedInTheirOrder) {
   WriteBatch batch = Tell({Fact("a", "b", "c")});
   for (int i = 0; i < 60; ++i) {
     batch.request_id = absl::StrCat("id-", i);
+    batch.request_digest = static_cast<uint64_t>(i) << 40;
     ASSERT_TRUE(one.Turn(batch).ok());
   }
   Side two({});
   ASSERT_TRUE(two.Become(one.Encode(1), {}).ok());
   EXPECT_EQ(two.requests.Find("id-9"), nullptr);
   ASSERT_NE(two.requests.Find("id-10"), nullptr);
-  EXPECT_EQ(two.requests.Find("id-10")->offset, 11u);
+  EXPECT_EQ(two.requests.Find("id-10")->outcome.offset, 11u);
+  EXPECT_EQ(two.requests.Find("id-10")->digest, uint64_t{10} << 40);
   two.requests.Remember("more", {});
   EXPECT_EQ(two.requests.Find("id-10"), nullptr);
   EXPECT_NE(two.requests.Find("id-11"), nullptr);
