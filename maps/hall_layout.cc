@@ -9,6 +9,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/regular_file.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
@@ -253,6 +254,7 @@ absl::StatusOr<HallLayout> HallLayout::FromFile(const std::string& path) {
   if (!format) {
     return absl::InvalidArgumentError(path + ": the name says no RDF format (.ttl .trig .nt .nq .rdf .owl)");
   }
+  if (absl::Status status = CheckRegularFile(path); absl::IsInvalidArgument(status)) return status;
   std::ifstream file(path, std::ios::binary);
   if (!file) return absl::NotFoundError("cannot read the hall layout " + path);
   std::ostringstream content;

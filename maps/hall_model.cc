@@ -13,6 +13,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/fingerprint.h"
+#include "graph/base/regular_file.h"
 #include "maps/octree_slice.h"
 #include "maps/voxelizer.h"
 
@@ -162,6 +163,7 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromScans(const std:
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::Load(const std::string& bt_path,
                                                                  const HallModelSettings& settings) {
+  if (absl::Status status = CheckRegularFile(bt_path); absl::IsInvalidArgument(status)) return status;
   std::ifstream in(bt_path, std::ios::binary);
   if (!in) return absl::NotFoundError(SystemError("cannot read the map " + bt_path));
   const absl::StatusOr<double> resolution_m = ReadBtHeader(in);

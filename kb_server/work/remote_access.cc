@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -12,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/gzip.h"
+#include "graph/base/regular_file.h"
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
@@ -41,22 +40,26 @@ bool IsTricky(std::string_view path) {
          absl::StrContains(lower, "%5c") || absl::StrContains(lower, "\\");
 }
 
-absl::StatusOr<std::string> ReadFile(std::string_view url, size_t max_bytes) {
+absl::StatusOr<RegularFile> ReadFile(std::string_view url, size_t max_bytes) {
   const std::optional<std::string> path = PercentDecode(url.substr(kFile.size()), false);
   if (!path) return absl::InvalidArgumentError("a broken %-escape");
-  if (std::error_code ignored; std::filesystem::is_directory(*path, ignored))
-    return absl::InvalidArgumentError("it is a folder; name a file");
-  std::ifstream file(*path, std::ios::binary | std::ios::ate);
-  if (!file) return absl::NotFoundError("it cannot be read");
-  const std::streamoff size = file.tellg();
-  if (size < 0 || static_cast<size_t>(size) > max_bytes) {
+  absl::StatusOr<RegularFile> file = ReadRegularFile(*path, max_bytes);
+  if (absl::IsNotFound(file.status())) return absl::NotFoundError("it cannot be read");
+  if (absl::IsInvalidArgument(file.status()))
+    return absl::InvalidArgumentError("it is a folder, a pipe or a device; name a regular file");
+  if (file.ok() && file->text.size() > max_bytes) {
     return absl::ResourceExhaustedError(
         absl::StrCat("it is larger than the limit remote_bytes = ", max_bytes));
   }
-  file.seekg(0);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return file;
+}
+
+// Where an entry file:///… leads to.
+std::string RealPathOf(std::string_view entry) {
+  const std::optional<std::string> path = PercentDecode(entry.substr(kFile.size()), false);
+  std::error_code error;
+  const auto real = std::filesystem::canonical(path.value_or(""), error);
+  return error ? "" : real.string();
 }
 
 // An RDF term in SPARQL 1.1 Query Results JSON, section 3.2.2.
@@ -134,6 +137,15 @@ bool RemoteAccess::IsAllowed(std::string_view url) const {
   });
 }
 
+// Of a file that is open already: nothing can be put in its place meanwhile.
+bool RemoteAccess::IsAllowedPath(const std::string& real_path) const {
+  return std::any_of(allowed_.begin(), allowed_.end(), [&](const std::string& entry) {
+    if (!absl::StartsWith(entry, "file:///")) return false;
+    const std::string above = RealPathOf(entry);
+    return !above.empty() && IsBelow(real_path, above);
+  });
+}
+
 absl::Status RemoteAccess::Refuse(std::string_view url) const {
   return absl::PermissionDeniedError(Concat(
       "<", url, "> is not among the addresses that this server may reach; start it with --allow ", url));
@@ -186,10 +198,14 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   std::optional<RdfFormat> format;
   if (absl::StartsWith(url, ToAbsl(kFile))) {
     if (!IsAllowed(url)) return Refuse(url);
-    absl::StatusOr<std::string> file = ReadFile(url, limits_.remote_bytes);
+    absl::StatusOr<RegularFile> file = ReadFile(url, limits_.remote_bytes);
+    if (file.ok() && !IsAllowedPath(file->real_path)) {
+      return absl::PermissionDeniedError(
+          absl::StrCat("<", url, ">: a symbolic link leads out of what --allow names"));
+    }
     if (!file.ok())
       return absl::Status(file.status().code(), absl::StrCat("<", url, ">: ", file.status().message()));
-    text = *std::move(file);
+    text = std::move(file->text);
   } else {
     FetchRequest request;
     request.url = url;

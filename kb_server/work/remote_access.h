@@ -42,6 +42,7 @@ class RemoteAccess final : public sparql::ServiceClient {
   absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation) const;
 
  private:
+  bool IsAllowedPath(const std::string& real_path) const;
   absl::Status Refuse(std::string_view url) const;
   // The answer with status 200, and in request->url where it came from. UNKNOWN: what the other server did instead.
   absl::StatusOr<HttpResponse> Get(FetchRequest* request, Cancellation* cancellation) const;

@@ -281,11 +281,13 @@ TEST_F(ServerStartTest, NobodyIsListenedToBeforeTheFilesAreLoaded) {
   StartServer();
   settings_.grpc_address = server_->grpc_address();
   StopServer();
-  std::string file = folder_ / "place.ttl";
-  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-  settings_.ontologies = {file};
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  settings_.ontologies = {absl::StrCat("/dev/fd/", ends[0])};
   std::thread start([this] { StartServer(); });
-  std::ofstream out(file);  // opens when the server reads it
+  const std::string comment(size_t{1} << 20,
+                            '\n');  // more than a pipe holds: written when the server reads it
+  ASSERT_EQ(write(ends[1], comment.data(), comment.size()), static_cast<ssize_t>(comment.size()));
   grpc::ChannelArguments own;
   own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   auto early = v1::Context::NewStub(
@@ -295,11 +297,20 @@ TEST_F(ServerStartTest, NobodyIsListenedToBeforeTheFilesAreLoaded) {
   v1::AssertReply reply;
   EXPECT_EQ(early->Assert(&context, Turtle(":a :b :c ."), &reply).error_code(),
             grpc::StatusCode::UNAVAILABLE);
-  out << "@prefix : <urn:w:> . :Hall a :Place .";
-  out.close();
+  const std::string place = "@prefix : <urn:w:> . :Hall a :Place .";
+  ASSERT_EQ(write(ends[1], place.data(), place.size()), static_cast<ssize_t>(place.size()));
+  close(ends[1]);
   start.join();
+  close(ends[0]);
   EXPECT_TRUE(Ask(":Hall a :Place"));
   EXPECT_FALSE(Ask(":a :b :c"));
+}
+
+TEST_F(ServerStartTest, APipeThatNobodyWritesToIsNoOntology) {
+  const std::string file = folder_ / "place.ttl";
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  settings_.ontologies = {file};
+  EXPECT_THAT(std::string(TryStart(settings_).message()), HasSubstr("is no regular file"));
 }
 
 TEST_F(ServerStartTest, AFolderInUseOrUnusableIsAClearError) {

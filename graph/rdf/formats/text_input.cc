@@ -1,16 +1,13 @@
 #include "graph/rdf/formats/text_input.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/gzip.h"
+#include "graph/base/regular_file.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/xml_encoding.h"
@@ -44,15 +41,9 @@ std::string ReadUpTo(std::istream& in, const TextLimit& limit) {
 
 absl::StatusOr<std::string> ReadPacked(const std::string& path, const TextLimit& limit) {
   if (path == "-") return ReadUpTo(std::cin, limit);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
-  // a directory can be opened and then reads as an empty file
-  if (std::error_code error; std::filesystem::is_directory(path, error))
-    return absl::InvalidArgumentError(absl::StrCat(path, " is a directory; name its files"));
-  std::string text = ReadUpTo(file, limit);
-  if (file.bad())
-    return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
-  return text;
+  auto file = ReadRegularFile(path, limit.bytes, true);
+  if (!file.ok()) return file.status();
+  return std::move(file->text);
 }
 
 }  // namespace

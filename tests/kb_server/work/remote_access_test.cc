@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -39,6 +41,29 @@ TEST(RemoteAccess, AnEntryThatIsNoAddressIsRefused) {
   for (const char* entry : {"data.example", "http://", "file://srv", "file:///a/../b", "*"}) {
     EXPECT_FALSE(RemoteAccess::CheckAllowed(entry).ok()) << entry;
   }
+}
+
+TEST(RemoteAccess, WhatIsNoFileOrLiesElsewhereIsNotLoaded) {
+  const auto folder = std::filesystem::temp_directory_path() / ("docent-links-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder / "open");
+  std::ofstream(folder / "secret.ttl") << "<urn:a> <urn:p> 1 .";
+  std::ofstream(folder / "open/a.ttl") << "<urn:a> <urn:p> 1 .";
+  std::filesystem::create_symlink("a.ttl", folder / "open/inside.ttl");
+  std::filesystem::create_symlink("../secret.ttl", folder / "open/outside.ttl");
+  std::filesystem::create_directory_symlink("..", folder / "open/up");
+  std::filesystem::create_directory_symlink("open", folder / "alias");
+  ASSERT_EQ(mkfifo((folder / "open/pipe.ttl").c_str(), 0600), 0);
+  const std::string base = "file://" + folder.string();
+  const RemoteAccess remote({base + "/open", base + "/alias"}, Limits{});
+  const auto load = [&](const std::string& name) { return remote.Load(base + name, nullptr).status(); };
+  EXPECT_TRUE(load("/open/a.ttl").ok());
+  EXPECT_TRUE(load("/open/inside.ttl").ok());
+  EXPECT_TRUE(load("/alias/a.ttl").ok()) << "the folder itself may be named by a link";
+  EXPECT_EQ(load("/open/outside.ttl").code(), absl::StatusCode::kPermissionDenied);
+  EXPECT_EQ(load("/open/up/secret.ttl").code(), absl::StatusCode::kPermissionDenied);
+  EXPECT_EQ(load("/open/pipe.ttl").code(), absl::StatusCode::kInvalidArgument) << "it would wait for ever";
+  EXPECT_EQ(load("/open").code(), absl::StatusCode::kInvalidArgument);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(RemoteAccess, AFileIsLoadedByItsName) {
