@@ -67,6 +67,10 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
   http::response_parser<http::string_body> parser;
   parser.body_limit(std::numeric_limits<uint64_t>::max());  // ours is looked at below, after each piece
   co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
+  if (!error && !request.reads_body) {
+    response->status = static_cast<int>(parser.get().result_int());
+    co_return absl::OkStatus();
+  }
   while (!error && !parser.is_done()) {
     if (parser.content_length().value_or(0) > request.max_bytes ||
         parser.get().body().size() > request.max_bytes)

@@ -30,6 +30,7 @@ struct FetchRequest {
   std::string body;
   std::chrono::milliseconds timeout{30000};  // for all of it
   size_t max_bytes = 0;                      // of the answer's body
+  bool reads_body = true;                    // false: the status is all that counts, and ends it
   bool half_time = false;                    // no longer than half of the time that the cancellation leaves
 };
 

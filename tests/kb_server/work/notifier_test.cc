@@ -3,10 +3,12 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
+#include "kb_server/http/http_server.h"
 #include "kb_server/work/cloud_event.h"
 
 namespace docent::server {
@@ -49,6 +51,27 @@ TEST(NotifierTest, ItIsGivenUpAfterTheLimitOfAttempts) {
   EXPECT_EQ(report.outcome, CommandReport::Outcome::kFailed);
   EXPECT_EQ(report.command.value(), "F-1/A/0/notify.0.0@1");
   EXPECT_THAT(report.message, HasSubstr("given up after 3 attempts (the limit notify_attempts is 3)"));
+}
+
+TEST(NotifierTest, AnAnswerOf2xxIsADeliveryHoweverLongItIs) {
+  const std::string whole(size_t{3} << 20, 'x');
+  HttpRoutes routes;
+  for (const auto& [path, status] : {std::pair("/hook", 200), {"/bad", 500}}) {
+    routes.Add("POST", path, [&whole, status = status](const std::shared_ptr<HttpExchange>& exchange) {
+      exchange->Respond(TextResponse(status, whole));
+    });
+  }
+  HttpServerOptions options;
+  options.listen = "127.0.0.1:0";
+  auto server = HttpServer::Start(options, std::move(routes));
+  ASSERT_TRUE(server.ok()) << server.status();
+  const std::string base = "http://" + (*server)->address();
+  Notifier::Settings settings;
+  settings.allow = {base};
+  settings.attempts = 1;
+  const CommandReport report = ReportOf(settings, To(base + "/hook"));
+  EXPECT_EQ(report.outcome, CommandReport::Outcome::kSucceeded) << report.message;
+  EXPECT_THAT(ReportOf(settings, To(base + "/bad")).message, HasSubstr("answered 500"));
 }
 
 TEST(NotifierTest, AnAddressThatIsNotAllowedIsNotReached) {
