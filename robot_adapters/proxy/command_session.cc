@@ -242,8 +242,8 @@ void CommandSession::Cancel() {
   cancel_requested_ = true;
   if (!attach_next_) {
     Finish(CommandReport::Outcome::kCancelled, "cancelled before it was sent");
-  } else if (call_ != nullptr) {
-    AskToEnd();
+  } else {
+    AskToEnd();  // also between two calls: it is a call of its own
   }
 }
 

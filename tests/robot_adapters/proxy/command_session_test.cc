@@ -102,6 +102,17 @@ TEST_F(CommandSessionTest, ACancelIsSentAgainWithEachCall) {
   EXPECT_TRUE(session_->done());
 }
 
+TEST_F(CommandSessionTest, ACancelDoesNotWaitForTheNextCall) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  End(grpc::StatusCode::OK);
+  session_->Cancel();
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1")) << "while the feedback is broken off";
+  session_->OnCancelAnswered(host_.cancel_attempt, false);
+  host_.Go(absl::Milliseconds(100));
+  EXPECT_GE(host_.cancels.size(), 2u) << "the adapter did not know it: it is sent again";
+}
+
 TEST_F(CommandSessionTest, ACancelBeforeItIsSentEndsIt) {
   host_.connected = false;
   Begin().Cancel();
