@@ -4,6 +4,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/text_bytes.h"
 
 namespace docent::server {
 namespace {
@@ -18,6 +19,17 @@ std::string KeyOf(const CountedRow& row) {
 void SortRows(std::vector<CountedRow>& rows) {
   std::sort(rows.begin(), rows.end(),
             [](const CountedRow& a, const CountedRow& b) { return a.values < b.values; });
+}
+
+size_t BytesOf(const AnswerChange& change) {
+  size_t bytes = sizeof(AnswerChange);
+  for (const std::vector<CountedRow>* rows : {&change.appeared, &change.disappeared}) {
+    for (const CountedRow& row : *rows) {
+      bytes += sizeof(CountedRow) + row.values.size() * sizeof(row.values[0]);
+      for (const std::optional<Term>& value : row.values) bytes += value ? TextBytes(*value) : 0;
+    }
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -50,12 +62,31 @@ void SubscriptionAnswer::Keep(AnswerChange change) {
   SortRows(change.appeared);
   SortRows(change.disappeared);
   kept_rows_ += change.appeared.size() + change.disappeared.size();
-  changes_.push_back(std::make_shared<const AnswerChange>(std::move(change)));
+  const size_t bytes = BytesOf(change);
+  kept_bytes_ += bytes;
+  all_kept_->fetch_add(bytes);
+  changes_.push_back({std::make_shared<const AnswerChange>(std::move(change)), bytes});
   while (changes_.size() > limits_.subscription_changes_kept || kept_rows_ > limits_.subscription_rows) {
-    kept_rows_ -= changes_.front()->appeared.size() + changes_.front()->disappeared.size();
-    changes_.pop_front();
+    DropOldest();
     if (changes_.empty()) break;
   }
+  // The newest stays, however large it is: those who follow at its pace have not seen it yet.
+  while (changes_.size() > 1 &&
+         (kept_bytes_ > limits_.subscription_kept_bytes || *all_kept_ > limits_.subscriptions_kept_bytes)) {
+    DropOldest();
+  }
+}
+
+void SubscriptionAnswer::DropOldest() {
+  const KeptChange& oldest = changes_.front();
+  kept_rows_ -= oldest.change->appeared.size() + oldest.change->disappeared.size();
+  kept_bytes_ -= oldest.bytes;
+  all_kept_->fetch_sub(oldest.bytes);
+  changes_.pop_front();
+}
+
+SubscriptionAnswer::~SubscriptionAnswer() {
+  all_kept_->fetch_sub(kept_bytes_);
 }
 
 bool SubscriptionAnswer::TellBoolean(TimeMicros now_us) {
@@ -266,7 +297,7 @@ absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Get(uint64_t number) const {
   if (number > newest_) return AnswerChangePtr();
   const uint64_t first = newest_ + 1 - changes_.size();
   if (number < first) return absl::OutOfRangeError("the change is no longer kept");
-  return changes_[number - first];
+  return changes_[number - first].change;
 }
 
 absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Sum(uint64_t number) const {
@@ -276,7 +307,7 @@ absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Sum(uint64_t number) const {
     if (number > newest_) return AnswerChangePtr();
     const uint64_t first = newest_ + 1 - changes_.size();
     if (number < first) return absl::OutOfRangeError("the change is no longer kept");
-    parts.assign(changes_.begin() + static_cast<ptrdiff_t>(number - first), changes_.end());
+    for (size_t i = number - first; i < changes_.size(); ++i) parts.push_back(changes_[i].change);
   }
   if (parts.size() == 1) return parts[0];
   struct Net {

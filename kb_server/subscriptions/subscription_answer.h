@@ -3,6 +3,7 @@
 #ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_
 #define DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -41,19 +42,25 @@ struct AnswerChange {
 };
 using AnswerChangePtr = std::shared_ptr<const AnswerChange>;
 
+// Bytes of the changes that all answers keep.
+using KeptBytes = std::atomic<size_t>;
+
 class SubscriptionAnswer {
  public:
+  // `all_kept`: shared by the answers that limits.subscriptions_kept_bytes is for; null: this one alone.
   // `id`: unique in this life of the server. `dictionary` must outlive it. Those who follow are told of a row, and of yes,
   // when that has been the answer without a break for `at_least_us`; that it is no longer, at once.
   SubscriptionAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables,
                      const Dictionary* dictionary, const SubscriptionLimits& limits,
-                     TimeMicros at_least_us = 0)
+                     TimeMicros at_least_us = 0, std::shared_ptr<KeptBytes> all_kept = nullptr)
       : id_(id),
         is_boolean_(is_boolean),
         variables_(std::move(variables)),
         dictionary_(*dictionary),
         limits_(limits),
-        at_least_us_(at_least_us) {}
+        at_least_us_(at_least_us),
+        all_kept_(all_kept == nullptr ? std::make_shared<KeptBytes>(0) : std::move(all_kept)) {}
+  ~SubscriptionAnswer();
 
   uint64_t id() const { return id_; }
   bool is_boolean() const { return is_boolean_; }
@@ -95,6 +102,7 @@ class SubscriptionAnswer {
 
  private:
   CountedRow Decode(const Row& row, uint64_t count) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Keep(AnswerChange change) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool TellBoolean(TimeMicros now_us) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // A row's count became another: notes what there is to tell.
@@ -110,6 +118,7 @@ class SubscriptionAnswer {
   const Dictionary& dictionary_;
   const SubscriptionLimits limits_;
   const TimeMicros at_least_us_;
+  const std::shared_ptr<KeptBytes> all_kept_;
 
   mutable absl::Mutex mutex_;
   bool evaluated_ ABSL_GUARDED_BY(mutex_) = false;
@@ -125,7 +134,12 @@ class SubscriptionAnswer {
   std::vector<Term> locals_ ABSL_GUARDED_BY(mutex_);
   size_t drop_locals_at_ ABSL_GUARDED_BY(mutex_) = kFewLocals;
   absl::flat_hash_map<Term, TermId> local_ids_ ABSL_GUARDED_BY(mutex_);
-  std::deque<AnswerChangePtr> changes_ ABSL_GUARDED_BY(mutex_);
+  struct KeptChange {
+    AnswerChangePtr change;
+    size_t bytes = 0;
+  };
+  std::deque<KeptChange> changes_ ABSL_GUARDED_BY(mutex_);
+  size_t kept_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t kept_rows_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t newest_ ABSL_GUARDED_BY(mutex_) = 0;
   mutable AnswerChangePtr whole_ ABSL_GUARDED_BY(mutex_);  // made when first asked for

@@ -508,7 +508,7 @@ absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const Sub
   }
   made->answer = std::make_shared<SubscriptionAnswer>(
       next_answer_++, made->query.form == sparql::Query::Form::kAsk, made->prepared->variables(),
-      settings_.dictionary, settings_.subscription_limits, followed.at_least_us);
+      settings_.dictionary, settings_.subscription_limits, followed.at_least_us, all_kept_);
   return made;
 }
 

@@ -229,6 +229,7 @@ class Subscriptions {
   absl::Time changed_since_;
   absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
   size_t dictionary_size_ = 0;                                // that has been looked at for them
+  const std::shared_ptr<KeptBytes> all_kept_ = std::make_shared<KeptBytes>(0);  // by the answers
   uint64_t next_answer_ = 1;
   absl::Time next_idle_check_ = absl::InfinitePast();
   std::thread thread_;

@@ -50,6 +50,46 @@ TEST(SubscriptionAnswer, ComputedValuesThatMustLast) {
   EXPECT_EQ(answer.size(), 2u);
 }
 
+void Become(SubscriptionAnswer* answer, uint64_t revision, const std::string& value) {
+  SubscriptionAnswer::Rows rows;
+  ++rows[{answer->Local(Term::Literal(value))}];
+  answer->SetRows(Revision(revision), std::move(rows), 0);
+}
+
+TEST(SubscriptionAnswer, LargeChangesAreKeptUpToSoManyBytes) {
+  Dictionary dictionary;
+  SubscriptionLimits limits;
+  limits.subscription_kept_bytes = 10000;
+  SubscriptionAnswer answer(1, false, {"x"}, &dictionary, limits);
+  for (uint64_t i = 1; i <= 20; ++i) Become(&answer, i, std::string(1000, static_cast<char>('a' + i)));
+  ASSERT_EQ(answer.newest(), 19u);
+  EXPECT_TRUE(answer.Get(19).ok());
+  EXPECT_TRUE(answer.Get(17).ok());
+  EXPECT_TRUE(absl::IsOutOfRange(answer.Get(10).status())) << "each has the old value and the new one";
+  EXPECT_TRUE(absl::IsOutOfRange(answer.Sum(10).status()));
+  Become(&answer, 21, std::string(1000000, 'x'));
+  EXPECT_TRUE(answer.Get(20).ok()) << "the newest stays, however large";
+  EXPECT_TRUE(absl::IsOutOfRange(answer.Get(19).status()));
+}
+
+TEST(SubscriptionAnswer, AllAnswersTogetherKeepSoManyBytes) {
+  Dictionary dictionary;
+  SubscriptionLimits limits;
+  limits.subscriptions_kept_bytes = 10000;
+  const auto all = std::make_shared<KeptBytes>(0);
+  auto first = std::make_unique<SubscriptionAnswer>(1, false, std::vector<std::string>{"x"}, &dictionary,
+                                                    limits, 0, all);
+  SubscriptionAnswer second(2, false, {"x"}, &dictionary, limits, 0, all);
+  for (uint64_t i = 1; i <= 4; ++i) Become(first.get(), i, std::string(1000, static_cast<char>('a' + i)));
+  EXPECT_TRUE(first->Get(1).ok());
+  for (uint64_t i = 1; i <= 4; ++i) Become(&second, i, std::string(1000, static_cast<char>('a' + i)));
+  EXPECT_TRUE(second.Get(3).ok());
+  EXPECT_TRUE(absl::IsOutOfRange(second.Get(1).status()));
+  first.reset();
+  for (uint64_t i = 5; i <= 6; ++i) Become(&second, i, std::string(1000, static_cast<char>('a' + i)));
+  EXPECT_TRUE(second.Get(4).ok()) << "an answer that is gone makes room";
+}
+
 // The clock's time may be ahead of that of later turns.
 TEST(SubscriptionAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
   Dictionary dictionary;
