@@ -5,7 +5,10 @@
 namespace docent {
 
 std::string RefuseGraph(const Term& graph) {
-  if (!graph.IsIri()) return "a graph of the store is named by an IRI, and this is a blank node";
+  if (!graph.IsIri()) {
+    return graph.IsBlank() ? "a graph of the store is named by an IRI, and this is a blank node"
+                           : "a graph of the store is named by an IRI, and this is a literal";
+  }
   if (!IsServerGraph(graph.lexical)) return "";
   return Concat("the graph <", graph.lexical, "> is one of those that only the server writes");
 }

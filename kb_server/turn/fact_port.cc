@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/workflow_limits.h"
 #include "graph/rdf/vocabulary.h"
@@ -101,6 +102,12 @@ absl::StatusOr<std::vector<engine::TermBinding>> FactPort::Select(
         absl::StrCat("its query takes too long: it was stopped after ", allowed, " steps; the limit ",
                      of_turn ? "assign_steps_per_turn" : "assign_steps", " is ",
                      of_turn ? kWorkflowLimits.assign_steps_per_turn : kWorkflowLimits.assign_steps));
+  }
+  // A query names the limit of queries.
+  if (absl::IsResourceExhausted(status) && absl::StrContains(status.message(), "query_memory_bytes")) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("its query needs too much memory; the limit assign_memory_bytes is ",
+                     kWorkflowLimits.assign_memory_bytes));
   }
   if (!status.ok()) return status;
   if (too_many) {

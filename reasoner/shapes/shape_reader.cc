@@ -10,6 +10,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
@@ -333,9 +334,17 @@ class ShapeReader {
   }
 
   bool ReadInteger(TermId node, std::string_view name, TermId value, int64_t* out) {
-    if (value.tag() != TermId::Tag::kInteger) return Wrong(node, name, value, "an xsd:integer");
-    *out = InlineInteger(value);
-    return true;
+    if (value.tag() == TermId::Tag::kInteger) {
+      *out = InlineInteger(value);
+      return true;
+    }
+    const Term term = dictionary_.Decode(value);  // of another form, as +5, or large
+    if (!term.IsLiteral() || term.datatype != kXsdInteger) return Wrong(node, name, value, "an xsd:integer");
+    if (absl::SimpleAtoi(term.lexical, out)) return true;
+    const size_t sign = term.lexical.starts_with('-') || term.lexical.starts_with('+') ? 1 : 0;
+    const bool digits =
+        term.lexical.size() > sign && term.lexical.find_first_not_of("0123456789", sign) == std::string::npos;
+    return Wrong(node, name, value, digits ? "a number below 2^63" : "an xsd:integer");
   }
 
   bool IsNodeKind(TermId value) const {

@@ -223,6 +223,17 @@ TEST_F(RunAssignments, ASelectThatTakesTooLongFailsTheNodeAndNotTheTurn) {
 }
 #endif
 
+TEST_F(RunAssignments, ASelectThatNeedsTooMuchMemoryNamesTheLimitOfAssignments) {
+  std::string select = "SELECT ?x WHERE { BIND('12345678' AS ?v0) ";
+  for (int i = 0; i < 9; ++i) {
+    absl::StrAppend(&select, "BIND(CONCAT(?v", i);
+    for (int more = 1; more < 8; ++more) absl::StrAppend(&select, ", ?v", i);
+    absl::StrAppend(&select, ") AS ?v", i + 1, ") ");
+  }
+  DeployOne(absl::StrCat("<ext:assign>", select, " BIND(STRLEN(?v9) AS ?x) }</ext:assign>"));
+  EXPECT_THAT(Said(Run()), Contains(HasSubstr("the limit assign_memory_bytes is 67108864")));
+}
+
 TEST_F(RunAssignments, MoreSolutionsThanTheLimitFailTheNode) {
   WriteBatch many = Tell({});
   for (int i = 0; i < 10001; ++i)

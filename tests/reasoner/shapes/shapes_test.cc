@@ -35,6 +35,16 @@ TEST_F(ShapesTest, AShapeThatRefersToItselfIsRefusedWithTheCircle) {
   EXPECT_THAT(text, HasSubstr("hint: SHACL does not say what recursive shapes mean"));
 }
 
+TEST_F(ShapesTest, ALargeNumberIsAnIntegerAllTheSame) {
+  const auto count = [](const std::string& number) {
+    return ":C a sh:NodeShape ; sh:property [ sh:path :p ; sh:maxCount " + number + " ] .";
+  };
+  EXPECT_THAT(Mistakes(count("99999999999999999999")), HasSubstr(", not a number below 2^63"));
+  EXPECT_THAT(Mistakes(count("\"a\"^^xsd:integer")), HasSubstr(", not an xsd:integer"));
+  EXPECT_EQ(Mistakes(count("+5")), "");
+  EXPECT_EQ(Mistakes(count("4000000000000000000")), "");
+}
+
 TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
   const std::string text = Mistakes(
       ":A a sh:NodeShape ; sh:targetClass \"Robot\" ; sh:minCount 1 ; sh:nodeKind :Iri ; sh:pattern \"[a\" "
