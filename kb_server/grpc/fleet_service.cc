@@ -1,10 +1,14 @@
 // Fleet: which robots are there, from leases and the graph.
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
+#include "graph/base/cut_text.h"
+#include "graph/base/text_limits.h"
+#include "graph/wire/text_cut.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -41,7 +45,7 @@ RobotDescription Describe(const v1::JoinRequest& request) {
     to.name = operation.name();
     to.idempotent = operation.idempotent();
     to.occupies = {operation.occupies().begin(), operation.occupies().end()};
-    to.description = operation.description();
+    to.description = CutText(operation.description(), kTextLimits.message_bytes);
     to.capabilities = {operation.capabilities().begin(), operation.capabilities().end()};
     TakeParts(operation.inputs(), operation.input_parts(), &to.inputs, &to.input_types);
     TakeParts(operation.outputs(), operation.output_parts(), &to.outputs, &to.output_types);
@@ -80,6 +84,59 @@ void Fill(const RobotRecord& robot, v1::RobotStatus* out) {
     ToProto(reservation, out->add_reservations());
 }
 
+// The page that follows the robot of the token.
+void FillPage(std::vector<RobotRecord> robots, const v1::ListRobotsRequest& request,
+              v1::ListRobotsReply* reply) {
+  std::sort(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.robot < b.robot; });
+  size_t bytes = 0;
+  for (const RobotRecord& robot : robots) {
+    if (robot.robot <= request.page_token()) continue;
+    v1::RobotStatus status;
+    const bool full =
+        request.page_size() > 0 && static_cast<uint32_t>(reply->robots_size()) == request.page_size();
+    if (!full) {
+      Fill(robot, &status);
+      status.set_texts_cut(CutToFit(&status, kTextLimits.listed_text_bytes, kTextLimits.listed_bytes));
+      bytes += status.ByteSizeLong();
+    }
+    if (full || (reply->robots_size() > 0 && bytes > kTextLimits.listed_bytes)) {
+      reply->set_next_page_token(reply->robots(reply->robots_size() - 1).robot());
+      return;
+    }
+    *reply->add_robots() = std::move(status);
+  }
+}
+
+// What of a description is longer than a robot may say; empty: nothing.
+std::string TooLong(const v1::JoinRequest& request) {
+  const v1::RobotDescription& description = request.description();
+  std::string too_long;
+  const auto look = [&too_long](const std::string& what, const std::string& text) {
+    if (text.size() <= kTextLimits.label_bytes || !too_long.empty()) return;
+    too_long = absl::StrCat(what, " has ", text.size(), " bytes; the limit label_bytes is ",
+                            kTextLimits.label_bytes);
+  };
+  look("address", request.address());
+  look("description.robot", description.robot());
+  look("description.label", description.label());
+  look("description.type", description.type());
+  look("description.incarnation", description.incarnation());
+  for (const v1::OperationDescription& operation : description.operations()) {
+    look("description.operations.name", operation.name());
+    for (const auto* names :
+         {&operation.inputs(), &operation.outputs(), &operation.occupies(), &operation.capabilities()}) {
+      for (const std::string& name : *names) look("description.operations", name);
+    }
+    for (const auto* parts : {&operation.input_parts(), &operation.output_parts()}) {
+      for (const v1::Part& part : *parts) {
+        look("description.operations", part.name());
+        look("description.operations", part.type());
+      }
+    }
+  }
+  return too_long;
+}
+
 constexpr std::chrono::milliseconds kProbe{1000};
 
 // Whether surely nothing listens at the address any more. What does not answer in time may be there.
@@ -105,6 +162,7 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     return reactor;
   };
   const v1::RobotDescription& description = request->description();
+  if (const std::string too_long = TooLong(*request); !too_long.empty()) return refuse(too_long);
   v1::Term robot;
   robot.set_iri(description.robot());
   if (auto term = FromProto(robot, "description.robot"); !term.ok())
@@ -199,12 +257,12 @@ grpc::ServerUnaryReactor* FleetService::Leave(grpc::CallbackServerContext* conte
 }
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
-                                             const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
+                                             const v1::ListRobotsRequest* request,
+                                             v1::ListRobotsReply* reply) {
   return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, reply](grpc::ServerUnaryReactor* reactor) {
+                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
                     const GraphVersionPtr version = ports_.queries->Newest();
-                    for (const RobotRecord& robot : ReadRobots(*ports_.dictionary, *version))
-                      Fill(robot, reply->add_robots());
+                    FillPage(ReadRobots(*ports_.dictionary, *version), *request, reply);
                     reactor->Finish(grpc::Status::OK);
                   });
 }

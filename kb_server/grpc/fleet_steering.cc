@@ -4,6 +4,8 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "graph/base/cut_text.h"
+#include "graph/base/text_limits.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -53,10 +55,11 @@ grpc::ServerUnaryReactor* FleetService::TakeOutOfService(grpc::CallbackServerCon
     RunRequest cancel;
     cancel.kind = RunRequest::Kind::kCancelCommands;
     cancel.target = request->robot();
-    cancel.reason = request->reason();
+    cancel.reason = CutText(request->reason(), kTextLimits.message_bytes);
     batch.run_requests.push_back(std::move(cancel));
   }
-  return Set(ports_, context, request->robot(), request->reason(), std::move(batch), reply);
+  return Set(ports_, context, request->robot(), CutText(request->reason(), kTextLimits.message_bytes),
+             std::move(batch), reply);
 }
 
 grpc::ServerUnaryReactor* FleetService::PutInService(grpc::CallbackServerContext* context,
@@ -71,7 +74,7 @@ grpc::ServerUnaryReactor* FleetService::Reserve(grpc::CallbackServerContext* con
                             request->kept_for(),
                             request->priority(),
                             0,
-                            request->reason()};
+                            CutText(request->reason(), kTextLimits.message_bytes)};
   if (request->lasting_ms() < 0 || (request->lasting_ms() > 0 && request->until_us() != 0))
     return FinishNow(
         context, ToGrpc(absl::InvalidArgumentError("lasting_ms and until_us: give one of them, above 0")));

@@ -6,10 +6,13 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/cut_text.h"
 #include "graph/base/text.h"
+#include "graph/base/text_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "graph/wire/text_cut.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_feed_pump.h"
@@ -33,7 +36,7 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const RunPorts
   v1::InvokeServiceReply reply;
   reply.set_run(run);
   reply.set_state(record.state());
-  reply.set_message(record.reason());
+  reply.set_message(CutText(record.reason(), kTextLimits.listed_text_bytes));
   reply.set_final(true);
   return reply;
 }
@@ -50,6 +53,7 @@ void FillResults(const RunPorts& ports, const std::string& service, v1::InvokeSe
                                     [&](const auto& part) { return part.first == variable.name(); });
     if (output) *reply->add_results() = variable;
   }
+  CutToFit(reply, kTextLimits.shown_text_bytes, kTextLimits.listed_bytes);
 }
 
 // Classes that say nothing of what kind a thing is.
@@ -200,7 +204,7 @@ class InvokeReactor final : public RunFeedPump<v1::InvokeServiceReply> {
     message->set_run(event.run);
     message->set_step(event.node);
     message->set_state(event.to);
-    message->set_message(event.detail);
+    message->set_message(CutText(event.detail, kTextLimits.listed_text_bytes));
     message->set_final(final_);
     LookAtProgress();
     told_ = final_ && event.to == "done" ? 1 : seen_.done;
@@ -252,11 +256,11 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   auto* reactor = new InvokeReactor(context, ports_, request->name());
   WriteBatch batch;
   batch.request_id = request->request_id();
+  batch.request_digest = DigestOf(request->request_id(), *request);
   RunRequest invoke;
   invoke.kind = RunRequest::Kind::kInvokeService;
   invoke.target = request->name();
   auto arguments = FromProto(request->arguments(), "arguments", ports_.limits);
-  batch.request_digest = DigestOf(request->request_id(), *request);
   std::vector<std::pair<std::string, Term>> given;
   if (arguments.ok()) given = *arguments;
   if (arguments.ok() && !request->robot().empty()) {

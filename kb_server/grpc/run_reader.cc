@@ -10,9 +10,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
+#include "graph/base/text_limits.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/wire/text_cut.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/robots/capability_classes.h"
 #include "kb_server/robots/robot_records.h"
@@ -190,6 +192,16 @@ bool ReadRun(const GraphReader& all, const std::string& id, v1::Run* run) {
   return true;
 }
 
+void FitRun(size_t text_bytes, v1::Run* run) {
+  bool cut = CutToFit(run, text_bytes, kTextLimits.listed_bytes);
+  while (run->nodes_size() > 0 && run->ByteSizeLong() > kTextLimits.listed_bytes) {
+    const int kept = run->nodes_size() / 2;
+    run->mutable_nodes()->DeleteSubrange(kept, run->nodes_size() - kept);
+    cut = true;
+  }
+  run->set_texts_cut(cut);
+}
+
 absl::Status ReadRuns(const GraphReader& all, const v1::ListRunsRequest& request, v1::ListRunsReply* reply) {
   const GraphReader graph = all.In(kRunsGraph);
   static const std::vector<std::string> kStates = {"running", "paused", "incident",
@@ -210,12 +222,21 @@ absl::Status ReadRuns(const GraphReader& all, const v1::ListRunsRequest& request
     if (number < before) found.emplace_back(number, run->value());
   }
   std::sort(found.rbegin(), found.rend());
+  size_t bytes = 0;
   for (const auto& [number, id] : found) {
-    if (request.page_size() > 0 && static_cast<uint32_t>(reply->runs_size()) == request.page_size()) {
+    v1::Run run;
+    const bool full =
+        request.page_size() > 0 && static_cast<uint32_t>(reply->runs_size()) == request.page_size();
+    if (!full) {
+      ReadRun(graph, id, &run);
+      FitRun(kTextLimits.listed_text_bytes, &run);
+      bytes += run.ByteSizeLong();
+    }
+    if (full || (reply->runs_size() > 0 && bytes > kTextLimits.listed_bytes)) {
       reply->set_next_page_token(absl::StrCat(before));
       break;
     }
-    ReadRun(graph, id, reply->add_runs());
+    *reply->add_runs() = std::move(run);
     before = number;
   }
   return absl::OkStatus();

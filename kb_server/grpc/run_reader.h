@@ -2,6 +2,7 @@
 #ifndef DOCENT_KB_SERVER_GRPC_RUN_READER_H_
 #define DOCENT_KB_SERVER_GRPC_RUN_READER_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -13,6 +14,10 @@ namespace docent::server {
 
 // False: the graph has no run of this id.
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run);
+
+// Cuts its texts to so many bytes, and where it would not fit into a message, more: listed_bytes of graph/base/text_limits.h.
+// Nodes beyond are left out. Run.texts_cut says it.
+void FitRun(size_t text_bytes, v1::Run* run);
 
 // A page of the runs that the request asks for, newest first. INVALID_ARGUMENT: an unknown state or page token.
 absl::Status ReadRuns(const GraphReader& graph, const v1::ListRunsRequest& request, v1::ListRunsReply* reply);

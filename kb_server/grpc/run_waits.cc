@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "graph/base/cut_text.h"
 #include "graph/base/text.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
@@ -396,19 +397,21 @@ void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string&
 
 std::string TextOf(const v1::Run& run, const v1::ExplainRunReply& reply) {
   if (run.state() != "running") {
-    std::string text = absl::StrCat("Run ", run.id(), " is ", run.state(),
-                                    run.reason().empty() ? "" : absl::StrCat(": ", run.reason()), ".\n");
+    std::string text =
+        absl::StrCat("Run ", run.id(), " is ", run.state(),
+                     run.reason().empty() ? "" : absl::StrCat(": ", OneLine(run.reason())), ".\n");
     if (run.state() == "done")
       absl::StrAppend(&text, "Its sink was reached, and no node was waiting or running.\n");
     for (const v1::Node& node : run.nodes()) {
       if (node.state() == "failed" || node.state() == "cancelled")
-        absl::StrAppend(&text, "  ", node.name(), " ", node.state(), ": ", node.reason(), "\n");
+        absl::StrAppend(&text, "  ", node.name(), " ", node.state(), ": ", OneLine(node.reason()), "\n");
     }
     return text;
   }
   std::string text = absl::StrCat("Run ", run.id(), reply.waits().empty() ? " goes on.\n" : " waits for:\n");
   for (const v1::Wait& wait : reply.waits()) {
-    absl::StrAppend(&text, "  ", wait.node().empty() ? run.id() : wait.node(), ": ", wait.detail(), "\n");
+    absl::StrAppend(&text, "  ", wait.node().empty() ? run.id() : wait.node(), ": ", OneLine(wait.detail()),
+                    "\n");
   }
   return text;
 }

@@ -6,7 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/text_limits.h"
 #include "graph/sparql/syntax/parser.h"
+#include "graph/wire/text_cut.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -95,6 +97,7 @@ absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request,
                       [&asker](const std::string& ask) { return asker.Ask(ask); }};
   if (run.state() == "running") AddWaits(sources, run, request.node(), reply);
   reply->set_text(TextOf(run, *reply));
+  CutToFit(reply, kTextLimits.shown_text_bytes, kTextLimits.listed_bytes);
   return absl::OkStatus();
 }
 

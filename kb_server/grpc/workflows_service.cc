@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/text_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
@@ -107,12 +108,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
 
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
                                                   const v1::StartRequest* request, v1::StartReply* reply) {
-  WriteBatch batch;
   if (absl::Status id = CheckRequestId(request->request_id()); !id.ok())
     return FinishNow(context, ToGrpc(id));
+  WriteBatch batch;
   batch.request_id = request->request_id();
-  RunRequest start;
   batch.request_digest = DigestOf(request->request_id(), *request);
+  RunRequest start;
   start.kind = RunRequest::Kind::kStart;
   start.target = request->workflow();
   if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());
@@ -141,6 +142,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
     return FinishNow(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
                                            absl::StrCat("there is no run \"", request->run(), "\"")));
   }
+  FitRun(kTextLimits.shown_text_bytes, reply);
   return FinishNow(context, grpc::Status::OK);
 }
 

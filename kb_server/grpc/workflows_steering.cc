@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/cut_text.h"
+#include "graph/base/text_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
@@ -30,6 +32,7 @@ grpc::ServerUnaryReactor* Ask(const RunPorts& ports, grpc::CallbackServerContext
                       if (outcome.ok()) {
                         GraphVersionPtr version = ports.queries->Newest();
                         ReadRun(GraphReader(*ports.dictionary, *version), run, reply);
+                        FitRun(kTextLimits.shown_text_bytes, reply);
                       }
                       reactor->Finish(ToGrpc(outcome.status()));
                     });
@@ -66,7 +69,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* 
   RunRequest asked;
   asked.kind = RunRequest::Kind::kCancel;
   asked.target = request->run();
-  asked.reason = request->reason();
+  asked.reason = CutText(request->reason(), kTextLimits.message_bytes);
   asked.compensates = request->compensate();
   return Ask(ports_, context, std::move(asked), reply);
 }
@@ -74,7 +77,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* WorkflowsService::Pause(grpc::CallbackServerContext* context,
                                                   const v1::PauseRequest* request, v1::PauseReply* reply) {
   RunRequest asked;
-  asked.reason = request->reason();
+  asked.reason = CutText(request->reason(), kTextLimits.message_bytes);
   asked.cancels_commands = request->cancel_commands();
   return PauseOrResume(ports_, context, *request, RunRequest::Kind::kPause, RunRequest::Kind::kPauseWorkflow,
                        std::move(asked), reply);
@@ -125,7 +128,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Settle(grpc::CallbackServerContext* 
   asked.target = request->run();
   asked.node = request->node();
   asked.robot = request->robot();
-  asked.reason = request->reason();
+  asked.reason = CutText(request->reason(), kTextLimits.message_bytes);
   asked.arguments = *std::move(values);
   return Ask(ports_, context, std::move(asked), reply);
 }

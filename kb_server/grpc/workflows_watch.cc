@@ -1,4 +1,6 @@
 // Workflows.Watch: events of runs, read from the feed at the client's pace.
+#include "graph/base/cut_text.h"
+#include "graph/base/text_limits.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_feed_pump.h"
@@ -14,7 +16,7 @@ void ToProto(const RunEvent& event, v1::RunEvent* out) {
   out->set_kind(event.kind);
   out->set_from(event.from);
   out->set_to(event.to);
-  out->set_detail(event.detail);
+  out->set_detail(CutText(event.detail, kTextLimits.listed_text_bytes));
 }
 
 // One client.

@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/cut_text.h"
 #include "graph/base/limits.h"
+#include "graph/base/text_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/number_literal.h"
 #include "graph/rdf/term_check.h"
@@ -13,6 +15,8 @@
 
 namespace docent::proxy {
 namespace {
+
+constexpr size_t kShownName = 200;  // bytes of a name that is refused
 
 CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
   switch (state) {
@@ -53,14 +57,15 @@ CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback, s
   CommandReport report;
   report.command = command;
   report.outcome = OutcomeOf(feedback.state());
-  report.message = feedback.message();
+  report.message = CutText(feedback.message(), kTextLimits.message_bytes);
   report.progress = std::isfinite(feedback.progress()) ? std::clamp(feedback.progress(), 0.0, 1.0) : 0;
   report.incarnation = feedback.incarnation();
   if (feedback.state() == v1::Feedback::SUCCEEDED) {
     for (const v1::NamedTerm& result : feedback.results()) {
       std::optional<Term> term = FromProto(result.value());
       if (const std::string fault = ResultFault(result.name(), term); !fault.empty()) {
-        absl::StrAppend(left_out, left_out->empty() ? "" : "; ", "its result ", result.name(), " ", fault);
+        absl::StrAppend(left_out, left_out->empty() ? "" : "; ", "its result ",
+                        CutText(result.name(), kShownName), " ", fault);
       } else {
         report.results.emplace_back(result.name(), *std::move(term));
       }

@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/cut_text.h"
+#include "graph/base/text_limits.h"
 
 namespace docent::proxy {
 namespace {
 
 constexpr absl::Duration kCallBeyondDeadline = absl::Minutes(1);
+constexpr size_t kShown = 200;  // bytes of a name that an adapter gave
 
 // Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is
 // known.
@@ -126,12 +129,12 @@ void CommandSession::Retry() {
 
 std::string CommandSession::Fault(const v1::Feedback& feedback) const {
   if (!feedback.command_id().empty() && feedback.command_id() != command_.id.value())
-    return absl::StrCat("it is about command ", feedback.command_id());
+    return absl::StrCat("it is about command ", CutText(feedback.command_id(), kShown));
   if (feedback.state() < v1::Feedback::ACCEPTED || feedback.state() > v1::Feedback::CANCELLED)
     return absl::StrCat("its state ", static_cast<int>(feedback.state()), " is not known");
   if (!answers_as_.empty() && !feedback.incarnation().empty() && feedback.incarnation() != answers_as_)
-    return absl::StrCat("it is of incarnation ", feedback.incarnation(), ", and what came before of ",
-                        answers_as_);
+    return absl::StrCat("it is of incarnation ", CutText(feedback.incarnation(), kShown),
+                        ", and what came before of ", answers_as_);
   if (feedback.state() == v1::Feedback::ACCEPTED && running_) return "it says ACCEPTED after RUNNING";
   if (feedback.state() == v1::Feedback::RUNNING && !std::isfinite(feedback.progress()))
     return absl::StrCat("its progress is ", feedback.progress(), ", which is not a finite number");
@@ -300,7 +303,7 @@ CommandReport CommandSession::NewReport(CommandReport::Outcome outcome, std::str
   CommandReport report;
   report.command = command_.id;
   report.outcome = outcome;
-  report.message = std::move(message);
+  report.message = CutText(message, kTextLimits.message_bytes);
   report.incarnation = expected_incarnation_;
   return report;
 }

@@ -42,10 +42,22 @@ std::string ReservationText(const v1::RobotReservation& reservation) {
   return reservation.reason().empty() ? text : absl::StrCat(text, ": ", reservation.reason());
 }
 
+// All robots, a page after the other.
+grpc::Status AllRobots(v1::Fleet::Stub& fleet, v1::ListRobotsReply* all) {
+  v1::ListRobotsRequest request;
+  do {
+    v1::ListRobotsReply page;
+    grpc::ClientContext context;
+    if (grpc::Status status = fleet.List(&context, request, &page); !status.ok()) return status;
+    all->mutable_robots()->MergeFrom(page.robots());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return grpc::Status::OK;
+}
+
 int ListRobots(const ClientOptions& options) {
   v1::ListRobotsReply reply;
-  grpc::ClientContext context;
-  grpc::Status status = v1::Fleet::NewStub(Connect(options))->List(&context, {}, &reply);
+  const grpc::Status status = AllRobots(*v1::Fleet::NewStub(Connect(options)), &reply);
   if (!status.ok()) return Fail(status, options);
   if (options.json) {
     for (const v1::RobotStatus& robot : reply.robots()) PrintJson(robot);
@@ -94,8 +106,7 @@ int FailOf(const grpc::Status& status, const ClientOptions& options, const FactA
 // What the robot goes on with, for people; nothing where the server does not say.
 void SayWork(v1::Fleet::Stub& fleet, const std::string& robot, bool cancels) {
   v1::ListRobotsReply reply;
-  grpc::ClientContext context;
-  if (!fleet.List(&context, {}, &reply).ok()) return;
+  if (!AllRobots(fleet, &reply).ok()) return;
   for (const v1::RobotStatus& each : reply.robots()) {
     if (each.robot() == robot) std::cerr << WorkAfterOut(each, cancels);
   }

@@ -221,6 +221,21 @@ int Watch(const ClientOptions& client, const Presenter& presenter, const std::st
   return reader.status().ok() ? kExitOk : Fail(reader.status(), client);
 }
 
+// So many runs (0: all), a page after the other: the server gives fewer at a time where they are large.
+grpc::Status ListRuns(v1::Workflows::Stub& workflows, v1::ListRunsRequest request, uint32_t limit,
+                      v1::ListRunsReply* all) {
+  do {
+    request.set_page_size(limit == 0 ? 0 : limit - static_cast<uint32_t>(all->runs_size()));
+    v1::ListRunsReply page;
+    grpc::ClientContext context;
+    if (grpc::Status status = workflows.ListRuns(&context, request, &page); !status.ok()) return status;
+    all->mutable_runs()->MergeFrom(page.runs());
+    all->set_next_page_token(page.next_page_token());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty() && (limit == 0 || static_cast<uint32_t>(all->runs_size()) < limit));
+  return grpc::Status::OK;
+}
+
 int ShowRuns(const RunsArguments& arguments) {
   auto stub = v1::Workflows::NewStub(Connect(arguments.client));
   const Presenter presenter(arguments.client);
@@ -229,8 +244,8 @@ int ShowRuns(const RunsArguments& arguments) {
     return CancelRun(arguments.client, arguments.run);
   }
   if (arguments.watch) return Watch(arguments.client, presenter, arguments.run);
-  grpc::ClientContext context;
   if (!arguments.run.empty()) {
+    grpc::ClientContext context;
     v1::GetRunRequest request;
     request.set_run(arguments.run);
     v1::Run run;
@@ -250,10 +265,9 @@ int ShowRuns(const RunsArguments& arguments) {
     FactArguments facts([&] { return ServerNames(arguments.client); });
     request.set_robot(facts.Iri(arguments.robot));
   }
-  request.set_page_size(arguments.limit);
   request.set_page_token(arguments.after);
   v1::ListRunsReply reply;
-  grpc::Status status = stub->ListRuns(&context, request, &reply);
+  grpc::Status status = ListRuns(*stub, request, arguments.limit, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   if (arguments.client.json) {
     for (const v1::Run& run : reply.runs()) PrintJson(run);

@@ -15,15 +15,14 @@ void PrintLines(const char* title, const std::string& text, const Presenter& pre
   if (text.empty()) return;
   std::cout << "    " << title << "\n";
   for (absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
-    if (!absl::StartsWith(line, "PREFIX"))
-      std::cout << "      " << presenter.names().InText(FromAbsl(line)) << "\n";
+    if (!absl::StartsWith(line, "PREFIX")) std::cout << "      " << presenter.Line(FromAbsl(line)) << "\n";
   }
 }
 
 void PrintNode(const v1::Node& node, const Presenter& presenter) {
   std::cout << "  " << node.name() << "  " << presenter.State(node.state());
   if (node.since_us() > 0) std::cout << " since " << LocalTime(node.since_us(), "%H:%M:%S");
-  if (!node.reason().empty()) std::cout << "  (" << presenter.names().InText(node.reason()) << ")";
+  if (!node.reason().empty()) std::cout << "  (" << presenter.Line(node.reason()) << ")";
   std::cout << "\n";
   PrintLines("waits for", node.waits_for(), presenter);
   PrintLines("fired because", node.fired_because(), presenter);
@@ -36,8 +35,7 @@ void PrintNode(const v1::Node& node, const Presenter& presenter) {
     if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
     if (invocation.state() == "running")
       std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
-    if (!invocation.reason().empty())
-      std::cout << "  (" << presenter.names().InText(invocation.reason()) << ")";
+    if (!invocation.reason().empty()) std::cout << "  (" << presenter.Line(invocation.reason()) << ")";
     std::cout << "\n";
     for (const v1::InvocationStep& step : invocation.steps())
       std::cout << "      " << step.step() << "  " << presenter.State(step.state()) << "\n";
@@ -68,7 +66,7 @@ void PrintRun(const v1::Run& run, const Presenter& presenter) {
   std::cout << run.id() << "  " << presenter.State(StateOf(run)) << "  workflow " << run.workflow()
             << "  started " << LocalTime(run.started_us(), "%H:%M:%S");
   if (run.ended_us() > 0) std::cout << "  ended " << LocalTime(run.ended_us(), "%H:%M:%S");
-  if (!run.reason().empty()) std::cout << "  (" << presenter.names().InText(run.reason()) << ")";
+  if (!run.reason().empty()) std::cout << "  (" << presenter.Line(run.reason()) << ")";
   std::cout << "\n";
   for (const v1::NamedTerm& variable : run.variables()) {
     std::cout << "  $" << variable.name() << " = " << presenter.Of(variable.value()) << "\n";
@@ -76,6 +74,7 @@ void PrintRun(const v1::Run& run, const Presenter& presenter) {
   for (const v1::NamedTerm& result : run.results())
     std::cout << "  result " << result.name() << " = " << presenter.Of(result.value()) << "\n";
   for (const v1::Node& node : run.nodes()) PrintNode(node, presenter);
+  if (run.texts_cut()) std::cerr << "long texts, which end with …, are not shown whole; a query gives them\n";
 }
 
 }  // namespace docent::server
