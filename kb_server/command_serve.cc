@@ -10,6 +10,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/settings_file.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/door/descriptors.h"
 #include "kb_server/grpc/one_callback_thread.h"
 #include "kb_server/server.h"
@@ -21,7 +22,7 @@ namespace {
 
 void ShowProgress(uint64_t done, uint64_t all) {
   if (isatty(STDERR_FILENO) == 0) return;
-  std::cerr << "\rreplaying the log: " << done << " of " << all << (done == all ? "\n" : "") << std::flush;
+  PrintProgress(absl::StrCat("replaying the log: ", done, " of ", all, done == all ? "\n" : ""));
 }
 
 int Serve(const ServerSettings& settings) {

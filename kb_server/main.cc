@@ -11,11 +11,13 @@
 #include "graph/command_line/program.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/services/service_commands.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/cli/visit/visit_command.h"
 
 int main(int argc, char** argv) {
   docent::PrepareStandardStreams();
   docent::SetMutexChecks();
+  const docent::server::SafeOutput safe_output;
   setenv("GRPC_VERBOSITY", "NONE", 0);  // what gRPC would log reaches people through our own errors
   // librdf must not load our own storage module into ourselves
   setenv("REDLAND_MODULE_PATH", "/dev/null", 1);

@@ -6,6 +6,7 @@
 
 #include "graph/rdf/formats/serializer.h"
 #include "kb_server/cli/client.h"
+#include "kb_server/cli/terminal.h"
 
 namespace docent::server {
 
@@ -24,7 +25,7 @@ void AnswerPrinter::Row(const std::vector<std::optional<Term>>& terms) {
   ++rows_;
   if (writer_) {
     writer_->Row(terms);
-    std::cout << text_;
+    PrintForPrograms(text_);
     text_.clear();
     return;
   }
@@ -41,11 +42,11 @@ int AnswerPrinter::End(uint64_t revision) {
   }
   if (writer_) {
     writer_->End();
-    std::cout << text_;
+    PrintForPrograms(text_);
   } else if (!triples_.empty()) {
     auto turtle = SerializeRdf(triples_, RdfFormat::kTurtle, UsedPrefixes());
     if (!turtle.ok()) return Fail(turtle.status());
-    std::cout << *turtle;
+    PrintForPrograms(*turtle);
   } else if (table_) {
     PrintTable();
     std::cerr << rows_ << (rows_ == 1 ? " row" : " rows") << ", revision " << revision << "\n";

@@ -15,6 +15,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 #include "graph/wire/term_proto.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/presenter.h"
 
 namespace docent::server {
@@ -143,7 +144,7 @@ void PrintJson(const google::protobuf::Message& message) {
   std::string json;
   // It fails for Any and the like of unknown types alone, which the API does not have.
   (void)google::protobuf::util::MessageToJsonString(message, &json, options);
-  std::cout << json << std::endl;
+  std::cout << PrintableJson(json) << std::endl;
 }
 
 void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {

@@ -16,6 +16,7 @@
 #include "kb_server/cli/check_files.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/text_file.h"
 #include "kb_server/door/operation_signature.h"
 #include "kb_server/door/parsed_document.h"
@@ -276,7 +277,7 @@ class Checker {
                   const std::string& text) {
     if (arguments_.json) {
       nlohmann::json object = {{"file", file}, {"place", place}, {kind, text}};
-      std::cout << object.dump() << "\n";
+      std::cout << PrintableJson(object.dump()) << "\n";
     } else {
       std::cout << "# " << place << "\n" << text << "\n\n";
     }
@@ -330,7 +331,8 @@ class Checker {
         for (const TextEdit& edit : d.fix)
           object["fix"].push_back(
               {{"offset", edit.offset}, {"length", edit.length}, {"replacement", edit.replacement}});
-        std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+        std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+                  << "\n";
       }
       return;
     }

@@ -9,6 +9,7 @@
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/cli/text_file.h"
 #include "workflow/xml/formatter.h"
 
@@ -59,7 +60,7 @@ class FileFormatter {
       return absl::OkStatus();
     }
     if (standard_input) {
-      std::cout << formatted.text;
+      PrintForPrograms(formatted.text);
       return absl::OkStatus();
     }
     if (same) return absl::OkStatus();

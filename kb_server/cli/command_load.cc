@@ -18,8 +18,10 @@
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/part_loader.h"
+#include "kb_server/cli/terminal.h"
 #include "nlohmann/json.hpp"
 
 namespace docent::server {
@@ -168,8 +170,7 @@ class Loader {
     request.set_graph(facts_.Iri(arguments_.graph));
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
-      if (terminal)
-        std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
+      if (terminal) PrintProgress(absl::StrCat(ProgressBar(bytes, document->bytes), " ", rate(bytes), "   "));
     });
     if (terminal) std::cerr << "\n";
     if (!outcome.status.ok()) {
@@ -193,7 +194,7 @@ class Loader {
   }
 
   static int Report(const nlohmann::json& object) {
-    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
     return kExitOk;
   }
 

@@ -15,6 +15,7 @@
 #include "graph/rdf/iri.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/cli/text_file.h"
 #include "maps/import/map_import.h"
 
@@ -50,7 +51,7 @@ int Import(const ImportArguments& arguments) {
   }
   std::cerr << hall->warnings;
   if (arguments.out.empty()) {
-    std::cout << hall->turtle;
+    PrintForPrograms(hall->turtle);
     return kExitOk;
   }
   if (absl::Status written = WriteFile(arguments.out, hall->turtle); !written.ok()) return Fail(written);

@@ -13,6 +13,7 @@
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/presenter.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
@@ -54,7 +55,7 @@ void PrintModuleJson(const v1::ListOntologiesReply::Module& module) {
       {"version", module.version_info()}};
   object["missing_imports"] =
       std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
-  std::cout << object.dump() << "\n";
+  std::cout << PrintableJson(object.dump()) << "\n";
 }
 
 int List(const OntologyArguments& arguments) {
@@ -111,7 +112,7 @@ int Load(const OntologyArguments& arguments, v1::LoadRequest::Mode mode) {
                                {"removed", reply.removed()},
                                {"inferred", reply.inferred()},
                                {"revision", reply.revision()}};
-      std::cout << object.dump() << "\n";
+      std::cout << PrintableJson(object.dump()) << "\n";
       continue;
     }
     std::cout << request->name() << ": " << reply.added() << " added, " << reply.removed() << " removed, "
@@ -248,7 +249,7 @@ int Diff(const OntologyArguments& arguments) {
                              {"added", AsJson(diff.added)},
                              {"version_before", old_version.version_info},
                              {"version_after", new_version.version_info}};
-    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
     return diff.empty() ? kExitOk : kExitNegative;
   }
   const std::string from = VersionText(old_version.version_info, old_version.version_iri);

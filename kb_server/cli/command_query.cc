@@ -9,6 +9,7 @@
 #include "kb_server/cli/answer_printer.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/presenter.h"
 #include "kb_server/cli/query_with_rasqal.h"
 #include "kb_server/grpc/convert.h"
@@ -40,7 +41,8 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
       revision = header.revision();
       if (arguments.explain) {
         if (arguments.format == "json") {
-          std::cout << nlohmann::json{{"revision", revision}, {"plan", header.plan()}}.dump() << "\n";
+          std::cout << PrintableJson(nlohmann::json{{"revision", revision}, {"plan", header.plan()}}.dump())
+                    << "\n";
           continue;
         }
         std::cout << header.plan();

@@ -10,6 +10,7 @@
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
 #include "kb_server/cli/presenter.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/rules/rule_sets.h"
@@ -138,7 +139,7 @@ class RulesClient {
 
  private:
   static int Report(const nlohmann::json& object) {
-    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
     return kExitOk;
   }
 

@@ -15,6 +15,8 @@
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
 #include "kb_server/turn/spatial_functions.h"
@@ -47,7 +49,7 @@ std::vector<std::pair<std::string, std::string>> ReportPrefixes() {
 int PrintRdf(const std::vector<TermQuad>& report, bool conforms) {
   auto text = SerializeRdf(report, RdfFormat::kTurtle, ReportPrefixes());
   if (!text.ok()) return Fail(text.status());
-  std::cout << *text;
+  PrintForPrograms(*text);
   return conforms ? kExitOk : kExitNegative;
 }
 
@@ -65,7 +67,7 @@ void PrintResultJson(const shapes::ResultText& r) {
     object["shape_line"] = r.shape_line;
     object["shape_column"] = r.shape_column;
   }
-  std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
 }
 
 void PrintEnd(bool json, bool conforms, uint64_t total, uint64_t focus_nodes, const std::string& summary) {

@@ -6,9 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/str_cat.h"
 #include "graph/log/folder_check.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/display_width.h"
+#include "kb_server/cli/terminal.h"
 
 namespace docent::server {
 namespace {
@@ -20,7 +23,7 @@ struct VerifyArguments {
 
 void ShowChecked(uint64_t done, uint64_t all) {
   if (isatty(STDERR_FILENO) == 0) return;
-  std::cerr << "\rchecking records: " << done << " of " << all << (done == all ? "\n" : "") << std::flush;
+  PrintProgress(absl::StrCat("checking records: ", done, " of ", all, done == all ? "\n" : ""));
 }
 
 int Verify(const VerifyArguments& arguments) {
@@ -31,7 +34,7 @@ int Verify(const VerifyArguments& arguments) {
                                  {"last", report->last},
                                  {"snapshots", report->snapshots},
                                  {"faults", report->faults}};
-    std::cout << json.dump() << "\n";
+    std::cout << PrintableJson(json.dump()) << "\n";
   } else if (report->sound()) {
     std::cout << report->database << ": records " << report->first << " to " << report->last << " are whole; "
               << report->snapshots.size() << (report->snapshots.size() == 1 ? " snapshot" : " snapshots")

@@ -11,6 +11,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
+#include "kb_server/cli/terminal.h"
 
 namespace docent::server {
 namespace {
@@ -66,7 +67,7 @@ std::string AskOf(const TermQuad& fact) {
 void Print(const v1::ExplainReply& reply, const WhyArguments& arguments, const Presenter& presenter) {
   if (arguments.client.json) return PrintJson(reply);
   if (arguments.prov && !reply.prov().empty())
-    std::cout << reply.prov();
+    PrintForPrograms(reply.prov());
   else
     std::cout << presenter.names().InText(reply.text());
   std::cerr << "revision " << reply.revision() << "\n";

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "absl/strings/str_format.h"
 #include "graph/base/text.h"
 #include "graph/rdf/utf8.h"
 
@@ -30,8 +31,35 @@ size_t WidthOf(char32_t c) {
   return width == U_EA_FULLWIDTH || width == U_EA_WIDE ? 2 : 1;
 }
 
-bool ChangesDirection(char32_t c) {
-  return (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+// Control characters of ASCII and ISO 8859-1; marks of the direction of writing (Unicode Standard Annex 9); what breaks lines
+// (U+2028, U+2029), and what is not seen at all (U+FEFF, tags).
+bool CommandsTerminal(char32_t c) {
+  return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x61C || c == 0x200E || c == 0x200F ||
+         (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF ||
+         (c >= 0xE0000 && c <= 0xE007F);
+}
+
+// The text with `instead` for each character that commands a terminal, or U+FFFD
+// for a byte that is not UTF-8.
+template <typename Instead>
+std::string Rewritten(std::string_view text, const Instead& instead) {
+  std::string out;
+  while (!text.empty()) {
+    const std::optional<size_t> invalid = FindInvalidUtf8(text);
+    const std::string_view good = text.substr(0, invalid.value_or(text.size()));
+    for (size_t at = 0; at < good.size();) {
+      const size_t begin = at;
+      const char32_t c = NextCodePoint(good, &at);
+      if (CommandsTerminal(c))
+        out += instead(c);
+      else
+        out += good.substr(begin, at - begin);
+    }
+    if (!invalid) break;
+    out += kReplacement;
+    text.remove_prefix(*invalid + 1);
+  }
+  return out;
 }
 
 }  // namespace
@@ -56,26 +84,24 @@ std::string CutToWidth(std::string_view text, size_t columns) {
 }
 
 std::string Printable(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const std::optional<size_t> invalid = FindInvalidUtf8(text);
-    const std::string_view good = text.substr(0, invalid.value_or(text.size()));
-    for (size_t at = 0; at < good.size();) {
-      const size_t begin = at;
-      const char32_t c = NextCodePoint(good, &at);
-      if (c == '\n' || c == '\r' || c == '\t') {
-        out += ' ';
-      } else if (c < 0x20 || (c >= 0x7F && c < 0xA0) || ChangesDirection(c)) {
-        out += kReplacement;
-      } else {
-        out += good.substr(begin, at - begin);
-      }
-    }
-    if (!invalid) break;
-    out += kReplacement;
-    text.remove_prefix(*invalid + 1);
-  }
-  return out;
+  return Rewritten(text, [](char32_t c) -> std::string_view {
+    return c == '\n' || c == '\r' || c == '\t' ? " " : kReplacement;
+  });
+}
+
+std::string PrintableLines(std::string_view text) {
+  return Rewritten(text, [](char32_t c) -> std::string_view {
+    return c == '\n' ? "\n" : c == '\t' ? "\t" : kReplacement;
+  });
+}
+
+std::string PrintableJson(std::string_view json) {
+  return Rewritten(json, [](char32_t c) -> std::string {
+    if (c == '\n') return "\n";
+    if (c < 0x10000) return absl::StrFormat("\\u%04x", static_cast<unsigned>(c));
+    const auto above = static_cast<unsigned>(c - 0x10000);  // RFC 8259, section 7: a surrogate pair
+    return absl::StrFormat("\\u%04x\\u%04x", 0xD800 + (above >> 10), 0xDC00 + (above & 0x3FF));
+  });
 }
 
 }  // namespace docent::server

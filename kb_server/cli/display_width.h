@@ -16,8 +16,14 @@ size_t DisplayWidth(std::string_view text);
 std::string CutToWidth(std::string_view text, size_t columns);
 
 // The text on one line and safe for a terminal: line breaks and tabs as spaces, other control characters, and those that
-// change the direction of writing, as U+FFFD; so are bytes that are not UTF-8.
+// change the direction of writing or hide text, as U+FFFD; so are bytes that are not UTF-8.
 std::string Printable(std::string_view text);
+
+// The same of several lines: line breaks and tabs stay.
+std::string PrintableLines(std::string_view text);
+
+// JSON with these characters as \uXXXX, which means the same. Line breaks stay: they are none of its values.
+std::string PrintableJson(std::string_view json);
 
 }  // namespace docent::server
 

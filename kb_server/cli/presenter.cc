@@ -52,6 +52,10 @@ std::string Presenter::Cut(std::string_view text, size_t columns) const {
   return full_ ? line : CutToWidth(line, columns);
 }
 
+std::string Presenter::Line(std::string_view text) const {
+  return Printable(names_.InText(text));
+}
+
 std::string Presenter::State(std::string_view state) const {
   return terminal_.In(StyleOfState(state), state);
 }

@@ -41,6 +41,8 @@ class Presenter {
   std::string Cut(std::string_view text, size_t columns) const;
   // The same of a text of the server for people, whose IRIs are named.
   std::string Text(std::string_view text, size_t columns) const { return Cut(names_.InText(text), columns); }
+  // The same, never cut.
+  std::string Line(std::string_view text) const;
   std::string State(std::string_view state) const;
 
  private:

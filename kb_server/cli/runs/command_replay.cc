@@ -92,7 +92,7 @@ int Save(const SaveArguments& arguments) {
   if (!status.ok()) return Fail(status, arguments.client);
   for (const std::string& warning : reply.warnings()) std::cerr << "docent: warning: " << warning << "\n";
   if (arguments.to.empty() || arguments.to == "-") {
-    std::cout << reply.saved();
+    PrintForPrograms(reply.saved());
     return kExitOk;
   }
   std::ofstream(arguments.to, std::ios::app);  // a file that is not there yet begins empty

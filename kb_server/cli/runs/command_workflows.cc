@@ -76,7 +76,7 @@ class WorkflowsClient {
     if (arguments_.client.json)
       PrintJson(*version);
     else
-      std::cout << version->text();
+      PrintForPrograms(version->text());
     return kExitOk;
   }
 

@@ -61,19 +61,18 @@ void PrintAsk(const std::string& indent, const std::string& ask, const std::stri
   std::cout << indent << "waits for\n";
   for (absl::string_view line : absl::StrSplit(ask, '\n', absl::SkipEmpty())) {
     if (!absl::StartsWith(line, "PREFIX"))
-      std::cout << indent << "  " << presenter.names().InText(FromAbsl(line)) << "\n";
+      std::cout << indent << "  " << presenter.Line(FromAbsl(line)) << "\n";
   }
-  if (!missing.empty()) std::cout << indent << "lacks " << presenter.names().InText(missing) << "\n";
+  if (!missing.empty()) std::cout << indent << "lacks " << presenter.Line(missing) << "\n";
 }
 
 void PrintNode(const v1::ReplayedNode& node, const Presenter& presenter, const std::string& indent) {
-  const IriNames& names = presenter.names();
   std::cout << indent << NameOf(node) << "\n";
   for (const v1::ReplayDifference& difference : node.differences()) {
     std::cout << indent << "  turn " << difference.turn() << ", " << difference.kind() << "\n";
     std::cout << indent << "    recorded: "
-              << (difference.recorded().empty() ? "nothing" : names.InText(difference.recorded())) << "\n";
-    std::cout << indent << "    replayed: " << names.InText(difference.replayed()) << "\n";
+              << (difference.recorded().empty() ? "nothing" : presenter.Line(difference.recorded())) << "\n";
+    std::cout << indent << "    replayed: " << presenter.Line(difference.replayed()) << "\n";
   }
   PrintAsk(indent + "  ", node.waits_for(), node.missing(), presenter);
 }
@@ -87,10 +86,10 @@ void PrintDifferences(const v1::ReplayReply& reply, const Presenter& presenter, 
   if (!reply.stopped().empty()) {
     std::cout << indent << "the replay ended in turn " << reply.stopped_turn();
     if (!reply.stopped_node().empty()) std::cout << " at " << reply.stopped_node();
-    std::cout << ": " << presenter.names().InText(reply.stopped()) << "\n";
+    std::cout << ": " << presenter.Line(reply.stopped()) << "\n";
   }
   for (const std::string& note : reply.notes())
-    std::cout << indent << "note: " << presenter.names().InText(note) << "\n";
+    std::cout << indent << "note: " << presenter.Line(note) << "\n";
 }
 
 void PrintReplay(const v1::ReplayReply& reply, const Presenter& presenter) {
@@ -108,8 +107,7 @@ void PrintReplay(const v1::ReplayReply& reply, const Presenter& presenter) {
       std::cout << NameOf(node) << "  the same: " << StatesOf(node.replayed(), presenter) << "\n";
   }
   if (!reply.same()) return;
-  for (const std::string& note : reply.notes())
-    std::cout << "note: " << presenter.names().InText(note) << "\n";
+  for (const std::string& note : reply.notes()) std::cout << "note: " << presenter.Line(note) << "\n";
 }
 
 void PrintTrial(const v1::TryNodeRequest& request, const v1::TryNodeReply& reply,
@@ -124,8 +122,8 @@ void PrintTrial(const v1::TryNodeRequest& request, const v1::TryNodeReply& reply
   for (const v1::ReplayStep& command : reply.commands())
     std::cout << "  would send " << Call(command, presenter) << "\n";
   if (!reply.pending().empty())
-    std::cout << "  sends nothing yet: " << presenter.names().InText(reply.pending()) << "\n";
-  if (reply.state() == "failed") std::cout << "  fails: " << presenter.names().InText(reply.reason()) << "\n";
+    std::cout << "  sends nothing yet: " << presenter.Line(reply.pending()) << "\n";
+  if (reply.state() == "failed") std::cout << "  fails: " << presenter.Line(reply.reason()) << "\n";
   PrintAsk("  ", reply.waits_for(), reply.missing(), presenter);
 }
 

@@ -6,6 +6,7 @@
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/services/service_commands.h"
+#include "kb_server/cli/terminal.h"
 
 namespace docent::server {
 namespace {
@@ -36,7 +37,7 @@ int GenerateServices(const ServiceArguments& arguments) {
     PrintJson(reply);
     return kExitOk;
   }
-  std::cout << reply.rsel();
+  PrintForPrograms(reply.rsel());
   PrintDiagnostics(reply.diagnostics());
   return kExitOk;
 }

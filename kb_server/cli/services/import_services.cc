@@ -5,6 +5,7 @@
 #include "docent/v1/robot_services.pb.h"
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/services/service_commands.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/grpc/template_proto.h"
 #include "kb_server/imports/service_import.h"
 #include "workflow/templates/wsdl_reader.h"
@@ -39,7 +40,7 @@ int ImportServices(const ServiceArguments& arguments) {
   if (arguments.client.json) {
     for (const v1::NodeTemplate& one : reply.templates()) PrintJson(one);
   } else {
-    for (const v1::NodeTemplate& one : reply.templates()) std::cout << one.cawl();
+    for (const v1::NodeTemplate& one : reply.templates()) PrintForPrograms(one.cawl());
   }
   PrintDiagnostics(reply.diagnostics());
   return kExitOk;

@@ -43,7 +43,7 @@ int InvokeService(const ServiceArguments& arguments) {
     std::cout << reply.run() << "  " << reply.step() << "  " << reply.state();
     if (reply.message().empty() && !reply.final())
       std::cout << "  " << static_cast<int>(reply.progress() * 100) << " %";
-    if (!reply.message().empty()) std::cout << "  " << presenter.names().InText(reply.message());
+    if (!reply.message().empty()) std::cout << "  " << presenter.Line(reply.message());
     std::cout << "\n";
     for (const v1::NamedTerm& result : reply.results()) {
       if (const std::optional<Term> value = FromProto(result.value()))

@@ -55,7 +55,7 @@ int ShowText(const ServiceArguments& arguments, const std::string& document) {
   if (arguments.client.json)
     PrintJson(*version);
   else
-    std::cout << version->text();
+    PrintForPrograms(version->text());
   return kExitOk;
 }
 

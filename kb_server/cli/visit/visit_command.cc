@@ -12,6 +12,7 @@
 #include "graph/base/text.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/terminal.h"
 #include "kb_server/web/visit_code.h"
 
 namespace docent::server {
@@ -39,7 +40,7 @@ absl::Status WriteCode(const QrArguments& arguments, const std::string& booth) {
       QrCodeSvg(*address, arguments.label.empty() ? booth : arguments.label);
   if (!svg.ok()) return svg.status();
   if (arguments.folder.empty()) {
-    std::cout << *svg;
+    PrintForPrograms(*svg);
     return absl::OkStatus();
   }
   const std::filesystem::path file = std::filesystem::path(arguments.folder) / FileName(booth);

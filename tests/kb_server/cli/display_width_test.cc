@@ -41,6 +41,14 @@ TEST(DisplayWidthTest, WhatIsPrintedCannotCommandATerminal) {
                       "b\xC3"),
             "a�b�");  // not UTF-8
   EXPECT_EQ(Printable("Zähler 展"), "Zähler 展");
+  EXPECT_EQ(Printable("a\u200Fb\u2028c\uFEFF"), "a�b�c�");
+  EXPECT_EQ(Printable("a\u200Db"), "a\u200Db");  // joins the letters of some scripts
+  EXPECT_EQ(PrintableLines("a\n\tb\r\x1b]0;x\x07"), "a\n\tb��]0;x�");
+}
+
+TEST(DisplayWidthTest, JsonMeansTheSameAfterwards) {
+  EXPECT_EQ(PrintableJson("{\"a\": \"ä\u202Eb\x7F\"}\n"), "{\"a\": \"ä\\u202eb\\u007f\"}\n");
+  EXPECT_EQ(PrintableJson("\U000E0041"), "\\udb40\\udc41");
 }
 
 }  // namespace
