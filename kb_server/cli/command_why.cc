@@ -7,6 +7,7 @@
 #include "absl/strings/str_split.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
+#include "graph/base/cut_text.h"
 #include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
@@ -80,7 +81,7 @@ std::string OpenedBecause(const v1::Run& run, const std::string& only) {
     if (!only.empty() && node.name() != only) continue;
     if (node.fired_because().empty() && node.reason().empty()) continue;
     absl::StrAppend(&text, "  ", node.name(), " is ", node.state(),
-                    node.reason().empty() ? "" : absl::StrCat(": ", node.reason()), "\n");
+                    node.reason().empty() ? "" : absl::StrCat(": ", OneLine(node.reason())), "\n");
     for (absl::string_view fact : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty()))
       absl::StrAppend(&text, "    opened because ", fact, "\n");
   }

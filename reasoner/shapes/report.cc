@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/cut_text.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 
@@ -201,7 +202,7 @@ std::string Render(const ResultText& result) {
   std::string out;
   if (!result.file.empty()) absl::StrAppend(&out, result.file, ":", result.line, ":", result.column, ": ");
   absl::StrAppend(&out, result.severity, ": ", result.focus, result.path.empty() ? "" : " ", result.path,
-                  result.value.empty() ? "" : " ", result.value, ": ", result.message, "\n");
+                  result.value.empty() ? "" : " ", result.value, ": ", OneLine(result.message), "\n");
   for (const std::string& detail : result.details) absl::StrAppend(&out, "    ", detail, "\n");
   absl::StrAppend(&out, "  shape ", result.shape, ", ", result.component);
   if (!result.shape_file.empty()) {

@@ -7,6 +7,7 @@ from docent_e2e import StageTest, stage
 
 EXPO = "https://w3id.org/docent/expo#"
 HOSTILE = "x\x1b]0;title\x07\x1b[31mRED\x1b[2J\u202egnp\u200f\x9b1m\r\nFORGED-1  done"
+LINE = HOSTILE.replace("\n", "")
 FORBIDDEN = {chr(c) for c in range(0x20) if chr(c) not in "\n\t"} | {chr(c) for c in range(0x7F, 0xA0)} | set("\u202e\u200f")
 WORKFLOW = """<CAWL name="W" version="1.0" xmlns:ext="https://w3id.org/docent/cawl-ext#" xmlns:expo="https://w3id.org/docent/expo#">
   <flow name="W">
@@ -52,7 +53,7 @@ class HostileText(StageTest):
                           ["query", "ASK { <urn:a> <urn:b> \x1b[2J }"], ["why", f"<{EXPO}R1> <{EXPO}says> ?x"],
                           ["whynot", f"<{EXPO}R1> <{EXPO}says> {in_turtle(HOSTILE)}, 1"], ["update", f"INSERT \x1b[2J\u202e"],
                           ["load", broken], ["check", broken], ["validate", "--shapes", shapes, data],
-                          ["run", HOSTILE], ["runs", HOSTILE], ["workflows"], ["services"], ["robots", "in", HOSTILE]):
+                          ["run", LINE], ["runs", LINE], ["workflows"], ["services"], ["robots", "in", LINE]):
             with self.subTest(arguments=arguments):
                 self.assert_harmless(server.run(*arguments), arguments)
 
