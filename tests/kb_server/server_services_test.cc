@@ -382,11 +382,14 @@ TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndThe
   ScriptedAdapter adapter;
   MustTell(kStates);
   ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
-  // each command's event is larger than what gRPC takes for a client that does not read
-  std::string invoke = "<invoke operation=\"greet\"><input part=\"text\" value=\"&quot;" +
-                       std::string(300000, 'x') + "&quot;\"/></invoke>";
+  // the events of the commands are together larger than what gRPC takes for a client that does not read
+  std::string invokes;
+  for (int i = 0; i < 100; ++i) {
+    absl::StrAppend(&invokes, "<invoke operation=\"greet\"><input part=\"text\" value=\"&quot;",
+                    std::string(5000, 'x'), "&quot;\"/></invoke>");
+  }
   ASSERT_TRUE(Register("<rsel name=\"Talks\" namespace=\"urn:w:\" version=\"1.0\"><process name=\"talk\">" +
-                       invoke + invoke + invoke + "</process></rsel>")
+                       invokes + "</process></rsel>")
                   .ok());
   v1::InvokeServiceRequest request;
   request.set_name("talk");
