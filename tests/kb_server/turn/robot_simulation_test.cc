@@ -493,9 +493,12 @@ class Simulation {
         const auto holder = held_before.find(robot);
         may = may || (holder != held_before.end() && holder->second == root);
       }
+      for (const auto& [id, other] : under_way_)  // also what it got before in this turn
+        may = may || (other.root == root && one.robots.contains(other.command.robot));
       EXPECT_TRUE(may) << command.id.value() << " of run " << root << ", of priority " << rank << ", to "
                        << command.robot.value() << ", which is kept by " << one.iri << " for " << one.kept_for
-                       << ", with priority " << one.priority;
+                       << ", with priority " << one.priority << ", until " << one.until_us << " of "
+                       << now_us_ << ", with " << one.robots.size() << " robots";
     }
   }
 
