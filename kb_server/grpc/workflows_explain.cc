@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text_limits.h"
@@ -50,8 +51,12 @@ class ConditionAsker {
     answer.holds = why_not->holds;
     if (!answer.holds) {
       if (why_not->repairs.empty()) return answer;
-      answer.missing = explain::ChangesText(why_not->repairs.front(), {});
-      answer.remarks = explain::RemarksText(why_not->repairs.front(), {});
+      explain::Repair& repair = why_not->repairs.front();
+      answer.missing = explain::ChangesText(repair, {});
+      // what the compiler of conditions asks of events beside the document's own words
+      std::erase_if(repair.conditions,
+                    [](const std::string& condition) { return absl::StrContains(condition, "?_event"); });
+      answer.remarks = explain::RemarksText(repair, {});
       return answer;
     }
     auto proof = (*explainer)->WhyAsk(parsed.query);
