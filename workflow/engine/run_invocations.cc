@@ -361,6 +361,9 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
     command.idempotent = offer->idempotent;
     occupies = offer->occupies;
   }
+  // The robot may describe the operation otherwise than when the invocation began: it occupies what its command does.
+  invocation.occupies = Both(invocation.occupies, occupies);
+  core_.ledger.Begin(invocation.robot, {run_.id, node, index}, invocation.occupies);
   invocation.step = instruction.label;
   invocation.progress = 0;
   core_.commands[command.id.value()] = {run_.id, node, index};
