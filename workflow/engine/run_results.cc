@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "graph/rdf/utf8.h"
+#include "graph/base/cut_text.h"
 #include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/run_values.h"
@@ -28,13 +28,6 @@ namespace {
 constexpr size_t kMostResults = 1000;  // of one invocation
 constexpr size_t kShownBytes = 60;
 
-// Whole characters.
-std::string_view Beginning(std::string_view text) {
-  return text.size() <= kShownBytes
-             ? text
-             : text.substr(0, FindInvalidUtf8(text.substr(0, kShownBytes)).value_or(kShownBytes));
-}
-
 }  // namespace
 
 // What cannot be a variable of a run is refused: a name of other characters, and what is beyond kMostResults.
@@ -47,11 +40,11 @@ void RunStepper::RefuseNames(const std::string& subject, TermBinding* results) {
     return true;
   });
   if (refused.empty()) return;
-  core_.Say(subject, "running", "running",
-            absl::StrCat(refused.size(), " results are refused, the first is \"",
-                         std::string(Beginning(refused[0])),
-                         "\": the name of a variable has letters (a-z), digits and _, and there are at most ",
-                         kMostResults));
+  core_.Say(
+      subject, "running", "running",
+      absl::StrCat(refused.size(), " results are refused, the first is \"", CutText(refused[0], kShownBytes),
+                   "\": the name of a variable has letters (a-z), digits and _, and there are at most ",
+                   kMostResults));
 }
 
 // The variables that results of an invocation become: those that its ext:output name, or the variables of their names. One that
