@@ -68,15 +68,6 @@ void RunStepper::TakeDoneSteps(const RunId& id) {
   }
 }
 
-bool RunStepper::HasDoneSteps() const {
-  if (!run_.done_steps.empty()) return true;
-  const auto nested = core_.nested.find(run_.id);
-  return nested != core_.nested.end() &&
-         std::any_of(nested->second.begin(), nested->second.end(), [this](const RunId& id) {
-           return RunStepper(&core_, &core_.runs.at(id)).HasDoneSteps();
-         });
-}
-
 // Of this run and of those that are nested in it, which keep none.
 std::vector<DoneStep> RunStepper::DrainDoneSteps() {
   std::vector<DoneStep> steps = std::move(run_.done_steps);
@@ -93,16 +84,21 @@ std::vector<DoneStep> RunStepper::DrainDoneSteps() {
   return steps;
 }
 
-// What is under way is cancelled, and what is done is undone; then the run ends as `outcome`.
-void RunStepper::EndAndUndo(WorkState outcome, const std::string& reason) {
-  if (!GoesOn()) return;
+// What is under way is cancelled, and what is done is undone; then the run ends as `outcome`. False: there is nothing to undo.
+bool RunStepper::BeginUndo(WorkState outcome, const std::string& reason) {
+  NoteDoneOfRunning();
   std::vector<DoneStep> steps = DrainDoneSteps();
-  if (steps.empty()) return End(outcome, reason);
+  if (steps.empty()) return false;
   run_.undoing = Undoing{outcome, reason, std::move(steps), {}, {}, {}};
   for (size_t i = 0; i < run_.nodes.size(); ++i) CancelNode(i, reason);
   run_.reason = absl::StrCat(reason, "; what it did is being undone");
   core_.Say(run_.id.value(), "running", "running", run_.reason);
   core_.touched.insert(run_.id);
+  return true;
+}
+
+void RunStepper::EndAndUndo(WorkState outcome, const std::string& reason) {
+  if (GoesOn() && !BeginUndo(outcome, reason)) End(outcome, reason);
 }
 
 // The next step to be undone, if none is under way.

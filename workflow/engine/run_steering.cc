@@ -101,9 +101,7 @@ void Cancel(Engine::Core* core, const RunId& id, const RunRequest& request) {
   Run* run = core->Mutable(id);
   if (run == nullptr) return;
   if (!request.compensates) return core->Cancel(id, reason);
-  RunStepper stepper(core, run);
-  stepper.NoteDoneOfRunning();
-  stepper.EndAndUndo(WorkState::kCancelled, reason);
+  RunStepper(core, run).EndAndUndo(WorkState::kCancelled, reason);
   run->pause.reset();
   RefreshPauses(core, core->RootOf(*run));
 }

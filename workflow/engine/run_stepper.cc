@@ -441,10 +441,7 @@ bool RunStepper::CheckEnd() {
 
 void RunStepper::End(WorkState state, const std::string& why) {
   if (run_.state != WorkState::kRunning) return;
-  if (state == WorkState::kFailed && GoesOn()) {
-    NoteDoneOfRunning();
-    if (HasDoneSteps()) return EndAndUndo(state, why);
-  }
+  if (state == WorkState::kFailed && GoesOn() && BeginUndo(state, why)) return;
   const std::string reason = run_.undoing ? EndUndoing(why) : why;
   run_.state = state;  // first: what is cancelled below must not go on
   core_.ended.insert(run_.id);

@@ -173,7 +173,7 @@ class RunStepper {
   bool GoesOn() const { return run_.state == WorkState::kRunning && !run_.undoing; }
   void NoteDone(size_t index);
   void TakeDoneSteps(const RunId& child);
-  bool HasDoneSteps() const;
+  bool BeginUndo(WorkState outcome, const std::string& reason);
   std::vector<DoneStep> DrainDoneSteps();
   void Undo();
   bool StepUndone(const Run& child);
