@@ -11,6 +11,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
 #include "kb_server/robots/capability_classes.h"
+#include "kb_server/robots/operation_facts.h"
 #include "kb_server/robots/reservations.h"
 
 namespace docent::server {
@@ -64,54 +65,6 @@ const std::vector<engine::Reservation>& GraphRobotDirectory::ReservationsOf(cons
   return of_robot == reservations_->end() ? kNone : of_robot->second;
 }
 
-// What the robot says in its own graph; other robots may do an operation of that name otherwise.
-std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId operation, TermId robot) const {
-  const std::optional<TermId> known = dictionary_.FindIri(DocentIri("inputsKnown")),
-                              input = dictionary_.FindIri(DocentIri("input")),
-                              yes = dictionary_.Find(Term::Boolean(true));
-  if (!known || !input || !yes || !version_->ContainsMatch({operation, *known, *yes, robot}))
-    return std::nullopt;
-  std::vector<std::string> inputs;
-  version_->ForEach({operation, *input, {}, robot}, [&](const Quad& quad) {
-    inputs.push_back(dictionary_.Decode(quad.object).lexical);
-    return true;
-  });
-  std::sort(inputs.begin(), inputs.end());
-  return inputs;
-}
-
-std::map<std::string, std::string> GraphRobotDirectory::InputTypesOf(TermId operation, TermId robot) const {
-  std::map<std::string, std::string> types;
-  const std::optional<TermId> part = dictionary_.FindIri(DocentIri("inputPart")),
-                              name = dictionary_.FindIri(DocentIri("partName")),
-                              type = dictionary_.FindIri(DocentIri("partType"));
-  if (!part || !name || !type) return types;
-  const auto object = [&](TermId subject, TermId property) {
-    std::string text;
-    version_->ForEach({subject, property, {}, robot}, [&](const Quad& quad) {
-      text = dictionary_.Decode(quad.object).lexical;
-      return false;
-    });
-    return text;
-  };
-  version_->ForEach({operation, *part, {}, robot}, [&](const Quad& quad) {
-    types[object(quad.object, *name)] = object(quad.object, *type);
-    return true;
-  });
-  return types;
-}
-
-engine::Occupation GraphRobotDirectory::OccupationOf(TermId operation, TermId robot) const {
-  engine::Occupation occupies;
-  const std::optional<TermId> property = dictionary_.FindIri(DocentIri("occupies"));
-  if (!property) return occupies;
-  version_->ForEach({operation, *property, {}, robot}, [&](const Quad& quad) {
-    occupies.insert(dictionary_.Decode(quad.object).lexical);
-    return true;
-  });
-  return occupies;
-}
-
 // Every teller of a status counts: an operator may take a robot out of service.
 void GraphRobotDirectory::ReadStatus(TermId robot, engine::RobotOffer* offer) const {
   const std::optional<TermId> property = dictionary_.FindIri(DocentIri("status"));
@@ -158,7 +111,7 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::ReadOperation(TermId operat
   const std::optional<TermId> offers_id = dictionary_.FindIri(DocentIri("offers"));
   if (!offers_id) return offers;
   const GraphReader graph(dictionary_, *version_);
-  const bool idempotent = graph.Object(operation, DocentIri("idempotent")) == "true";
+  const std::string iri = dictionary_.Decode(operation).lexical;
   TermId last;
   version_->ForEach({{}, *offers_id, operation, {}}, [&](const Quad& quad) {
     if (quad.subject == last) return true;  // told in two graphs
@@ -166,11 +119,12 @@ std::vector<engine::RobotOffer> GraphRobotDirectory::ReadOperation(TermId operat
     engine::RobotOffer offer;
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
     offer.incarnation = AdapterOf(graph, offer.robot.value()).incarnation;
-    offer.idempotent = idempotent;
     ReadStatus(quad.subject, &offer);
-    offer.occupies = OccupationOf(operation, quad.subject);
-    offer.inputs = InputsOf(operation, quad.subject);
-    if (offer.inputs) offer.input_types = InputTypesOf(operation, quad.subject);
+    const OperationFacts facts(graph, offer.robot.value(), iri);
+    offer.idempotent = facts.Idempotent();
+    offer.occupies = facts.Occupies();
+    offer.inputs = facts.Inputs();
+    if (offer.inputs) offer.input_types = facts.InputTypes();
     offers.push_back(std::move(offer));
     return true;
   });

@@ -42,9 +42,6 @@ class GraphRobotDirectory final : public engine::RobotDirectory {
   std::vector<engine::RobotOffer> Read(const std::string& operation) const;
   std::vector<engine::RobotOffer> ReadOperation(TermId operation) const;
   std::vector<engine::RobotOffer> ReadCapability(std::string_view iri) const;
-  std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
-  std::map<std::string, std::string> InputTypesOf(TermId operation, TermId robot) const;
-  engine::Occupation OccupationOf(TermId operation, TermId robot) const;
   void ReadStatus(TermId robot, engine::RobotOffer* offer) const;
 
   const Dictionary& dictionary_;

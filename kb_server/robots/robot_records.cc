@@ -9,6 +9,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
 #include "kb_server/robots/measures.h"
+#include "kb_server/robots/operation_facts.h"
 #include "kb_server/robots/reservations.h"
 #include "kb_server/robots/service_state.h"
 
@@ -41,63 +42,6 @@ void ReadHold(const GraphReader& all, const std::string& robot, RobotRecord* out
   for (const Term& command : graph.Objects(robot, DocentIri("endingCommand")))
     out->ending_commands.push_back(command.lexical);
 }
-
-// What a robot says of an operation, in its own graph.
-class OperationReader {
- public:
-  OperationReader(const Dictionary& dictionary, const GraphVersion& version)
-      : dictionary_(dictionary), version_(version) {}
-
-  // nullopt: not the IRI of an operation.
-  std::optional<rsel::OfferedOperation> Read(TermId robot, TermId operation) const {
-    std::optional<std::string> name = OperationOfIri(dictionary_.Decode(operation).lexical);
-    if (!name) return std::nullopt;
-    rsel::OfferedOperation out;
-    out.robot = RobotId(dictionary_.Decode(robot).lexical);
-    out.name = *std::move(name);
-    out.capabilities = All(robot, operation, DocentIri("capability"));
-    out.inputs_known = First(robot, operation, DocentIri("inputsKnown")) == "true";
-    if (!out.inputs_known) return out;
-    out.inputs = All(robot, operation, DocentIri("input"));
-    out.outputs = All(robot, operation, DocentIri("output"));
-    out.input_types = Types(robot, operation, DocentIri("inputPart"));
-    out.output_types = Types(robot, operation, DocentIri("outputPart"));
-    out.idempotent = First(robot, operation, DocentIri("idempotent")) == "true";
-    out.description = First(robot, operation, Concat(kRdfsNs, "comment"));
-    return out;
-  }
-
- private:
-  template <typename Each>
-  void ForEach(TermId graph, TermId subject, const std::string& property, const Each& each) const {
-    const std::optional<TermId> predicate = dictionary_.FindIri(property);
-    if (!predicate) return;
-    version_.ForEach({subject, *predicate, {}, graph}, [&](const Quad& quad) {
-      each(quad.object);
-      return true;
-    });
-  }
-  std::vector<std::string> All(TermId graph, TermId subject, const std::string& property) const {
-    std::vector<std::string> out;
-    ForEach(graph, subject, property,
-            [&](TermId object) { out.push_back(dictionary_.Decode(object).lexical); });
-    return out;
-  }
-  std::string First(TermId graph, TermId subject, const std::string& property) const {
-    const std::vector<std::string> all = All(graph, subject, property);
-    return all.empty() ? std::string() : all.front();
-  }
-  rsel::PartTypes Types(TermId robot, TermId operation, const std::string& property) const {
-    rsel::PartTypes out;
-    ForEach(robot, operation, property, [&](TermId part) {
-      out[First(robot, part, DocentIri("partName"))] = First(robot, part, DocentIri("partType"));
-    });
-    return out;
-  }
-
-  const Dictionary& dictionary_;
-  const GraphVersion& version_;
-};
 
 // What it says itself, without the classes above that are inferred.
 std::vector<std::string> ToldCapabilities(const Dictionary& dictionary, const GraphVersion& version,
@@ -194,11 +138,28 @@ std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphV
 std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
                                                       const GraphVersion& version) {
   std::vector<rsel::OfferedOperation> offered;
-  const OperationReader reader(dictionary, version);
+  const GraphReader graph(dictionary, version);
   const auto offers = dictionary.FindIri(DocentIri("offers"));
   if (!offers) return offered;
   version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
-    if (auto operation = reader.Read(quad.subject, quad.object)) offered.push_back(*std::move(operation));
+    const std::string iri = dictionary.Decode(quad.object).lexical;
+    std::optional<std::string> name = OperationOfIri(iri);
+    if (!name) return true;
+    rsel::OfferedOperation operation;
+    operation.robot = RobotId(dictionary.Decode(quad.subject).lexical);
+    operation.name = *std::move(name);
+    const OperationFacts facts(graph, operation.robot.value(), iri);
+    operation.capabilities = facts.Capabilities();
+    if (std::optional<std::vector<std::string>> inputs = facts.Inputs()) {
+      operation.inputs_known = true;
+      operation.inputs = *std::move(inputs);
+      operation.outputs = facts.Outputs();
+      operation.input_types = facts.InputTypes();
+      operation.output_types = facts.OutputTypes();
+      operation.idempotent = facts.Idempotent();
+      operation.description = facts.Description();
+    }
+    offered.push_back(std::move(operation));
     return true;
   });
   return offered;

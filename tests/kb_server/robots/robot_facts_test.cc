@@ -76,6 +76,30 @@ TEST_F(RobotFactsTest, ARobotThatIsDoneIsFreeThoughNoOntologyIsLoaded) {
   EXPECT_EQ(writer_.current().Count({{}, *dictionary_.FindIri(DocentIri("currentCommand")), {}, {}}), 0u);
 }
 
+// An operation of that name is another robot's affair: what is unknown there was repeated because this one may be.
+TEST_F(RobotFactsTest, WhetherAnOperationMayBeRepeatedIsSaidByEachRobot) {
+  Join(Guide());
+  RobotDescription other = Guide();
+  other.robot = "urn:r2", other.incarnation = "i2", other.address = "127.0.0.1:10";
+  other.operations[0].idempotent = false;
+  Join(other);
+  WriteBatch batch;  // anybody may tell it, too
+  batch.source = "urn:client";
+  batch.operations.push_back(
+      {QuadOperation::Kind::kAdd,
+       {Term::Iri(OperationIri("speak")), Term::Iri(DocentIri("idempotent")), Term::Boolean(true), Term()}});
+  Apply(batch);
+  GraphRobotDirectory directory(&dictionary_);
+  directory.Refresh(writer_.current(), Delta());
+  const std::vector<engine::RobotOffer> drive = directory.Offers("drive"), speak = directory.Offers("speak");
+  ASSERT_EQ(drive.size(), 2u);
+  EXPECT_TRUE(drive[0].idempotent);
+  EXPECT_FALSE(drive[1].idempotent);
+  ASSERT_EQ(speak.size(), 2u);
+  EXPECT_FALSE(speak[0].idempotent);
+  EXPECT_FALSE(speak[1].idempotent);
+}
+
 TEST_F(RobotFactsTest, AJoinIsReadBack) {
   Join(Guide());
   const std::vector<RobotRecord> robots = Robots();
