@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,9 @@ struct Document {
   // The text as the user wrote it. For an ontology: its prefix declarations; its quads are in `operations`.
   std::string text;
   std::shared_ptr<const ParsedText> parsed;  // of `text`; null: not parsed yet
+  // Of a workflow: the version that is deployed now, 0 for none, or the turn is refused; nullopt: whichever. Not in the log,
+  // which has what was accepted.
+  std::optional<uint32_t> replaces = std::nullopt;
 
   friend bool operator==(const Document& a, const Document& b) {
     return a.kind == b.kind && a.action == b.action && a.name == b.name && a.text == b.text;

@@ -97,8 +97,10 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
         for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
         reply->set_workflow(report.document->name.value);
         WriteBatch batch;
-        batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, request->name(),
-                                   request->cawl(), std::make_shared<const ParsedDocument>(report.document)});
+        Document& document = batch.documents.emplace_back(
+            Document{Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl(),
+                     std::make_shared<const ParsedDocument>(report.document)});
+        if (request->has_replaces()) document.replaces = request->replaces();
         ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
           if (outcome.ok()) reply->set_revision(outcome->offset);
           reactor->Finish(ToGrpc(outcome.status()));

@@ -98,6 +98,17 @@ absl::StatusOr<rsel::DocumentPtr> RselOf(const Document& document, const Limits&
   return std::move(parsed.document);
 }
 
+// ABORTED where another version is deployed than the one that the document is to replace.
+absl::Status CheckReplaced(const Document& document, const std::string& name,
+                           const DocumentVersions* versions) {
+  const uint32_t live = versions != nullptr && versions->live ? versions->newest().number : 0;
+  if (!document.replaces || *document.replaces == live) return absl::OkStatus();
+  const auto words = [](uint32_t number) { return number == 0 ? "none" : absl::StrCat("version ", number); };
+  return absl::AbortedError(absl::StrCat("of workflow ", name, ", ", words(live), " is deployed and not ",
+                                         words(*document.replaces),
+                                         ", which this text is to replace; look at it and deploy again"));
+}
+
 // A removal that leaves the workflow there: it is enabled or disabled.
 bool ChangesStarts(const Document& document) {
   return document.kind == Document::Kind::kCawl && document.action == Document::Action::kRemove &&
@@ -209,7 +220,9 @@ absl::Status Documents::ApplyCawl(const Document& document, Revision revision, c
   if (!parsed.ok()) return parsed.status();
   *name = (*parsed)->name.value;
   const VersionHistory::Key key{document.kind, *name};
-  std::set<Fact> before = Facts(*engine, document.kind, *name, versions_.Find(key).get());
+  const DocumentVersionsPtr versions = versions_.Find(key);
+  if (absl::Status status = CheckReplaced(document, *name, versions.get()); !status.ok()) return status;
+  std::set<Fact> before = Facts(*engine, document.kind, *name, versions.get());
   if (absl::Status status = engine->Deploy(*parsed); !status.ok()) return status;
   versions_.Put(key, (*parsed)->version.value, document.text, revision, stages.now_us);
   Describe(before, Facts(*engine, document.kind, *name, versions_.Find(key).get()), operations);

@@ -62,6 +62,30 @@ TEST_F(WorkflowVersionsTest, NumbersGoOnAfterAnUndeployment) {
   EXPECT_THAT(Shown(), ElementsAre("1 a 1", "2 b 3 live"));
 }
 
+// Two people deploy at once: the second one does not take back what they have not seen.
+TEST_F(WorkflowVersionsTest, AnotherVersionThanTheExpectedOneIsNotReplaced) {
+  const auto deploy = [&](const std::string& version, uint32_t replaces) {
+    WriteBatch batch = Put(Document::Kind::kCawl, "go", Text(version));
+    batch.documents.back().replaces = replaces;
+    batch.time_us = now_us_ += 1000;
+    const auto outcome = RunTurn(stages_.get(), batch, head_ + 1);
+    if (outcome.ok()) ++head_;
+    return outcome.status();
+  };
+  const absl::Status first = deploy("a", 1);
+  EXPECT_EQ(first.code(), absl::StatusCode::kAborted);
+  EXPECT_THAT(std::string(first.message()), HasSubstr("of workflow Go, none is deployed and not version 1"));
+  EXPECT_TRUE(deploy("a", 0).ok());
+  EXPECT_EQ(deploy("b", 0).code(), absl::StatusCode::kAborted);
+  EXPECT_TRUE(deploy("b", 1).ok());
+  const absl::Status crossed = deploy("c", 1);
+  EXPECT_EQ(crossed.code(), absl::StatusCode::kAborted);
+  EXPECT_THAT(std::string(crossed.message()), HasSubstr("version 2 is deployed and not version 1"));
+  EXPECT_EQ(Versions()->newest().own_version, "b");
+  Turn(Act(""));
+  EXPECT_TRUE(deploy("c", 0).ok());
+}
+
 TEST_F(WorkflowVersionsTest, ATurnThatIsRefusedMakesNone) {
   Deploy("a");
   for (WriteBatch bad :

@@ -10,7 +10,7 @@ import { DeployFlow } from "./deploy_flow";
 import { toast } from "../ui/toasts";
 import type { DraftSync } from "./draft_sync";
 import type { Findings } from "./findings";
-import { askLive, BehindChoices, behindWords } from "./live_version";
+import { askLive, BehindChoices, behindWords, liveNumber } from "./live_version";
 import type { Session } from "./session";
 import { diffLines, proposedVersion } from "./text_diff";
 import "./deploy.css";
@@ -37,13 +37,14 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
     setBusy(true);
     setError(null);
     try {
-      // Somebody may have deployed another version since the last look.
+      // Somebody may have deployed another version since the last look; or does so now, and then the server refuses ours.
+      const replaces = await liveNumber(document.name);
       const now = await askLive(document.name, sync.live).catch(() => null);
       if (now) sync.sees(now);
       if (sync.behind && takesBack !== sync.live?.text) return setBusy(false);
       if (version.trim() !== document.version) session.edit(document.flows[0]?.key ?? "", (e) => document.root && e.set(document.root, "version", version.trim() || null));
       const text = session.written;
-      const reply = await workflows.deploy({ name: `${document.name}.cawl.xml`, cawl: text });
+      const reply = await workflows.deploy({ name: `${document.name}.cawl.xml`, cawl: text, ...(replaces === undefined ? {} : { replaces }) });
       toast("good", `${reply.workflow} is deployed`, `From now on it runs as you see it here (revision ${reply.revision}).`, { label: "Its runs", run: () => navigate(paths.runs("", reply.workflow)) });
       props.onDeployed(text, version.trim());
       props.onClose();

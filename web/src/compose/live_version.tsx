@@ -2,6 +2,7 @@
 // began from.
 import { useEffect, useRef, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
+import { plain } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { clockMinutes, timeTitle } from "../api/times";
 import { type DraftSync, versionWords } from "./draft_sync";
@@ -16,6 +17,15 @@ export async function askLive(name: string, known: LiveVersion | null, signal?: 
   const now = versions.find((v) => v.live) ?? versions.at(-1);
   if (!now || (known && now.number === known.number && now.timeUs === known.timeUs)) return null;
   return liveOf((await workflows.listVersions({ workflow: name, withTexts: true }, options)).versions);
+}
+
+// The number of the version that new runs start with; 0: none does. Undefined: the server does not say.
+export async function liveNumber(name: string): Promise<number | undefined> {
+  try {
+    return (await workflows.listVersions({ workflow: name })).versions.find((v) => v.live)?.number ?? 0;
+  } catch (failure) {
+    return plain(failure).kind === "missing" ? 0 : undefined;
+  }
 }
 
 export function useLiveVersion(name: string, sync: DraftSync): { live: LiveVersion | null; deployed: (text: string, version: string) => void } {
