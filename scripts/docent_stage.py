@@ -278,7 +278,7 @@ def load_ontology(server):
 def load_s01(server, workflow=True):
     """Ontology, hall, world and rules; then the robot services and the workflow."""
     load_ontology(server)
-    server.load(S01 / "hall.ttl", S01 / "world.ttl", S01 / "guide.rules")
+    server.load(S01 / "hall.ttl", S01 / "world.ttl", S01 / "pictures.ttl", S01 / "guide.rules")
     if workflow:
         server.load(*sorted(S01.glob("*.rsel.xml")), *sorted(S01.glob("*.cawl.xml")))
 

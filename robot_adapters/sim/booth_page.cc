@@ -29,6 +29,9 @@ constexpr char kStyle[] = R"css(
   figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .8em; padding: 1rem; }
   figcaption { color: var(--soft); font-size: .85rem; margin-top: .6em; }
   svg { display: block; width: 100%; height: auto; }
+  .side { display: grid; gap: 1.2rem; align-content: start; }
+  .picture { padding: 0; overflow: hidden; }
+  .picture img { display: block; width: 100%; max-height: 40vh; object-fit: cover; }
   #spoken { position: fixed; inset: auto 0 0 0; margin: 0; padding: 1rem 3vw; background: var(--ink); color: #aab4bf;
             font-size: 1.35rem; line-height: 1.4; }
   #spoken .said { color: #fff; }
@@ -125,8 +128,8 @@ std::string EscapeHtml(std::string_view text) {
   return out;
 }
 
-std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
-                      std::string_view robot_name) {
+std::string BoothPage(const BoothInfo& booth, const std::string& picture, const maps::HallLayout& hall,
+                      const maps::Pose2& robot_in_hall, std::string_view robot_name) {
   const std::string name = EscapeHtml(booth.name.empty() ? booth.iri : booth.name);
   const std::string heading = booth.exhibitor.empty() ? name : EscapeHtml(booth.exhibitor);
   std::string body =
@@ -142,8 +145,14 @@ std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, cons
       absl::StrAppend(&body, "<li>", EscapeHtml(product), "</li>");
     absl::StrAppend(&body, "</ul>\n");
   }
-  absl::StrAppend(&body, "</section>\n<figure>", PlanOf(hall, booth.iri, &robot_in_hall),
-                  "<figcaption>You are here, at booth ", name, ".</figcaption></figure>\n");
+  absl::StrAppend(&body, "</section>\n<div class=\"side\">\n");
+  if (!picture.empty()) {
+    const std::string shown = booth.products.empty() ? heading : EscapeHtml(booth.products.front());
+    absl::StrAppend(&body, "<figure class=\"picture\"><img alt=\"", shown, "\" src=\"", EscapeHtml(picture),
+                    "\"></figure>\n");
+  }
+  absl::StrAppend(&body, "<figure>", PlanOf(hall, booth.iri, &robot_in_hall),
+                  "<figcaption>You are here, at booth ", name, ".</figcaption></figure>\n</div>\n");
   return Document(absl::StrCat(heading, " – booth ", name), hall.name, robot_name, body);
 }
 

@@ -15,9 +15,9 @@ std::string EscapeHtml(std::string_view text);
 
 // A complete HTML 5 document: style and a plan of the hall with booth and robot are inside. A script of the screen
 // (ScreenServer) shows below it what the robot says; without it the page is whole.
-// The texts of `booth` are plain text; they are escaped here.
-std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
-                      std::string_view robot_name);
+// The texts of `booth` are plain text; they are escaped here. `picture`: a data: URI, or empty for none.
+std::string BoothPage(const BoothInfo& booth, const std::string& picture, const maps::HallLayout& hall,
+                      const maps::Pose2& robot_in_hall, std::string_view robot_name);
 
 // A page with one text in large letters; `language` is its language tag, or empty.
 std::string TextPage(const std::string& text, const std::string& language, const maps::HallLayout& hall,

@@ -89,6 +89,10 @@ int Drive(DriveArguments arguments) {
   }
   auto layout = maps::HallLayout::FromFile(arguments.hall);
   if (!layout.ok()) return Fail(layout.status());
+  if (options.pictures.empty()) {
+    const std::filesystem::path beside = std::filesystem::path(arguments.hall).parent_path() / "pictures";
+    if (std::filesystem::is_directory(beside)) options.pictures = beside.string();
+  }
   if (!arguments.start.empty()) {
     auto start = ParseStart(arguments.start, *layout);
     if (!start.ok()) return Fail(start.status());
@@ -157,6 +161,11 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
          "Short for --listen 127.0.0.1:PORT")
       ->check(CLI::Range(0, 65535))
       ->type_name("PORT");
+  app->add_option("--pictures", arguments->options.pictures,
+                  "Folder of the pictures that its screen shows: the file that schema:image of a booth or "
+                  "exhibitor names. By default the folder pictures beside the hall's file")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
   app->add_option("--screen-port", arguments->options.screen_port,
                   "Port of its screen (HTTP on 127.0.0.1); 0 takes a free one")
       ->check(CLI::Range(0, 65535))

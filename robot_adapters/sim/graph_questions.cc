@@ -62,7 +62,7 @@ absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& co
                                         const std::string& booth_iri) {
   const std::string booth = absl::StrCat("<", booth_iri, ">");
   auto answer = Ask(server, context,
-                    absl::StrCat("SELECT ?name ?description ?exhibitor ?slogan ?product WHERE {\n"
+                    absl::StrCat("SELECT ?name ?description ?exhibitor ?slogan ?product ?image WHERE {\n"
                                  "  OPTIONAL { ",
                                  booth,
                                  " schema:name ?name }\n"
@@ -78,16 +78,20 @@ absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& co
                                  "  OPTIONAL { ",
                                  booth,
                                  " docent:shows ?p . ?p schema:name ?product }\n"
-                                 "} ORDER BY ?product"));
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " schema:image|docent:exhibitor/schema:image ?image }\n"
+                                 "} ORDER BY ?product ?image"));
   if (!answer.ok()) return answer.status();
   BoothInfo info;
   info.iri = booth_iri;
   for (const auto& row : answer->rows) {
-    if (row.size() != 5) return absl::InternalError("the server's answer has another shape than the query");
+    if (row.size() != 6) return absl::InternalError("the server's answer has another shape than the query");
     info.name = TextOf(row[0]);
     info.description = TextOf(row[1]);
     info.exhibitor = TextOf(row[2]);
     info.slogan = TextOf(row[3]);
+    if (info.image.empty()) info.image = TextOf(row[5]);
     const std::string product = TextOf(row[4]);
     if (!product.empty() &&
         std::find(info.products.begin(), info.products.end(), product) == info.products.end()) {

@@ -23,6 +23,7 @@ struct BoothInfo {
   std::string exhibitor;
   std::string slogan;
   std::vector<std::string> products;
+  std::string image = {};  // schema:image of the booth, or of its exhibitor
 };
 
 // Place of a person, as precise as the graph has it.

@@ -19,6 +19,7 @@
 #include "maps/regions.h"
 #include "robot_adapters/sdk/decimal.h"
 #include "robot_adapters/sim/booth_page.h"
+#include "robot_adapters/sim/booth_picture.h"
 #include "robot_adapters/sim/graph_questions.h"
 #include "robot_adapters/sim/guide_operations.h"
 #include "robot_adapters/sim/living_body.h"
@@ -248,7 +249,7 @@ class GuideRobot::Impl {
     auto booth = BoothOf(context);
     if (!booth.ok()) return booth.status();
     const std::string name = FileNameOf(booth->iri);
-    const std::string html = BoothPage(*booth, layout_, body_->pose().estimate, Name());
+    const std::string html = BoothPage(*booth, PictureOf(*booth), layout_, body_->pose().estimate, Name());
     return Show(context, name, html);
   }
 
@@ -302,6 +303,15 @@ class GuideRobot::Impl {
     }
     screen_->Say("", "", 0);
     return NamedTerms{{"file", Term::Literal(file)}};
+  }
+
+  // Empty: there is none, or it cannot be shown, which the log says.
+  std::string PictureOf(const BoothInfo& booth) const {
+    if (booth.image.empty() || options_.pictures.empty()) return "";
+    absl::StatusOr<std::string> picture = PictureUri(options_.pictures, booth.image);
+    if (picture.ok()) return *std::move(picture);
+    spdlog::warn("booth {} is shown without its picture: {}", booth.name, picture.status().message());
+    return "";
   }
 
   // The graph's data of the booth, completed by the robot's own layout.

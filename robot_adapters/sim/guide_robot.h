@@ -24,9 +24,10 @@ namespace docent::robot {
 struct GuideRobotOptions {
   AdapterOptions adapter;  // the robot sets the journal: commands.journal in `folder`
   GuideBodySettings body;
-  std::string folder;   // for journal, pages, sound files and reports; created if absent
-  int screen_port = 0;  // 0: any free port
-  double speed = 1;     // 0.1..100: simulated seconds per real second, also for speaking
+  std::string folder;    // for journal, pages, sound files and reports; created if absent
+  std::string pictures;  // folder of the files that schema:image names; empty: pages have no pictures
+  int screen_port = 0;   // 0: any free port
+  double speed = 1;      // 0.1..100: simulated seconds per real second, also for speaking
   uint64_t seed = 1;
   std::optional<maps::Pose2>
       start;  // nullopt: the last pose of the simulated world (world.state in `folder`), or the dock

@@ -12,6 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "robot_adapters/sim/booth_page.h"
+#include "robot_adapters/sim/booth_picture.h"
 #include "robot_adapters/sim/drive_trace.h"
 #include "robot_adapters/sim/screen_server.h"
 #include "robot_adapters/sim/text_file.h"
@@ -73,7 +74,7 @@ std::string Http(int port, const std::string& request) {
 TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
   BoothInfo booth{"urn:b3",   "B03",      "Robots & <script>alert(1)</script>", "\"Stairlark\" Robotics",
                   "Up we go", {"Carrier"}};
-  const std::string page = BoothPage(booth, TinyHall(), {5, 2, 0}, "R01");
+  const std::string page = BoothPage(booth, "", TinyHall(), {5, 2, 0}, "R01");
   EXPECT_THAT(page, HasSubstr("Booth B03"));
   EXPECT_THAT(page, HasSubstr("&quot;Stairlark&quot; Robotics"));
   EXPECT_THAT(page, HasSubstr("Robots &amp; &lt;script&gt;"));
@@ -81,12 +82,42 @@ TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
   EXPECT_THAT(page, HasSubstr("<li>Carrier</li>"));
   EXPECT_THAT(page, HasSubstr("Hall &lt;4&gt;"));
   EXPECT_THAT(page, HasSubstr("translate(5.00 4.00)"));  // the robot on the plan, y downwards
+  EXPECT_THAT(page, Not(HasSubstr("<img")));
 }
 
 TEST(BoothPageTest, KnowsNothingButAName) {
-  const std::string page = BoothPage({"urn:b3", "B03", "", "", "", {}}, TinyHall(), {5, 2, 0}, "R01");
+  const std::string page = BoothPage({"urn:b3", "B03", "", "", "", {}}, "", TinyHall(), {5, 2, 0}, "R01");
   EXPECT_THAT(page, HasSubstr("<h1>B03</h1>"));
   EXPECT_THAT(page, Not(HasSubstr("class=\"slogan\"")));
+}
+
+TEST(BoothPageTest, HasThePictureThatTheGraphNames) {
+  const std::string folder = Folder();
+  ASSERT_TRUE(WriteTextFile(folder + "/b3.SVG", "<svg/>").ok());
+  for (const char* image : {"b3.SVG", "file:///home/b/pictures/b3.SVG", "../../b3.SVG"}) {
+    const auto picture = PictureUri(folder, image);
+    ASSERT_TRUE(picture.ok()) << picture.status();
+    EXPECT_EQ(*picture, "data:image/svg+xml;base64,PHN2Zy8+");
+    BoothInfo booth{"urn:b3", "B03", "", "Stairlark", "", {"\"The\" Carrier"}};
+    EXPECT_THAT(
+        BoothPage(booth, *picture, TinyHall(), {5, 2, 0}, "R01"),
+        HasSubstr("<img alt=\"&quot;The&quot; Carrier\" src=\"data:image/svg+xml;base64,PHN2Zy8+\">"));
+  }
+}
+
+TEST(BoothPageTest, WhatIsNoPictureIsNotRead) {
+  const std::string folder = Folder();
+  std::filesystem::create_directories(folder + "/folder.png");
+  EXPECT_EQ(PictureUri(folder, "world.state").status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(PictureUri(folder, "http://example.org/pictures/").status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(PictureUri(folder, ".png").status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(PictureUri(folder, "absent.png").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_FALSE(PictureUri(folder, "folder.png").ok());
+  ASSERT_TRUE(WriteTextFile(folder + "/large.png", std::string(kPictureBytes, 'x')).ok());
+  EXPECT_TRUE(PictureUri(folder, "large.png").ok());
+  ASSERT_TRUE(WriteTextFile(folder + "/large.png", std::string(kPictureBytes + 1, 'x')).ok());
+  EXPECT_EQ(PictureUri(folder, "large.png").status().code(), absl::StatusCode::kResourceExhausted);
 }
 
 TEST(SpokenTextTest, SaysTheBoothAsPeopleDo) {

@@ -10,7 +10,7 @@ if (why) console.log(`skipped: ${why}`);
 describe.skipIf(why !== "")("the robot's screen", () => {
   let stage: RealStage;
   beforeAll(async () => {
-    stage = await RealStage.open({ speed: 2 }, "booth_guide.rsel.xml");
+    stage = await RealStage.open({ speed: 2 }, "booth_guide.rsel.xml", "pictures.ttl");
   });
   afterAll(() => stage?.close());
   const invoke = (service: string) => stage.processes.aside("services", "invoke", service, "--arg", `booth=${expo}B03`);
@@ -21,6 +21,7 @@ describe.skipIf(why !== "")("the robot's screen", () => {
     await page.getByText("May I guide you?").waitFor();
     expect(await invoke("displayInformation")).toBe(0);
     await page.getByRole("heading", { name: "Stairlark Robotics" }).waitFor();
+    expect(await page.getByRole("img", { name: "Stairlark Carrier" }).evaluate((picture: HTMLImageElement) => picture.decode().then(() => picture.naturalWidth > 0))).toBe(true);
     const hall = await stage.page("/hall?at=expo:R01");
     expect(await hall.getByRole("link", { name: "Its screen" }).getAttribute("href")).toBe(await stage.processes.screen);
     const speaks = invoke("briefInformation");
