@@ -25,6 +25,8 @@ extern "C" const char* __tsan_default_suppressions() {
          "race:spdlog::\n"
          // Its reference counts are changed in an invisible library.
          "race:absl::debian3::Status::Unref\n"
+         // What a restarted server makes reaches older threads of gRPC through the start of its listener.
+         "race:docent::server::Server::MakeWorkers\n"
          "race:libgrpc.so\n"
          "race:libgrpc++.so\n"
          "race:libgpr.so\n"
