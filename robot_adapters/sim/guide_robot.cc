@@ -310,7 +310,8 @@ class GuideRobot::Impl {
     if (booth.image.empty() || options_.pictures.empty()) return "";
     absl::StatusOr<std::string> picture = PictureUri(options_.pictures, booth.image);
     if (picture.ok()) return *std::move(picture);
-    spdlog::warn("booth {} is shown without its picture: {}", booth.name, picture.status().message());
+    spdlog::warn("booth {} is shown without its picture: {}", booth.name,
+                 std::string(picture.status().message()));
     return "";
   }
 
