@@ -263,47 +263,64 @@ TermId EvaluateToId(PlanExpression& e, const TermId* row, EvaluationContext& con
   return value.IsError() ? TermId() : context.Encode(value);
 }
 
+namespace {
+
+Value OfVariable(const PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  const TermId id = row[e.slot];
+  if (id.IsNone()) return Value::Error();
+  Value value = context.ValueOf(id);
+  if (id.tag() == TermId::Tag::kLocal && !context.Worked(value.text().size()))
+    return Value::Error();  // it was copied
+  return value;
+}
+
+Value OfArithmetic(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  Value x, y;
+  const Value& a = Operand(*e.arguments[0], row, context, x);
+  const Value& b = Operand(*e.arguments[1], row, context, y);
+  return Compute(e.kind == Kind::kAdd        ? Arithmetic::kAdd
+                 : e.kind == Kind::kSubtract ? Arithmetic::kSubtract
+                 : e.kind == Kind::kMultiply ? Arithmetic::kMultiply
+                                             : Arithmetic::kDivide,
+                 a, b);
+}
+
+Value OfUnaryPlus(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  Value value = Evaluate(*e.arguments[0], row, context);
+  return value.IsNumeric() ? value : Value::Error();
+}
+
+Value OfUnaryMinus(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  return Negated(Evaluate(*e.arguments[0], row, context));
+}
+
+Value OfBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  return FromBool(EvaluateBoolean(e, row, context));
+}
+
+}  // namespace
+
+// A chain of operators nests as deep as it is long, so this has no variables of its own on the stack.
 Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context) {
-  switch (e.kind) {
-    case Kind::kVariable: {
-      const TermId id = row[e.slot];
-      if (id.IsNone()) return Value::Error();
-      Value value = context.ValueOf(id);
-      if (id.tag() == TermId::Tag::kLocal && !context.Worked(value.text().size()))
-        return Value::Error();  // it was copied
-      return value;
-    }
-    case Kind::kTerm:
-      return e.constant;
-    default:
-      if (!context.Worked(kWorkOfAnOperation)) return Value::Error();
-  }
+  if (e.kind == Kind::kVariable) return OfVariable(e, row, context);
+  if (e.kind == Kind::kTerm) return e.constant;
+  if (!context.Worked(kWorkOfAnOperation)) return Value::Error();
   switch (e.kind) {
     case Kind::kAdd:
     case Kind::kSubtract:
     case Kind::kMultiply:
-    case Kind::kDivide: {
-      Value x, y;
-      const Value& a = Operand(*e.arguments[0], row, context, x);
-      const Value& b = Operand(*e.arguments[1], row, context, y);
-      return Compute(e.kind == Kind::kAdd        ? Arithmetic::kAdd
-                     : e.kind == Kind::kSubtract ? Arithmetic::kSubtract
-                     : e.kind == Kind::kMultiply ? Arithmetic::kMultiply
-                                                 : Arithmetic::kDivide,
-                     a, b);
-    }
-    case Kind::kUnaryPlus: {
-      Value value = Evaluate(*e.arguments[0], row, context);
-      return value.IsNumeric() ? value : Value::Error();
-    }
+    case Kind::kDivide:
+      return OfArithmetic(e, row, context);
+    case Kind::kUnaryPlus:
+      return OfUnaryPlus(e, row, context);
     case Kind::kUnaryMinus:
-      return Negated(Evaluate(*e.arguments[0], row, context));
+      return OfUnaryMinus(e, row, context);
     case Kind::kBuiltin:
       return EvaluateBuiltin(e, row, context);
     case Kind::kFunction:
       return CallFunction(e, row, context);
     default:
-      return FromBool(EvaluateBoolean(e, row, context));
+      return OfBoolean(e, row, context);
   }
 }
 
