@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Why, why not, what if and watch through the command line, in the hall of scenario s01."""
 import json
+import os
 import pathlib
 import subprocess
 import time
@@ -121,12 +122,25 @@ class Explain(StageTest):
 
         return process, seen
 
+    def wait_until_it_listens(self, process):
+        """It says nothing before something happens. Its connection is there first, and then the call."""
+        port = f":{int(self.server.grpc.rsplit(':', 1)[1]):04X}"
+
+        def connected():
+            rows = [line.split() for line in pathlib.Path(f"/proc/{process.pid}/net/tcp").read_text().splitlines()[1:]]
+            inodes = {row[9] for row in rows if row[2].endswith(port) and row[3] == "01"}
+            files = pathlib.Path(f"/proc/{process.pid}/fd").iterdir()
+            return any(os.readlink(file) in {f"socket:[{inode}]" for inode in inodes} for file in files)
+
+        stage.wait_until(connected, PATIENCE_S, "its connection")
+        time.sleep(0.5)
+
     def test_a_run_knows_its_variables(self):
         self.assert_refused(self.server.run("run", "BoothGuide", "--var", "usr=expo:John"), 2, "no variable usr", "did you mean user?")
 
     def test_runs_are_watched_on_after_the_server_was_away(self):
-        _, seen = self.follow("runs", "--watch")
-        time.sleep(0.5)  # until it listens: it says nothing before something happens
+        watch, seen = self.follow("runs", "--watch")
+        self.wait_until_it_listens(watch)
         first = self.server.command("run", "BoothGuide", "--detach").strip()
         seen(first)
         self.server.kill()
@@ -139,7 +153,7 @@ class Explain(StageTest):
     def test_a_run_is_watched_on_although_nothing_had_happened_yet(self):
         run = self.server.command("run", "BoothGuide", "--detach").strip()
         watch, seen = self.follow("runs", run, "--watch")
-        time.sleep(0.5)
+        self.wait_until_it_listens(watch)
         self.server.kill()
         seen("the connection was lost")
         time.sleep(2)

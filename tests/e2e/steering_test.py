@@ -6,6 +6,7 @@ import unittest
 from docent_e2e import PATIENCE_S, StageTest, nodes, stage
 
 EXPO = "https://w3id.org/docent/expo#"
+WHILE_OPERATOR_ACTS_MS = "4000"  # of a command: the operator's programs start slowly on a busy machine
 WORKFLOW = """<CAWL name="Night" version="1.0" xmlns:ext="https://w3id.org/docent/cawl-ext#">
   <flow name="Night">
     <source name="begin"/>
@@ -42,7 +43,7 @@ class Steering(StageTest):
 
     def test_a_pause_outlives_a_kill(self):
         server = self.night()
-        self.adapter(server, "R07", "--take-ms", "1500")
+        self.adapter(server, "R07", "--take-ms", WHILE_OPERATOR_ACTS_MS)
         run = self.begin(server)
         self.wait_for_node(server, "Fetch", "running")
         done = server.run("runs", "pause", run, "--reason", "the floor is wet")
@@ -68,7 +69,7 @@ class Steering(StageTest):
         self.wait_for_node(server, "Fetch", "incident")
         self.assertIn("incident", server.command("runs", "--state", "incident"))
         self.assertIn("docent runs retry", server.command("whynot", "--run", run))
-        self.adapter(server, "R08")
+        self.adapter(server, "R08", "--take-ms", WHILE_OPERATOR_ACTS_MS)
         server.command("runs", "retry", run, "--robot", EXPO + "R08", "--reason", "R07 is stuck")
         self.wait_for_node(server, "Fetch", "done")
         self.assert_refused(server.run("runs", "retry", run, "Fetch"), 2, "no incident")
@@ -135,7 +136,7 @@ class Steering(StageTest):
 
     def test_a_cancelled_run_undoes_what_it_did(self):
         server = self.night()
-        self.adapter(server, "R07", "--take-ms", "300")
+        self.adapter(server, "R07", "--take-ms", WHILE_OPERATOR_ACTS_MS)
         run = self.begin(server)
         self.wait_for_node(server, "Show", "running")
         server.command("runs", "cancel", run, "--compensate", "--reason", "fire drill")
