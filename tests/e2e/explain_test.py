@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from docent_e2e import StageTest, stage
+from docent_e2e import PATIENCE_S, StageTest, stage
 
 EXPO = ["--prefix", "expo=https://w3id.org/docent/expo#"]
 
