@@ -127,7 +127,8 @@ class Explain(StageTest):
         port = f":{int(self.server.grpc.rsplit(':', 1)[1]):04X}"
 
         def connected():
-            rows = [line.split() for line in pathlib.Path(f"/proc/{process.pid}/net/tcp").read_text().splitlines()[1:]]
+            tables = [pathlib.Path(f"/proc/{process.pid}/net/{name}") for name in ("tcp", "tcp6")]  # gRPC's are of IPv6
+            rows = [line.split() for table in tables if table.exists() for line in table.read_text().splitlines()[1:]]
             inodes = {row[9] for row in rows if row[2].endswith(port) and row[3] == "01"}
             files = pathlib.Path(f"/proc/{process.pid}/fd").iterdir()
             return any(os.readlink(file) in {f"socket:[{inode}]" for inode in inodes} for file in files)
