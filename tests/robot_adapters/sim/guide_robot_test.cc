@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
@@ -50,6 +51,7 @@ class GuideRobotTest : public testing::Test {
     options.folder = folder_;
     options.speed = 50;
     options.seed = 2;
+    options.pictures = DOCENT_SOURCE_DIR "/scenarios/s01_booth_guide/pictures";
     return options;
   }
   void StartRobot() {
@@ -104,7 +106,8 @@ std::shared_ptr<const maps::HallModel>* GuideRobotTest::model_ = nullptr;
 
 TEST_F(GuideRobotTest, GuidesThenShowsAndSpeaks) {
   server_.AnswerRow("John", {"", "", kExpo + "Entrance"});
-  server_.AnswerRow("B03", {"B03", "A robot that climbs stairs.", "Stairlark Robotics", "Up", "Carrier"});
+  server_.AnswerRow("B03", {"B03", "A robot that climbs stairs.", "Stairlark Robotics", "Up", "Carrier",
+                            "stairlark_carrier.svg"});
   StartRobot();
   ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("localised"), "true"));
   ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("isAt"), kExpo + "RobotDock"));
@@ -119,7 +122,9 @@ TEST_F(GuideRobotTest, GuidesThenShowsAndSpeaks) {
   ASSERT_EQ(shown.state(), v1::Feedback::SUCCEEDED) << shown.message();
   EXPECT_EQ(shown.results(0).value().iri(), robot_->screen_address() + "B03");
   EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("screenPage"), robot_->screen_address() + "B03"));
-  EXPECT_TRUE(std::filesystem::exists(folder_ + "/screen_B03.html"));
+  std::ostringstream page;
+  page << std::ifstream(folder_ + "/screen_B03.html").rdbuf();
+  EXPECT_THAT(page.str(), HasSubstr("src=\"data:image/svg+xml;base64,"));
 
   const v1::Feedback spoken = Command("c/4", "briefBoothInfo", "booth", kExpo + "B03");
   if (spoken.message().find("not installed") == std::string::npos) {
