@@ -31,7 +31,8 @@ constexpr char kStyle[] = R"css(
   svg { display: block; width: 100%; height: auto; }
   .side { display: grid; gap: 1.2rem; align-content: start; }
   .picture { padding: 0; overflow: hidden; }
-  .picture img { display: block; width: 100%; max-height: 40vh; object-fit: cover; }
+  .picture img { display: block; width: 100%; max-height: 30vh; object-fit: cover; }
+  .picture + figure svg { max-height: 27vh; }
   #spoken { position: fixed; inset: auto 0 0 0; margin: 0; padding: 1rem 3vw; background: var(--ink); color: #aab4bf;
             font-size: 1.35rem; line-height: 1.4; }
   #spoken .said { color: #fff; }
