@@ -71,7 +71,9 @@ class FiringModel {
       }
     }
     for (const RunRequest& request : batch.run_requests) {
-      if (request.kind == RunRequest::Kind::kPauseWorkflow) closed_[request.target].insert("paused");
+      // Of one that is not deployed, only its live runs are paused.
+      if (request.kind == RunRequest::Kind::kPauseWorkflow && deployed_.contains(request.target))
+        closed_[request.target].insert("paused");
       if (request.kind == RunRequest::Kind::kResumeWorkflow) Opened(request.target, "paused");
     }
   }

@@ -174,6 +174,25 @@ TEST_F(EnginePriorityTest, ASnapshotKeepsWhoIsPreempted) {
   EXPECT_EQ(Sent(), Commands{"Low-1/A back"});
 }
 
+// The run is paused, and its robot taken in the turn in which the attempt that failed has ended. Until the next one it takes no
+// place in the queue, and counts as no work for the robot.
+TEST_F(EnginePriorityTest, APreemptedInvocationThatIsTriedAgainLaterDoesNotWaitMeanwhile) {
+  PutTrip();
+  DeployFlows("ext:priority=\"10\" ext:preempt=\"true\"", "trip\" ext:retry=\"1\" ext:retry-delay=\"30s");
+  StartFlow("Low");
+  const CommandId go = Only();
+  now_us_ += (Limits{}.default_step_timeout_ms - 1000) * int64_t{1000};
+  StartFlow("High");
+  now_us_ += 1'000'000;
+  Turn();
+  EXPECT_EQ(cancels_, std::vector<CommandId>{go});
+  Turn({}, {{RunRequest::Kind::kPause, "Low-1", {}}});
+  Turn({{go, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+  ASSERT_TRUE(Says("Low-1/A/0 running>pending"));
+  EXPECT_EQ(Fact("urn:r1", "load"), "1");
+}
+
 TEST_F(EnginePriorityTest, ARunThatWaitsForItsConditionTakesTheRobotThatItNames) {
   const std::string low = "<flow name=\"Low\"><source name=\"s\"/>" +
                           Node("A", "", "<invoke operation=\"drive\"/>") +
