@@ -152,8 +152,12 @@ std::string BoothPage(const BoothInfo& booth, const std::string& picture, const 
     absl::StrAppend(&body, "<figure class=\"picture\"><img alt=\"", shown, "\" src=\"", EscapeHtml(picture),
                     "\"></figure>\n");
   }
-  absl::StrAppend(&body, "<figure>", PlanOf(hall, booth.iri, &robot_in_hall),
-                  "<figcaption>You are here, at booth ", name, ".</figcaption></figure>\n</div>\n");
+  const maps::Region* region = hall.FindRegion(booth.iri);
+  const bool here =
+      region != nullptr && maps::Contains(region->outline, {robot_in_hall.x_m, robot_in_hall.y_m});
+  absl::StrAppend(&body, "<figure>", PlanOf(hall, booth.iri, &robot_in_hall), "<figcaption>",
+                  here ? "You are here, at booth " : "Where you are, and booth ", name,
+                  ".</figcaption></figure>\n</div>\n");
   return Document(absl::StrCat(heading, " – booth ", name), hall.name, robot_name, body);
 }
 

@@ -83,6 +83,8 @@ TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
   EXPECT_THAT(page, HasSubstr("Hall &lt;4&gt;"));
   EXPECT_THAT(page, HasSubstr("translate(5.00 4.00)"));  // the robot on the plan, y downwards
   EXPECT_THAT(page, Not(HasSubstr("<img")));
+  EXPECT_THAT(page, HasSubstr("Where you are, and booth B03."));
+  EXPECT_THAT(BoothPage(booth, "", TinyHall(), {7, 4, 0}, "R01"), HasSubstr("You are here, at booth B03."));
 }
 
 TEST(BoothPageTest, KnowsNothingButAName) {
