@@ -20,8 +20,9 @@ namespace {
 
 // The server may probe a quiet feedback stream this often (robot_adapters/proxy does every 20 s).
 constexpr int kShortestPingMs = 5000;
-// A server that does not answer keeps the adapter's end waiting this long.
-constexpr absl::Duration kLeaveTimeout = absl::Seconds(1);
+// A server that does not answer keeps the adapter's end waiting this long: about as long as a lease, at whose end the server
+// takes the robot for lost by itself.
+constexpr absl::Duration kLeaveTimeout = absl::Seconds(3);
 
 void Add(const std::vector<Part>& parts, google::protobuf::RepeatedPtrField<v1::Part>* out) {
   for (const Part& part : parts) {
