@@ -1,6 +1,7 @@
 #include "kb_server/robots/robot_records.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "graph/base/text.h"
@@ -129,8 +130,9 @@ std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphV
   const GraphReader graph(dictionary, version);
   std::vector<std::string> robots = RobotIris(graph);
   std::erase_if(robots, [&graph](const std::string& robot) {
+    const std::vector<Term> told = graph.In(robot).Objects(robot, DocentIri("status"));
     return AdapterOf(graph, robot).address.empty() ||
-           graph.Object(robot, DocentIri("status")) == DocentIri("Offline");
+           std::find(told.begin(), told.end(), Term::Iri(DocentIri("Offline"))) != told.end();
   });
   return robots;
 }
@@ -141,7 +143,9 @@ std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictiona
   const GraphReader graph(dictionary, version);
   const auto offers = dictionary.FindIri(DocentIri("offers"));
   if (!offers) return offered;
+  std::set<std::pair<TermId, TermId>> known;  // told in several graphs
   version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
+    if (!known.emplace(quad.subject, quad.object).second) return true;
     const std::string iri = dictionary.Decode(quad.object).lexical;
     std::optional<std::string> name = OperationOfIri(iri);
     if (!name) return true;

@@ -51,10 +51,10 @@ RobotRecord::State RobotStateOf(const GraphReader& graph, const std::string& rob
 // All robots, in order of their IRIs.
 std::vector<RobotRecord> ReadRobots(const Dictionary& dictionary, const GraphVersion& version);
 
-// IRIs of the robots that have joined and are not docent:Offline.
+// IRIs of the robots that have joined and whose own graph does not say docent:Offline.
 std::vector<std::string> RobotsOnline(const Dictionary& dictionary, const GraphVersion& version);
 
-// The operations that robots offer, and what they say of their inputs (in each robot's own graph).
+// The operations that robots offer, each once, and what they say of their inputs (in each robot's own graph).
 std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
                                                       const GraphVersion& version);
 

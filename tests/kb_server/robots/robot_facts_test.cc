@@ -122,6 +122,22 @@ TEST_F(RobotFactsTest, AJoinIsReadBack) {
   }
 }
 
+// Its lease is waited for after a restart whatever others say: its own word alone ends with it.
+TEST_F(RobotFactsTest, WhatOthersTellOfARobotNeitherTakesItOffTheLeasesNorDoublesItsOperations) {
+  Join(Guide());
+  WriteBatch batch;
+  batch.source = "urn:client";
+  for (const auto& [predicate, object] :
+       {std::pair("status", DocentIri("Offline")), std::pair("offers", OperationIri("drive"))}) {
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd,
+         {Term::Iri("urn:r1"), Term::Iri(DocentIri(predicate)), Term::Iri(object), Term()}});
+  }
+  Apply(batch);
+  EXPECT_THAT(RobotsOnline(dictionary_, writer_.current()), ElementsAre("urn:r1"));
+  EXPECT_EQ(OfferedOperations(dictionary_, writer_.current()).size(), 2u);
+}
+
 TEST_F(RobotFactsTest, AnotherJoinReplacesWhatTheFirstTold) {
   Join(Guide());
   RobotDescription guide = Guide();
