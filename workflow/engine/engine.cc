@@ -356,7 +356,7 @@ void TellChanges(Engine::Core* core) {
     if (run.state == WorkState::kRunning && (waits_for_tick || core->unfinished.contains(id)))
       run.timer_us = kNextTick;
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
-    if (core->advanced.contains(id)) ++core->rounds[id];
+    if (core->advanced.contains(id)) core->gone_on.insert(id);
     if (run.state == WorkState::kRunning) continue;
     ended[{run.parent.empty(), run.number}] = {id, run.facts};
     const auto tree = core->trees.find(run.root);
@@ -454,7 +454,7 @@ void Engine::Commit() {
   core_->times.Commit();
   core_->undo_kept.clear();
   core_->kept_new = 0;
-  core_->rounds.clear();
+  core_->gone_on.clear();
   core_->bounds.Clear();
   core_->committed_handle = core_->next_handle;
   core_->committed_run = core_->next_run;

@@ -146,7 +146,7 @@ struct Engine::Core {
   std::set<RobotId> preempted;       // in this Step: at most once each
   std::set<std::pair<uint64_t, RunId>> asking;  // runs that ask a condition again in a round to come, by rank
   std::set<RunId> awaiting;                     // runs that armed a `while` condition in the round before
-  std::map<RunId, int> rounds;                  // of this turn in which a run changed
+  std::set<RunId> gone_on;                      // runs that changed in an earlier round of this turn
   std::set<RunId> unfinished;                   // runs that this Step does no more for
   std::set<RunId> resumed;                      // runs that it does something for
   std::set<RunId> ended;                        // runs whose end nothing has followed from yet

@@ -15,11 +15,11 @@ bool RunStepper::IsKnown(ConditionHandle handle) const {
 }
 
 RunStepper::Answer RunStepper::Ask(const Guard& guard, const TermBinding& match) {
-  if (WroteInThisRound()) {
+  if (guard.armed.handle == 0) {  // it is only asked for when something waits
+    if (!WroteInThisRound()) return Answer::kYes;
     core_.awaiting.insert(run_.id);  // what it and its sub-flows wrote is seen in the next round
     return Answer::kUnknown;
   }
-  if (guard.armed.handle == 0) return Answer::kYes;  // it is only asked for when something waits
   if (core_.MayHaveChanged(guard.armed.handle)) {
     AskAgain();
     return Answer::kUnknown;

@@ -90,6 +90,7 @@ class RunStepper {
   void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
   bool CheckDeadlines(size_t index);
+  bool HasToGoOnLater() const;
   void GoOnLater();
   bool HasEntered() const;
   void Enter();

@@ -47,6 +47,17 @@ class RunActionsTest : public ::testing::Test {
   TurnResult Run(std::vector<std::pair<std::string, Term>> variables = {}) {
     return Must(test::Start("W", std::move(variables)));
   }
+  // The clock's turns that runs which go on later ask for; what was said in them.
+  std::vector<std::string> Settle() {
+    std::vector<std::string> said;
+    for (int turns = 0; stages_.engine.AwaitsTick() && turns < 2000; ++turns) {
+      WriteBatch tick;
+      tick.clock_tick = true;
+      const std::vector<std::string> more = Said(Must(std::move(tick)));
+      said.insert(said.end(), more.begin(), more.end());
+    }
+    return said;
+  }
   // "SUBJECT from>to: cause" of each transition.
   static std::vector<std::string> Said(const TurnResult& result) {
     std::vector<std::string> said;

@@ -19,6 +19,7 @@ using test::Start;
 using test::Tell;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 using RunWrites = RunActionsTest;
 
@@ -486,8 +487,53 @@ TEST_F(RunWrites, ALoopThatTellsAndDoesNotWaitEnds) {
   Deploy("<node name=\"A\"><ext:tell>w:it w:p w:b</ext:tell></node>", {}, "",
          "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"A\" ext:while=\"w:it w:p w:b\"/><link from=\"A\" "
          "to=\"e\"/>");
-  EXPECT_THAT(Said(Run()), Contains(HasSubstr("engine_rounds_per_turn")));
+  Run();
+  EXPECT_EQ(stages_.engine.live_runs(), 1u) << "it goes on in later turns";
+  EXPECT_THAT(Settle(), Contains(HasSubstr("F-1 running>failed: node A was entered 10000 times")));
   EXPECT_EQ(stages_.engine.live_runs(), 0u);
+}
+
+// Each reads what the one before told: a round for each.
+TEST_F(RunWrites, ALongRowOfNodesGoesOnInTheNextTurn) {
+  std::string nodes;
+  std::vector<std::string> names;
+  for (int i = 0; i < 100; ++i) {
+    names.push_back(absl::StrCat("N", i));
+    absl::StrAppend(&nodes, "<node name=\"", names.back(), "\">",
+                    i == 0 ? "" : When("w:it", "w:at", absl::StrCat(i - 1)), "<ext:tell>w:it w:at ", i,
+                    "</ext:tell></node>");
+  }
+  Deploy(nodes, names);
+  EXPECT_THAT(Said(Run()), Not(Contains(HasSubstr("failed"))));
+  EXPECT_THAT(Settle(), Contains(HasSubstr("F-1 running>done")));
+  EXPECT_TRUE(Has(Fact("it", "at", Term::Integer(99))));
+}
+
+// The condition is asked again before each of them, and what they tell does not change it.
+TEST_F(RunWrites, SubflowsOfEachValueThatTellAllBegin) {
+  for (const char* way : {"<ext:tell>$n w:seen true</ext:tell>", "<ext:tell>$n a w:Seen</ext:tell>",
+                          "<ext:tell at=\"done\">$n w:seen true</ext:tell>",
+                          "<ext:withdraw source=\"any\">$n w:new true</ext:withdraw>"}) {
+    WriteBatch many = Tell({});
+    for (int i = 0; i < 1500; ++i) {
+      many.operations.push_back({QuadOperation::Kind::kAdd, Fact(absl::StrCat("n", i), "a", "Thing")});
+      many.operations.push_back(
+          {QuadOperation::Kind::kAdd, Fact(absl::StrCat("n", i), "new", Term::Boolean(true))});
+    }
+    Must(many);
+    Deploy("<node name=\"A\" ext:forEach=\"?n\">" + When("?n", "a", "w:Thing") +
+               "<invoke subflow=\"One\"/></node>",
+           {"A"},
+           absl::StrCat(
+               "<flow name=\"One\"><variable name=\"n\"/><source name=\"s\"/><node name=\"T\">", way,
+               "</node><sink name=\"e\"/><link from=\"s\" to=\"T\"/><link from=\"T\" to=\"e\"/></flow>"));
+    Must(test::Start("W/F"));
+    Settle();
+    EXPECT_EQ(stages_.engine.live_runs(), 0u) << way;
+  }
+  EXPECT_TRUE(Has(Fact("n1499", "seen", Term::Boolean(true))));
+  EXPECT_TRUE(Has(Fact("n1499", "a", "Seen")));
+  EXPECT_FALSE(Has(Fact("n1499", "new", Term::Boolean(true))));
 }
 
 TEST_F(RunWrites, ALoopThatTellsAndWaitsGoesOn) {
