@@ -101,8 +101,10 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
       ->add_option("--request-id", arguments->request_id,
                    "Id of the request; a repeated id is not applied again")
       ->type_name("ID");
-  command->add_option("--lifetime-ms", arguments->lifetime_ms, "Time after which the facts are withdrawn")
-      ->check(CLI::Range(int64_t{0}, int64_t{10'000'000'000'000}))  // 300 years
+  command
+      ->add_option("--lifetime-ms", arguments->lifetime_ms,
+                   "Time after which the facts are withdrawn; without it they stay")
+      ->check(CLI::Range(int64_t{1}, int64_t{10'000'000'000'000}))  // 300 years
       ->type_name("MS");
   command->footer(
       "Examples:\n"

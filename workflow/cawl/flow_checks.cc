@@ -61,10 +61,11 @@ class FlowChecker {
                       "take ext:compensate away");
     }
     const bool waits_for_ever = !node.condition || !node.condition->timeout_ms;
-    if (node.on_failure != OnFailure::kIncident || !node.invokes.empty() || !waits_for_ever) return;
+    const bool does_nothing = node.invokes.empty() && node.actions.empty();
+    if (node.on_failure != OnFailure::kIncident || !does_nothing || !waits_for_ever) return;
     reader_.Warning(
         node.on_failure_text.span,
-        Concat("node ", node.name.value, " cannot fail: it invokes nothing, and its wait has no end"),
+        Concat("node ", node.name.value, " cannot fail: it does nothing, and its wait has no end"),
         "take ext:onFailure away, or give its <condition> an ext:timeout");
   }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_format.h"
 #include "graph/base/text.h"
 #include "graph/rdf/iri_names.h"
 #include "graph/rdf/number_literal.h"
@@ -117,6 +119,21 @@ bool IsInteger(std::string_view local) {
   return IsNarrower(local, "integer");
 }
 
+// The digits of a number that is whole: "4" of "4.0" and "40e-1"; nullopt: it is not whole.
+std::optional<std::string> WholeDigits(const Term& number) {
+  const std::string& lexical = number.lexical;
+  if (lexical.find_first_of("eE") == std::string::npos) {
+    const size_t point = lexical.find('.');
+    if (point == std::string::npos) return lexical;
+    if (lexical.find_first_not_of('0', point + 1) != std::string::npos) return std::nullopt;
+    const std::string digits = lexical.substr(0, point);
+    return digits.find_first_of("0123456789") == std::string::npos ? digits + "0" : digits;
+  }
+  const std::optional<double> value = FiniteNumber(number);
+  if (!value || *value != std::trunc(*value)) return std::nullopt;
+  return absl::StrFormat("%.0f", *value);
+}
+
 // Whether a literal's lexical form is one of its datatype; true where this is not known.
 bool HasItsForm(const Term& value, std::string_view local) {
   const std::string& lexical = value.lexical;
@@ -174,12 +191,15 @@ std::string TypeFault(const Term& value, std::string_view type) {
   const std::string given = DatatypeOf(value);
   if (!HasItsForm(value, LocalXsd(given))) return Concat("does not have the form of ", TypeName(given));
   if (!MayBeOf(given, type)) return Concat("is of ", TypeName(given), ", not of ", name);
-  if (IsAnyLiteral(type) || IsNarrower(LocalXsd(given), LocalXsd(type)) || !IsNumberLiteral(value)) return "";
-  // A number of a wider datatype is one of the narrower, if its form and value are.
-  const Term narrowed = Term::Literal(value.lexical, std::string(type));
-  const bool fits =
-      !IsNumberLiteral(narrowed) ||
-      (FiniteNumber(narrowed) && (!IsInteger(LocalXsd(type)) || IsInRange(value.lexical, LocalXsd(type))));
+  if (IsAnyLiteral(type) || IsNarrower(LocalXsd(given), LocalXsd(type)) || !IsNumberLiteral(value) ||
+      !IsNumberLiteral(Term::Literal("", std::string(type))))
+    return "";
+  // A number of a wider datatype is one of the narrower, if that has its value.
+  bool fits = FiniteNumber(value).has_value();
+  if (IsInteger(LocalXsd(type))) {
+    const std::optional<std::string> digits = WholeDigits(value);
+    fits = fits && digits && IsInRange(*digits, LocalXsd(type));
+  }
   return fits ? "" : Concat("is not of ", name);
 }
 

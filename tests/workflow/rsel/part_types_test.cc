@@ -30,6 +30,26 @@ TEST(PartTypes, ANumberIsOfTheDatatypesThatItCanBe) {
   EXPECT_FALSE(Is(Term::Literal("3"), Xsd("integer")));
 }
 
+TEST(PartTypes, AWholeNumberIsAnIntegerHoweverItIsWritten) {
+  const auto is = [](const std::string& lexical, const std::string& given, const std::string& wanted) {
+    return Is(Term::Literal(lexical, Xsd(given)), Xsd(wanted));
+  };
+  for (const char* lexical : {"4", "04", "4.0", "4.", "+4.000"}) {
+    EXPECT_TRUE(is(lexical, "decimal", "integer")) << lexical;
+    EXPECT_TRUE(is(lexical, "decimal", "unsignedByte")) << lexical;
+  }
+  for (const char* lexical : {"4", "4.0", "4e0", "40E-1", "0.4e1"}) {
+    EXPECT_TRUE(is(lexical, "double", "integer")) << lexical;
+    EXPECT_TRUE(is(lexical, "float", "byte")) << lexical;
+    EXPECT_TRUE(is(lexical, "double", "decimal")) << lexical;
+  }
+  EXPECT_TRUE(is(".0", "decimal", "integer"));
+  EXPECT_TRUE(is("-0.0", "double", "unsignedInt"));
+  EXPECT_FALSE(is("4.01", "decimal", "integer") || is("4.5e0", "double", "integer"));
+  EXPECT_FALSE(is("3e2", "double", "byte") || is("-1.0", "decimal", "unsignedInt"));
+  EXPECT_FALSE(is("NaN", "double", "integer") || is("INF", "double", "decimal"));
+}
+
 TEST(PartTypes, ZeroIsNeitherPositiveNorNegative) {
   for (const char* zero : {"0", "-0", "+00"}) {
     const Term value = Term::Literal(zero, Xsd("integer"));
