@@ -30,6 +30,31 @@ absl::Status CheckDeployed(const Catalog& catalog, const std::string& name) {
   return NoWorkflow(name, known);
 }
 
+bool Invokes(const cawl::Document& document, const std::string& workflow) {
+  for (const cawl::Flow& flow : document.flows) {
+    for (const cawl::Node& node : flow.nodes) {
+      for (const cawl::Invoke& invoke : node.invokes) {
+        const std::string& name = invoke.subflow.value;
+        if (name.empty() || document.FindFlow(name) != nullptr) continue;
+        for (const auto& [target, flow_name] : cawl::StartTargets(name)) {
+          if (target == workflow) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+// Names of the other deployed workflows that invoke it.
+std::vector<std::string> InvokedBy(const Catalog& catalog, const std::string& workflow) {
+  std::vector<std::string> names;
+  for (const auto& [document, revision] : catalog.workflows) {
+    if (document->name.value != workflow && Invokes(*document, workflow))
+      names.push_back(document->name.value);
+  }
+  return names;
+}
+
 void ToProto(const RunPorts& ports, const Catalog& catalog, const cawl::DocumentPtr& document,
              Revision revision, const GraphVersion& graph, v1::Workflow* out) {
   const std::string& name = document->name.value;
@@ -67,10 +92,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Undeploy(grpc::CallbackServerContext
   batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, request->workflow(),
                              request->cancel_runs() ? kRemovesRuns : ""});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+  ports_.inbox->Push(std::move(batch), [this, reactor, reply, name = request->workflow()](
+                                           const absl::StatusOr<BatchOutcome>& outcome) {
     if (outcome.ok()) {
       reply->set_revision(outcome->offset);
       reply->set_cancelled_runs(static_cast<uint32_t>(outcome->cancelled_runs));
+      for (std::string& by : InvokedBy(*ports_.catalog->Get(), name)) reply->add_invoked_by(std::move(by));
     }
     reactor->Finish(ToGrpc(outcome.status()));
   });

@@ -11,6 +11,7 @@ std::string FleetLeases::Claim(const std::string& robot, const std::string& addr
   const bool lives = lease.until_us > lease_clock_.Now() && !lease.address.empty() && lease.address != gone;
   if (!lives || lease.address == address) {
     lease.address = address;
+    if (lease.rival == address) lease.rival.clear();
     return "";
   }
   lease.rival = address;

@@ -13,6 +13,9 @@ FLOW = """<flow name="%s"><source name="s"/><node name="N"/><sink name="e"/><lin
 """
 BELL = HEAD % "Bell" + """<activator name="A"><activate flow="Answer"/>
 <condition><case><event operation="doorbell"/></case></condition></activator>""" + FLOW % "Answer"
+AROUND = """<CAWL name="Around"><flow name="F"><source name="s"/><node name="A"><invoke subflow="Stays"/></node>
+<sink name="e"/><link from="s" to="A"/><link from="A" to="e"/></flow></CAWL>
+"""
 STAYS = HEAD % "Stays" + """<activator name="A"><activate flow="Serve"/><condition><context name="C"><rule name="r" ext:for="%s">
 <constraint name="at"><subject>?who</subject><verb>docent:isAt</verb><object>?where</object></constraint>
 </rule></context></condition></activator>""" + FLOW % "Serve"
@@ -102,7 +105,11 @@ class Activators(StageTest):
         self.assertIn("disabled", server.command("workflows"))
         server.command("workflows", "enable", "Stays")
         self.wait_for_runs(server, "Serve", 1)
-        server.command("workflows", "undeploy", "Stays", "--cancel-runs")
+        server.load(self.file("around.cawl.xml", AROUND))
+        gone = server.run("workflows", "undeploy", "Stays", "--cancel-runs")
+        self.assertEqual(gone.returncode, 0)
+        self.assertIn("workflow Around invokes Stays", gone.stderr)
+        server.command("workflows", "undeploy", "Around")
         self.assertNotIn("Stays", server.command("workflows"))
         self.assertIn("3", server.command("workflows", "versions", "Stays"))
         server.load(self.file("stays.cawl.xml", STAYS % "5s"))

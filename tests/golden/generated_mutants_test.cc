@@ -39,7 +39,7 @@ const Kind kKinds[] = {
     {"link from", ".cawl.xml", R"re(<link from="([^"]+)")re", "&q", "there is no node"},
     {"flow", ".cawl.xml", R"re(<activate flow="([^"]+)")re", "&q", "there is no flow"},
     {"sub-flow", ".cawl.xml", R"re(<invoke [^>]*subflow="([^"]+)")re", "&q",
-     "there is no flow or application service"},
+     "there is no flow or deployed workflow"},
     {"operation", ".cawl.xml", R"re(<invoke operation="([^"]+)")re", "&q", "no robot offers operation"},
     {"offered", ".cawl.xml", R"re(<service operation="([^"]+)")re", "&q", "no robot offers operation"},
     {"expression", ".cawl.xml", R"re(<(?:rule|condition|case) [^>]*expression="([^"]+)")re", "& and nothing",

@@ -63,7 +63,7 @@ const Mutant kMutants[] = {
     {kGuide, "", "robotThere and userThere", "robotThere", "userThere is not in the expression",
      "<constraint name=\"userThere\">"},
     {kGuide, "", "<invoke operation=\"moveToUser\"", "<invoke subflow=\"moveToUser\"",
-     "there is no flow or application service moveToUser"},
+     "there is no flow or deployed workflow moveToUser"},
     // ---- links
     {kGuide, "", "to=\"Move2User\"", "to=\"Move2Usr\"", "there is no node Move2Usr"},
     {kGuide, "", "<link from=\"Move2User\" to=\"Move2Booth\"/>", "", "node Move2User has no path to the sink",
@@ -170,7 +170,7 @@ const Mutant kMutants[] = {
     {kDoors, "", "<context name=\"Entered\"", "<contxt name=\"Entered\"", "XML:", "</context>"},
     // ---- s03
     {kJohn, "", "<invoke subflow=\"BoothGuide\"", "<invoke subflow=\"BoothGiude\"",
-     "there is no flow or application service BoothGiude"},
+     "there is no flow or deployed workflow BoothGiude"},
     {kJohn, "", "<link from=\"Answer\" to=\"NoAnswer\"", "<link from=\"Answer\" to=\"NoAnswr\"",
      "there is no node NoAnswr"},
     {kJohn, "", "docent:suits", "docent:suit", "the ontology has no property"},

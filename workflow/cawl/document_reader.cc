@@ -438,7 +438,7 @@ class DocumentReader {
     }
     if (out.operation.empty() == out.subflow.empty() && !out.capability.given()) {
       reader_.Error(element.name_span, "<invoke> needs either operation or subflow",
-                    "operation: a robot service or operation; subflow: a flow or an application service; "
+                    "operation: a robot service or operation; subflow: a flow or a deployed workflow; "
                     "ext:capability: a class of operations");
     }
     return out;

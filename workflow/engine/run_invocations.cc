@@ -50,14 +50,14 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
   core_.bounds.Worked(1);
   core_.Say(Subject(node, index), ToString(invocation.state), ToString(state), cause);
   invocation.state = state;
-  if (state == WorkState::kFailed || state == WorkState::kCancelled) invocation.reason = cause;
+  if (state == WorkState::kDone || state == WorkState::kFailed || state == WorkState::kCancelled)
+    invocation.reason = cause;
   if (state != WorkState::kPending) core_.waiting.Leave({run_.id, node, index});
   if (IsFinal(state)) {
     invocation.deadline_us.reset();
     invocation.overdue.clear();
     LeaveRobot(node, index);
   }
-  if (state == WorkState::kDone) invocation.reason.clear();
 }
 
 // What the invocation's robot takes with an operation of its own. What it did not describe is asked of ext:input and of the
@@ -396,8 +396,9 @@ void RunStepper::SettleHandler(size_t node, size_t index) {
       return;
     case rsel::InstructionHandler::State::kDone: {
       const rsel::Arguments given = invocation.handler->Results();
-      const TermBinding results = ResultsOf(node, index, TermBinding(given.begin(), given.end()));
-      SetInvocation(node, index, WorkState::kDone, "");
+      std::string note;
+      const TermBinding results = ResultsOf(node, index, TermBinding(given.begin(), given.end()), &note);
+      SetInvocation(node, index, WorkState::kDone, note);
       SetVariables(results);  // last: it may end the run
       return;
     }
@@ -495,9 +496,10 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
       if (mapped || (!is_input && run_.variables.count(name) == 0)) given.emplace(name, value);
     }
   }
-  const TermBinding results = ResultsOf(owner.node, owner.invocation, given);
+  std::string note;
+  const TermBinding results = ResultsOf(owner.node, owner.invocation, given, &note);
   invocation.overdue.clear();
-  SetInvocation(owner.node, owner.invocation, WorkState::kDone, "");
+  SetInvocation(owner.node, owner.invocation, WorkState::kDone, note);
   SetVariables(results);  // last: it may end the run
 }
 

@@ -84,6 +84,7 @@ void Engine::Core::TakeFrom(const RunId& root, const RobotId& robot, const Run& 
   for (const RunId& id : tree) {
     if (Run* run = Mutable(id)) run->robots.erase(robot);
   }
+  if (tasks.empty()) Say(root.value(), "running", "running", why);  // between two nodes
   for (const auto& [owner, occupies] : tasks) {
     Run* run = Mutable(owner.run);
     InvocationState& invocation = run->nodes[owner.node].invocations[owner.invocation];

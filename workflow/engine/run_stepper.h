@@ -151,8 +151,7 @@ class RunStepper {
   absl::Status Notify(size_t index, const cawl::Action& action);
   absl::StatusOr<std::string> TextOf(const cawl::Text& text, const TermBinding* binding) const;
   // run_results.cc: results of what was invoked
-  void RefuseNames(const std::string& subject, TermBinding* results);
-  TermBinding ResultsOf(size_t node, size_t invocation, const TermBinding& given);
+  TermBinding ResultsOf(size_t node, size_t invocation, const TermBinding& given, std::string* note);
   void KeepSolutions(const cawl::Action& action, std::vector<TermBinding> solutions);
   absl::Status MayWrite(size_t facts);
   absl::StatusOr<Term> ValueOf(const cawl::Word& word, const TermBinding* binding) const;

@@ -136,6 +136,10 @@ class WorkflowsClient {
     std::cout << arguments_.name << ": undeployed with revision " << reply.revision();
     if (arguments_.cancel_runs) std::cout << ", " << reply.cancelled_runs() << " runs cancelled";
     std::cout << "\n";
+    for (const std::string& by : reply.invoked_by()) {
+      std::cerr << "warning: workflow " << by << " invokes " << arguments_.name
+                << "; its runs fail there until it is deployed again\n";
+    }
     return kExitOk;
   }
 

@@ -86,6 +86,7 @@ TEST_F(FleetLeasesTest, OneAdapterSpeaksForARobotWhileItsLeaseLives) {
   EXPECT_EQ(leases_.RivalOf("R"), "b:2");
   EXPECT_EQ(leases_.Claim("R", "a:1"), "") << "it goes on";
   EXPECT_EQ(leases_.Claim("R", "b:2", "a:1"), "") << "no adapter is at the first address any more";
+  EXPECT_EQ(leases_.RivalOf("R"), "") << "it speaks for the robot itself now";
   EXPECT_EQ(leases_.Claim("R", "a:1"), "b:2");
   PassALease();
   EXPECT_EQ(leases_.RivalOf("R"), "") << "it has not asked again";

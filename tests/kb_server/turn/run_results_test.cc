@@ -62,8 +62,7 @@ TEST_F(RunResults, OfANamedOneThatIsNotGivenTheVariableHasNoValue) {
       "<invoke operation=\"greet\"><ext:output part=\"mood\" variable=\"x\"/></invoke>"
       "<ext:tell at=\"done\">w:out w:x $x</ext:tell>");
   const TurnResult done = Succeed(Run({{"x", Term::Literal("of before")}}), {});
-  EXPECT_THAT(Said(done),
-              Contains("F-1/A/0 running>running: there is no result mood: variable x has no value"));
+  EXPECT_THAT(Said(done), Contains("F-1/A/0 running>done: there is no result mood: variable x has no value"));
   EXPECT_THAT(Said(done), Contains(HasSubstr("it cannot tell: variable $x has no value")));
 }
 
@@ -128,7 +127,7 @@ TEST_F(RunResults, AResultOfAWrongTypeIsRefusedAndRecorded) {
   Deploy("<node name=\"A\"><invoke operation=\"greet\"/></node>", {"A"},
          "<variable name=\"n\" type=\"xsd:decimal\"/>");
   const TurnResult done = Succeed(Run(), {{"n", Term::Literal("warm")}});
-  EXPECT_THAT(Said(done), Contains("F-1/A/0 running>running: the result for variable n is refused: $n is "
+  EXPECT_THAT(Said(done), Contains("F-1/A/0 running>done: the result for variable n is refused: $n is "
                                    "of type xsd:decimal, and \"warm\" is of type xsd:string"));
   EXPECT_THAT(Said(done), Contains(HasSubstr("F-1 running>done")));
 }

@@ -106,6 +106,7 @@ TEST_F(EnginePriorityTest, AMoreUrgentRunTakesTheRobotBetweenTwoNodes) {
   StartFlow("High");
   Turn({Done(a)});
   EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+  EXPECT_TRUE(Says("Low-1 running>running")) << "the timeline has who took it";
   Turn({Done(Only())});
   EXPECT_EQ(Sent(), Commands{"Low-1/B drive"});
   Turn({Done(Only())});

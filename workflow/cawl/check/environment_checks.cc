@@ -126,7 +126,7 @@ class EnvironmentChecker {
     std::vector<std::string> known = environment_.ApplicationServices();
     if (std::find(known.begin(), known.end(), name.value) != known.end()) return;
     for (const Flow& flow : document_.flows) known.push_back(flow.name.value);
-    reader_.Error(name.span, Concat("there is no flow or application service ", name.value),
+    reader_.Error(name.span, Concat("there is no flow or deployed workflow ", name.value),
                   reader_.DidYouMean(name.value, known, Concat("there are: ", xml::ListOf(known))));
   }
 
