@@ -21,6 +21,14 @@ std::optional<Int128> ScaleUp(Int128 value, int digits) {
   return value;
 }
 
+bool Fits(Int128 mantissa) {
+  return mantissa >= -kMaxMantissa && mantissa <= kMaxMantissa;
+}
+
+Int128 Magnitude(Int128 value) {
+  return value < 0 ? -value : value;
+}
+
 // Both numbers at the larger of the two scales.
 std::optional<std::pair<Int128, Int128>> Align(const Decimal& a, const Decimal& b) {
   const int scale = std::max(a.scale, b.scale);
@@ -28,6 +36,57 @@ std::optional<std::pair<Int128, Int128>> Align(const Decimal& a, const Decimal& 
   const std::optional<Int128> y = ScaleUp(b.mantissa, scale - b.scale);
   if (!x || !y) return std::nullopt;
   return std::make_pair(*x, *y);
+}
+
+// The sum of a and b where b has the larger scale and a does not fit at it: the sum may fit if the signs differ.
+// The whole parts are added first.
+std::optional<Decimal> AddWide(const Decimal& a, const Decimal& b) {
+  const std::optional<Int128> unit = ScaleUp(1, b.scale - a.scale);
+  if (!unit) return std::nullopt;
+  Decimal sum{0, b.scale};
+  if (__builtin_mul_overflow(a.mantissa + b.mantissa / *unit, *unit, &sum.mantissa)) return std::nullopt;
+  sum.mantissa += b.mantissa % *unit;  // what fits leaves room for it
+  return sum;
+}
+
+// Divides each of the two factors or both by the factors of 10 that their product has after the point, so that a
+// product that fits does not overflow.
+void CancelTens(Decimal* x, Decimal* y) {
+  const auto cancel = [&](int of_x, int of_y) {
+    while (x->scale + y->scale > 0 && x->mantissa % of_x == 0 && y->mantissa % of_y == 0) {
+      x->mantissa /= of_x;
+      y->mantissa /= of_y;
+      --(x->scale > 0 ? x : y)->scale;
+    }
+  };
+  cancel(10, 1);
+  cancel(1, 10);
+  cancel(2, 5);
+  cancel(5, 2);
+}
+
+// (top * 10^digits) / by toward zero, digit by digit; nullopt if it has more than 38 digits. by > 0, top >= 0.
+std::optional<Int128> DivideScaled(Int128 top, Int128 by, int digits) {
+  __extension__ using Unsigned = unsigned __int128;
+  if (const auto scaled = ScaleUp(top, digits))
+    return Fits(*scaled / by) ? std::optional<Int128>(*scaled / by) : std::nullopt;
+  Int128 quotient = top / by;
+  Unsigned rest = static_cast<Unsigned>(top % by);
+  for (int i = 0; i < digits; ++i) {
+    if (quotient > kMaxMantissa / 10) return std::nullopt;
+    Unsigned next = 0;  // 10 * rest, reduced at each step: two numbers below 10^38 fit
+    int digit = 0;
+    for (int times = 0; times < 10; ++times) {
+      next += rest;
+      if (next >= static_cast<Unsigned>(by)) {
+        next -= static_cast<Unsigned>(by);
+        ++digit;
+      }
+    }
+    rest = next;
+    quotient = quotient * 10 + digit;
+  }
+  return quotient;
 }
 
 Int128 FloorDivide(Int128 value, Int128 by) {
@@ -72,7 +131,7 @@ std::optional<Decimal> Decimal::Parse(std::string_view text) {
     }
     d.scale += point ? 1 : 0;
   }
-  if (!digits || d.scale > kMaxScale) return std::nullopt;
+  if (!digits || d.scale > kMaxScale || !Fits(d.mantissa)) return std::nullopt;
   if (negative) d.mantissa = -d.mantissa;
   return Normalised(d);
 }
@@ -139,16 +198,21 @@ Decimal Decimal::Round() const {
   if (scale == 0) return *this;
   Int128 half = 5;
   for (int i = 1; i < scale; ++i) half *= 10;
-  Int128 sum = 0;
-  if (__builtin_add_overflow(mantissa, half, &sum)) return Floor();
-  return Decimal{sum, scale}.Floor();
+  return Decimal{mantissa + half, scale}.Floor();  // there is room above 10^38
 }
 
 std::optional<Decimal> Add(const Decimal& a, const Decimal& b) {
   const auto aligned = Align(a, b);
   Decimal sum{0, std::max(a.scale, b.scale)};
-  if (!aligned || __builtin_add_overflow(aligned->first, aligned->second, &sum.mantissa)) return std::nullopt;
-  return Normalised(sum);
+  if (!aligned) {
+    const std::optional<Decimal> wide = a.scale < b.scale ? AddWide(a, b) : AddWide(b, a);
+    if (!wide) return std::nullopt;
+    sum = *wide;
+  } else if (__builtin_add_overflow(aligned->first, aligned->second, &sum.mantissa)) {
+    return std::nullopt;
+  }
+  sum = Normalised(sum);
+  return Fits(sum.mantissa) ? std::optional<Decimal>(sum) : std::nullopt;
 }
 
 std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b) {
@@ -156,22 +220,34 @@ std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b) {
 }
 
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b) {
-  const Decimal x = Normalised(a), y = Normalised(b);
+  Decimal x = Normalised(a), y = Normalised(b);
   Decimal product{0, x.scale + y.scale};
-  if (__builtin_mul_overflow(x.mantissa, y.mantissa, &product.mantissa)) return std::nullopt;
+  if (__builtin_mul_overflow(x.mantissa, y.mantissa, &product.mantissa)) {
+    CancelTens(&x, &y);
+    product.scale = x.scale + y.scale;
+    if (__builtin_mul_overflow(x.mantissa, y.mantissa, &product.mantissa)) return std::nullopt;
+  }
   product = Normalised(product);
-  if (product.scale > kMaxScale) return std::nullopt;
+  if (product.scale > kMaxScale || !Fits(product.mantissa)) return std::nullopt;
   return product;
 }
 
 std::optional<Decimal> Divide(const Decimal& a, const Decimal& b) {
   if (b.mantissa == 0) return std::nullopt;
-  // a/b to kDivisionDigits: (a.m * 10^(k + b.scale - a.scale)) / b.m
+  const bool negative = (a.mantissa < 0) != (b.mantissa < 0);
+  Int128 top = Magnitude(a.mantissa);
+  const Int128 by = Magnitude(b.mantissa);
+  // a/b to kDivisionDigits: (a.m * 10^(k + b.scale - a.scale)) / b.m; fewer digits if it does not fit.
   for (int digits = kDivisionDigits; digits >= 0; --digits) {
     const int up = digits + b.scale - a.scale;
-    const std::optional<Int128> top = ScaleUp(a.mantissa, std::max(up, 0));
-    const std::optional<Int128> bottom = ScaleUp(b.mantissa, std::max(-up, 0));
-    if (top && bottom) return Normalised({*top / *bottom, digits});
+    std::optional<Int128> quotient;
+    if (up >= 0) {
+      quotient = DivideScaled(top, by, up);
+    } else {  // dividing twice is the same as by the product
+      const std::optional<Int128> unit = ScaleUp(1, -up);
+      quotient = unit ? top / *unit / by : 0;
+    }
+    if (quotient) return Normalised({negative ? -*quotient : *quotient, digits});
   }
   return std::nullopt;
 }
@@ -180,13 +256,9 @@ int CompareScales(const Decimal& a, const Decimal& b) {
   if (const auto aligned = Align(a, b)) {
     return aligned->first < aligned->second ? -1 : aligned->first > aligned->second ? 1 : 0;
   }
-  // One of them does not fit at the other's scale: compare the whole parts, then the digits after the
-  // point.
-  const Int128 x = a.Floor().mantissa, y = b.Floor().mantissa;
-  if (x != y) return x < y ? -1 : 1;
-  const double rest_a = Decimal{a.mantissa, a.scale}.ToDouble() - static_cast<double>(x);
-  const double rest_b = Decimal{b.mantissa, b.scale}.ToDouble() - static_cast<double>(y);
-  return rest_a < rest_b ? -1 : rest_a > rest_b ? 1 : 0;
+  // One of them does not fit at the other's scale, at which the other has 38 digits at most: their whole parts
+  // differ.
+  return a.Floor().mantissa < b.Floor().mantissa ? -1 : 1;
 }
 
 }  // namespace docent::sparql

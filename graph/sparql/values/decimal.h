@@ -14,6 +14,13 @@ namespace docent::sparql {
 
 __extension__ typedef __int128 Int128;
 
+// 38 digits: 10^38 - 1. What is parsed or computed has no larger mantissa.
+inline constexpr Int128 kMaxMantissa = [] {
+  Int128 power = 1;
+  for (int i = 0; i < 38; ++i) power *= 10;
+  return power - 1;
+}();
+
 // mantissa / 10^scale, scale >= 0.
 struct Decimal {
   Int128 mantissa = 0;

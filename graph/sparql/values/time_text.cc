@@ -42,6 +42,12 @@ class Reader {
     rest_.remove_prefix(n);
     return value;
   }
+  // Digits of a year (XML Schema 1.1 part 2, section D.3.1, yearFrag): four, or more without a leading zero.
+  std::optional<int64_t> Year() {
+    constexpr size_t kMost = 6;  // 292,000 years fit into TimeMicros
+    const bool short_year = rest_.starts_with('0');
+    return Digits(4, short_year ? 4 : kMost);
+  }
   // Fraction of a second after the point, in microseconds.
   std::optional<int64_t> Fraction() {
     int64_t value = 0;
@@ -61,7 +67,7 @@ class Reader {
 
 std::optional<int64_t> ReadDate(Reader* in) {
   const bool negative = in->Take('-');
-  const auto year = in->Digits(4, 6);  // 292,000 years fit into TimeMicros
+  const auto year = in->Year();
   if (!year || !in->Take('-')) return std::nullopt;
   const auto month = in->Digits(2, 2);
   if (!month || *month < 1 || *month > 12 || !in->Take('-')) return std::nullopt;

@@ -17,8 +17,8 @@ namespace {
 struct IntegerRange {
   Int128 min, max;
 };
-constexpr Int128 kNoMin = std::numeric_limits<int64_t>::min() * (Int128{1} << 62);
-constexpr Int128 kNoMax = -kNoMin;
+constexpr Int128 kNoMin = -kMaxMantissa;  // as far as there are values
+constexpr Int128 kNoMax = kMaxMantissa;
 
 // XML Schema part 2, section 3.3.13 to 3.3.25, by local name
 const IntegerRange* DerivedInteger(std::string_view local) {

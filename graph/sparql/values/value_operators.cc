@@ -63,6 +63,15 @@ int OrderRank(const Value& v) {
   return 11;
 }
 
+// Whether a text of the lexical space has no value only because it has more digits than there are values for.
+bool IsNumberTooLong(std::string_view text, std::string_view datatype) {
+  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
+  const size_t point = datatype == kXsdDecimal ? text.find('.') : std::string_view::npos;
+  size_t digits = 0;
+  for (const char c : text) digits += c >= '0' && c <= '9' ? 1 : 0;
+  return digits > 0 && digits == text.size() - (point == std::string_view::npos ? 0 : 1);
+}
+
 }  // namespace
 
 std::optional<bool> EffectiveBooleanValue(const Value& v) {
@@ -80,6 +89,8 @@ std::optional<bool> EffectiveBooleanValue(const Value& v) {
       return !(v.number() == 0 || std::isnan(v.number()));
     case Type::kOther: {  // an invalid lexical form of these types is false
       const std::string_view datatype = v.datatype();
+      if ((datatype == kXsdInteger || datatype == kXsdDecimal) && IsNumberTooLong(v.text(), datatype))
+        return std::nullopt;  // it has a value, which is not known
       if (datatype == kXsdBoolean || datatype == kXsdInteger || datatype == kXsdDecimal ||
           datatype == kXsdDouble || datatype == kXsdFloat) {
         return false;
@@ -275,14 +286,14 @@ std::string PlainDigits(const Value& v) {
 
 // A float or double as a decimal; nullopt for NaN, infinities and numbers of more than 38 digits.
 std::optional<Decimal> DecimalOf(const Value& v) {
-  if (!std::isfinite(v.number()) || std::abs(v.number()) >= 1e37) return std::nullopt;
+  if (!std::isfinite(v.number())) return std::nullopt;
   const std::string digits = PlainDigits(v);
   std::string_view text = digits;
-  while (!text.empty()) {
+  while (true) {
     if (const auto d = Decimal::Parse(text)) return d;
+    if (text.find('.') == std::string_view::npos) return std::nullopt;
     text.remove_suffix(1);  // fewer digits after the point
   }
-  return std::nullopt;
 }
 
 // XPath and XQuery Functions section 19.1.2.2 (17.1.2 of 1.0): without exponent from 1e-6 to below 1e6.

@@ -9,6 +9,8 @@
 namespace docent::sparql {
 namespace {
 
+using std::string_literals::operator""s;
+
 Value Of(const std::string& lexical, std::string_view datatype) {
   return Value::OfTerm(Term::Literal(lexical, std::string(datatype)));
 }
@@ -23,13 +25,14 @@ TEST(Decimal, ReadsAndWritesExactly) {
   EXPECT_EQ(Decimal::Parse("5.")->ToString(), "5");
   for (const char* text :
        {"0", "-1", "0.5", "-0.05", "9999999999999999999", "10000000000000000000", "-10000000000000000001.5",
-        "12345678901234567890123456789", "170141183460469231731687303715884105727",
+        "12345678901234567890123456789", "99999999999999999999999999999999999999",
         "0.000000000000000000000000000000000001", "-1.70141183460469231731687303715884105"}) {
     EXPECT_EQ(Decimal::Parse(text)->ToString(), text);
   }
   EXPECT_EQ(Decimal::Parse("100000000000000000000.500")->ToString(), "100000000000000000000.5");
   EXPECT_EQ(Decimal::Parse("0.000")->ToString(), "0");
-  for (const char* bad : {"", "-", ".", "1e3", "1.2.3", "abc", "99999999999999999999999999999999999999999"}) {
+  for (const char* bad : {"", "-", ".", "1e3", "1.2.3", "abc", "100000000000000000000000000000000000000",
+                          "-1000000000000000000000000000000000000.01"}) {
     EXPECT_FALSE(Decimal::Parse(bad)) << bad;
   }
 }
@@ -44,6 +47,35 @@ TEST(Decimal, ComputesWithoutRounding) {
   EXPECT_FALSE(Divide(tenth, Decimal::Of(0)));
   const Decimal large = *Decimal::Parse("99999999999999999999999999999999999999");
   EXPECT_FALSE(Multiply(large, large));
+}
+
+// 38 digits, whichever way a number comes about.
+TEST(Decimal, HasOneLimitForAllThatMakesNumbers) {
+  const auto of = [](const char* text) { return *Decimal::Parse(text); };
+  const auto text = [](const std::optional<Decimal>& d) { return d ? d->ToString() : "none"; };
+  const Decimal most = of("99999999999999999999999999999999999999");
+  EXPECT_EQ(text(Add(most, Decimal::Of(0))), "99999999999999999999999999999999999999");
+  EXPECT_EQ(text(Add(most, Decimal::Of(1))), "none");
+  EXPECT_EQ(text(Subtract(Decimal::Of(-1), most)), "none");
+  EXPECT_EQ(text(Multiply(of("10000000000000000000000000000000000000"), Decimal::Of(9))),
+            "90000000000000000000000000000000000000");
+  EXPECT_EQ(text(Multiply(of("10000000000000000000000000000000000000"), Decimal::Of(10))), "none");
+  EXPECT_EQ(text(Divide(most, Decimal::Of(1))), "99999999999999999999999999999999999999");
+  EXPECT_EQ(text(Divide(of("12000000000000000000000000000000000000"), of("0.1"))), "none");
+  // What fits is there even if the way to it has more digits.
+  EXPECT_EQ(text(Subtract(of("18000000000000000000000000000000000000"),
+                          of("9500000000000000000000000000000000000.5"))),
+            "8499999999999999999999999999999999999.5");
+  EXPECT_EQ(text(Multiply(of("80000000000000000000000000000000000000"), of("0.5"))),
+            "40000000000000000000000000000000000000");
+  EXPECT_EQ(text(Multiply(of("-1.1"), of("90000000000000000000000000000000000000"))),
+            "-99000000000000000000000000000000000000");
+  EXPECT_EQ(text(Divide(of("18000000000000000000000000000000000000"), of("0.7"))),
+            "25714285714285714285714285714285714285");
+  EXPECT_EQ(text(Divide(of("-10000000000000000000000000000000000000"), Decimal::Of(3))),
+            "-3333333333333333333333333333333333333.3");
+  EXPECT_EQ(text(Divide(of("0.000000000000000000000000000000000001"), of("1000000000000000000000000000000"))),
+            "0");
 }
 
 TEST(Decimal, RoundsAsXPathSays) {
@@ -63,6 +95,13 @@ TEST(Decimal, ComparesNumbersOfAnyScale) {
   EXPECT_EQ(Compare(*Decimal::Parse("1.10"), *Decimal::Parse("1.1")), 0);
   EXPECT_GT(Compare(*Decimal::Parse("99999999999999999999999999999999999999"),
                     *Decimal::Parse("0.000000000000000000000000000000000001")),
+            0);
+  EXPECT_GT(Compare(*Decimal::Parse("12345678901234567890.123456789012345679"),
+                    *Decimal::Parse("12345678901234567890.123456789012345678")),
+            0);
+  EXPECT_LT(Compare(*Decimal::Parse("18000000000000000000000000000000000000"),
+                    *Decimal::Parse("-9500000000000000000000000000000000000.5")) *
+                -1,
             0);
 }
 
@@ -150,8 +189,43 @@ TEST(Value, EffectiveBooleanValue) {
   EXPECT_EQ(EffectiveBooleanValue(Value::Integer(0)), false);
   EXPECT_EQ(EffectiveBooleanValue(Of("NaN", kXsdDouble)), false);
   EXPECT_EQ(EffectiveBooleanValue(Of("zzz", kXsdInteger)), false);  // invalid form of a number
+  // Of more digits than there are values for, it is unknown.
+  EXPECT_EQ(EffectiveBooleanValue(Of("100000000000000000000000000000000000000", kXsdInteger)), std::nullopt);
+  EXPECT_EQ(EffectiveBooleanValue(Of("0.1000000000000000000000000000000000000001", kXsdDecimal)),
+            std::nullopt);
+  EXPECT_EQ(EffectiveBooleanValue(Of("1000000000000000000000000000000000000000.5", kXsdInteger)), false);
   EXPECT_EQ(EffectiveBooleanValue(Value::Iri("http://a/")), std::nullopt);
   EXPECT_EQ(EffectiveBooleanValue(Of("x", "http://a/type")), std::nullopt);
+}
+
+TEST(Value, IntegersOf38DigitsAreNumbers) {
+  const std::string most(38, '9');
+  for (const std::string& text : {most, "-" + most, std::string("42535295865117307932921825928971026433")}) {
+    EXPECT_EQ(Of(text, kXsdInteger).type(), Value::Type::kInteger) << text;
+    EXPECT_EQ(Text(*Cast(kXsdInteger, Value::String(text))), text);
+    EXPECT_EQ(Text(*Cast(kXsdDecimal, Of(text, kXsdInteger))), text);
+    EXPECT_EQ(Text(*Cast(kXsdInteger, Of(text + ".0", kXsdDecimal))), text);
+    EXPECT_EQ(Text(Compute(Arithmetic::kAdd, Of(text, kXsdInteger), Value::Integer(0))), text);
+  }
+  EXPECT_EQ(Of(most, std::string(kXsdNs) + "positiveInteger").type(), Value::Type::kInteger);
+  for (const std::string& text : {"1" + std::string(38, '0'), "-1" + std::string(38, '0')}) {
+    EXPECT_EQ(Of(text, kXsdInteger).type(), Value::Type::kOther);
+    EXPECT_EQ(Of(text, kXsdDecimal).type(), Value::Type::kOther);
+    EXPECT_TRUE(Cast(kXsdInteger, Value::String(text))->IsError());
+  }
+  EXPECT_EQ(Text(*Cast(kXsdInteger, Of("9e37", kXsdDouble))).size(), 38u);
+  EXPECT_TRUE(Cast(kXsdInteger, Of("1.1e38", kXsdDouble))->IsError());
+}
+
+// XML Schema 1.1 part 2, section D.3.1 (yearFrag).
+TEST(Value, AYearOfMoreThanFourDigitsHasNoLeadingZero) {
+  for (const char* good : {"0000-01-01", "0012-01-01", "-0012-01-01", "12000-01-01", "-12000-01-01"})
+    EXPECT_EQ(Of(good, kXsdDate).type(), Value::Type::kDate) << good;
+  for (const char* bad : {"00012-01-01", "02000-01-01", "-02000-01-01", "002000-01-01", "000-01-01"}) {
+    EXPECT_EQ(Of(bad, kXsdDate).type(), Value::Type::kOther) << bad;
+    EXPECT_EQ(Of(bad + "T00:00:00Z"s, kXsdDateTime).type(), Value::Type::kOther) << bad;
+    EXPECT_TRUE(Cast(kXsdDate, Value::String(bad))->IsError()) << bad;
+  }
 }
 
 TEST(Value, EqualityKnowsWhatItDoesNotKnow) {
