@@ -7,6 +7,7 @@
 #include "graph/sparql/run/expression_evaluator.h"
 #include "graph/sparql/run/operators.h"
 #include "graph/sparql/run/row_set.h"
+#include "graph/sparql/values/decimal_sum.h"
 #include "graph/sparql/values/exact_sum.h"
 
 namespace docent::sparql {
@@ -48,7 +49,7 @@ class Accumulator {
           inexact_.Add(value.number());
           widest_ = std::max(widest_, value.type());
         } else {
-          sum_ = Compute(Arithmetic::kAdd, sum_, value);
+          AddExact(value);
         }
         break;
       case Function::kMin:
@@ -111,8 +112,29 @@ class Accumulator {
     ++count_;
     return true;
   }
+  // A sum that does not fit into a value may do so again with the numbers that follow.
+  void AddExact(const Value& value) {
+    Value sum = Compute(Arithmetic::kAdd, sum_, value);
+    if (sum.IsError() && sum_.IsExact() && value.IsExact()) {
+      if (!beyond_) beyond_.emplace();
+      beyond_->Add(sum_.decimal());
+      const bool whole = sum_.type() == Value::Type::kInteger && value.type() == Value::Type::kInteger;
+      sum = whole ? Value::Integer(value.decimal()) : Value::OfDecimal(value.decimal());
+    }
+    sum_ = std::move(sum);
+  }
+  Value ExactTotal() const {
+    if (!beyond_ || sum_.IsError())
+      return integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+    DecimalSum all = *beyond_;
+    all.Add(sum_.decimal());
+    all.Add(Decimal::Of(integers_));
+    const std::optional<Decimal> total = all.Result();
+    if (!total) return Value::Error();
+    return sum_.type() == Value::Type::kInteger ? Value::Integer(*total) : Value::OfDecimal(*total);
+  }
   Value Sum() const {
-    const Value exact = integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+    const Value exact = ExactTotal();
     if (exact.IsError() || widest_ == Value::Type::kError) return exact;
     ExactSum all = inexact_;
     all.Add(exact.AsDouble());
@@ -135,7 +157,8 @@ class Accumulator {
   int64_t count_ = 0;
   int64_t integers_ = 0;  // the sum of the inline integers
   bool error_ = false;
-  Value sum_ = Value::Integer(0);             // of integers and decimals
+  Value sum_ = Value::Integer(0);             // of integers and decimals, without `beyond_`
+  std::optional<DecimalSum> beyond_;          // where a sum on the way had too many digits
   ExactSum inexact_;                          // of floats and doubles
   Value::Type widest_ = Value::Type::kError;  // of these
   Value best_;
