@@ -34,9 +34,10 @@ struct Address {
 absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
   size_t colon = text.rfind(':');
   Address address;
-  if (colon == std::string::npos || !absl::SimpleAtoi(text.substr(colon + 1), &address.port) ||
+  if (colon == std::string::npos || colon == 0 || !absl::SimpleAtoi(text.substr(colon + 1), &address.port) ||
       address.port < 0 || address.port > 65535) {
-    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not HOST:PORT"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("\"", text, "\" is not HOST:PORT, such as 127.0.0.1:7400 (port 0 takes a free one)"));
   }
   address.host = text.substr(0, colon);
   bool loopback =
@@ -65,6 +66,9 @@ Server::Server(const ServerSettings& settings, std::unique_ptr<SimulatedClock> s
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress) {
+  for (const std::string& name : settings.http_names) {
+    if (absl::Status status = HttpGuard::CheckName(name); !status.ok()) return status;
+  }
   for (const std::string& origin : settings.http_origins) {
     if (absl::Status status = HttpGuard::CheckOrigin(origin); !status.ok()) return status;
   }

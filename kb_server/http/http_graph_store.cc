@@ -55,6 +55,7 @@ Address ReadAddress(const HttpRequest& http) {
   Address address;
   int named = 0;
   const bool reads = http.method == "GET" || http.method == "HEAD";
+  const bool below = http.path.size() > kRoot.size() + 1;
   for (const auto& [name, value] : http.parameters) {
     if (name == "as-of" || name == "min-revision") {
       uint64_t number = 0;
@@ -74,6 +75,12 @@ Address ReadAddress(const HttpRequest& http) {
     if (name == "as-of" || name == "min-revision") continue;
     if (name != "default" && name != "graph") {
       address.refusal = MisspeltParameter(name, {"default", "graph", "as-of", "min-revision"});
+      if (!address.refusal && below) {  // two addresses would be one graph
+        address.refusal =
+            TextResponse(400, "there is no parameter \"" + name +
+                                  "\" below /rdf-graphs/, and it is no part of a graph's address; "
+                                  "name such a graph with /rdf-graphs?graph=IRI");
+      }
       if (address.refusal) return address;
       continue;
     }
@@ -81,7 +88,6 @@ Address ReadAddress(const HttpRequest& http) {
     address.is_default = name == "default";
     address.graph = Term::Iri(address.is_default ? std::string(kDefaultGraph) : value);
   }
-  const bool below = http.path.size() > kRoot.size() + 1;
   if (below) {
     ++named;
     address.graph = Term::Iri(AddressOf(http));

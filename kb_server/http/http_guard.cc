@@ -54,6 +54,16 @@ absl::Status HttpGuard::CheckOrigin(std::string_view origin) {
                    "such as http://localhost:5173"));
 }
 
+absl::Status HttpGuard::CheckName(std::string_view name) {
+  const std::optional<HostAndPort> parts = SplitHostAndPort(name);
+  if (parts && !parts->host.empty() && name.find_first_of("/?#@* ,\\\"<>") == std::string_view::npos)
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("\"", ToAbsl(name),
+                   "\" is not NAME or NAME:PORT; give what a browser's address has between "
+                   "http:// and the path, such as robots.example.org"));
+}
+
 bool HttpGuard::IsOwnName(const HostAndPort& asked, uint16_t default_port) const {
   const uint16_t port = asked.port.value_or(default_port);
   if (IsLoopback(asked.host) && port == port_) return true;

@@ -24,6 +24,8 @@ class HttpGuard {
 
   // INVALID_ARGUMENT for what no browser sends as Origin: anything but scheme, host and port.
   static absl::Status CheckOrigin(std::string_view origin);
+  // INVALID_ARGUMENT for what is neither NAME nor NAME:PORT, and would never be a request's Host.
+  static absl::Status CheckName(std::string_view name);
 
   // nullopt: go on. Otherwise the refusal: 400 for a request without Host, 403 for a Host or Origin that is not
   // allowed.

@@ -194,11 +194,13 @@ absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& en
 
 absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
                                                          Cancellation* cancellation) const {
-  std::string text, base = url, type;
+  // A fragment names a part of the document, which is read whole (RFC 3986, section 3.5).
+  const std::string document = url.substr(0, url.find('#'));
+  std::string text, base = document, type;
   std::optional<RdfFormat> format;
-  if (absl::StartsWith(url, ToAbsl(kFile))) {
-    if (!IsAllowed(url)) return Refuse(url);
-    absl::StatusOr<RegularFile> file = ReadFile(url, limits_.remote_bytes);
+  if (absl::StartsWith(document, ToAbsl(kFile))) {
+    if (!IsAllowed(document)) return Refuse(document);
+    absl::StatusOr<RegularFile> file = ReadFile(document, limits_.remote_bytes);
     if (file.ok() && !IsAllowedPath(file->real_path)) {
       return absl::PermissionDeniedError(
           absl::StrCat("<", url, ">: a symbolic link leads out of what --allow names"));
@@ -208,14 +210,14 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
     text = std::move(file->text);
   } else {
     FetchRequest request;
-    request.url = url;
+    request.url = document;
     request.headers = {
         {"Accept",
          "text/turtle, application/n-triples, application/trig;q=0.9, application/n-quads;q=0.9, "
          "application/rdf+xml;q=0.8"}};
     absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
     if (!response.ok()) return response.status();
-    base = request.url;
+    base = request.url.substr(0, request.url.find('#'));  // of a redirection
     text = std::move(response->body);
     type = response->content_type;
     format = FormatOfMediaType(type);

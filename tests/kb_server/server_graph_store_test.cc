@@ -100,6 +100,20 @@ TEST_F(GraphStoreTest, AGraphsLife) {
   EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
 }
 
+// Both were one graph, and the second PUT took the first one's triples.
+TEST_F(GraphStoreTest, AnAddressBelowTheStoreHasNoParametersOfItsOwn) {
+  StartServer();
+  const HttpReply refused = Ask("PUT", "/rdf-graphs/doc?v=1", kTurtle, "<urn:w:a> <urn:w:p> 1 .");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_THAT(refused.body, HasSubstr("no parameter \"v\""));
+  EXPECT_THAT(refused.body, HasSubstr("?graph=IRI"));
+  for (const char* method : {"GET", "HEAD", "DELETE", "POST", "PATCH"})
+    EXPECT_EQ(Ask(method, "/rdf-graphs/doc?v", kTurtle, "").status, 400) << method;
+  EXPECT_EQ(Ask("PUT", "/rdf-graphs/doc", kTurtle, "<urn:w:a> <urn:w:p> 1 .").status, 201);
+  EXPECT_EQ(Ask("GET", "/rdf-graphs/doc?min-revision=1").status, 200);
+  EXPECT_EQ(Ask("GET", "/rdf-graphs/doc?").status, 200);
+}
+
 TEST_F(GraphStoreTest, TheGraphIsTheBaseAndTheDefaultGraphHasNone) {
   StartServer();
   EXPECT_EQ(Ask("PUT", "/rdf-graphs?graph=http://e/d/g%23frag", kTurtle, "<#a> <p> <> .").status, 201);
@@ -369,6 +383,18 @@ TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
   EXPECT_EQ(Update("LOAD SILENT <" + base + "/healthz>").status, 200);
 }
 
+// It names a part of the document, which is read whole.
+TEST_F(GraphStoreTest, AFragmentIsNoPartOfWhatIsLoaded) {
+  const std::filesystem::path file = folder_ / "p.ttl";
+  std::filesystem::create_directories(folder_);
+  std::ofstream(file) << "<urn:w:a> <urn:w:p> <> .";
+  settings_.allow = {"file://" + folder_.string()};
+  StartServer();
+  const HttpReply reply = Update("LOAD <file://" + file.string() + "#x> INTO GRAPH :g");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_TRUE(Holds("GRAPH :g { :a :p <file://" + file.string() + "> }"));
+}
+
 TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
   StartServer();
   const auto body = [](const std::string& file) {
@@ -389,6 +415,13 @@ TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
 TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
   settings_.allow = {"everything"};
   EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+  settings_.allow.clear();
+  settings_.http_names = {"http://x/"};
+  EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+  settings_.http_names.clear();
+  settings_.grpc_address = ":0";
+  EXPECT_THAT(std::string(Server::Start(settings_, nullptr).status().message()),
+              HasSubstr("\":0\" is not HOST:PORT"));
 }
 
 }  // namespace

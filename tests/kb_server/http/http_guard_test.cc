@@ -15,6 +15,13 @@ TEST(HttpGuardTest, AnOriginIsSchemeHostAndPort) {
     EXPECT_TRUE(absl::IsInvalidArgument(HttpGuard::CheckOrigin(bad))) << bad;
 }
 
+TEST(HttpGuardTest, ANameIsAHostWithOrWithoutPort) {
+  for (const char* good : {"robots.example.org", "robots:7480", "192.0.2.1", "[2001:db8::1]:80"})
+    EXPECT_TRUE(HttpGuard::CheckName(good).ok()) << good;
+  for (const char* bad : {"", "http://x/", "x/", "u@x", "a b", "*.example.org", "x:", "x:y", ":80"})
+    EXPECT_TRUE(absl::IsInvalidArgument(HttpGuard::CheckName(bad))) << bad;
+}
+
 HttpRequest From(const std::string& origin, const std::string& method = "GET") {
   HttpRequest request;
   request.method = method;
