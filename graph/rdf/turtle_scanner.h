@@ -1,5 +1,5 @@
 // Scanner of the terminals of Turtle, TriG, N-Triples and N-Quads (RDF 1.1 Turtle section 6.5, N-Triples
-// section 7). Included only by .cc files of this folder. One thread.
+// section 7). Included only by .cc files. One thread.
 //
 // Each reading function starts at its terminal's first character. It moves past the terminal and returns
 // true; or it stores place, message and hint in failure() and returns false.

@@ -6,6 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "graph/rdf/turtle_scanner.h"
+#include "graph/rdf/utf8.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/time_text.h"
 
@@ -148,8 +150,11 @@ bool IsHex(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
+// Section 3.3.16: groups of four symbols; the bits that no byte uses in the last group are zero.
 bool IsBase64(std::string_view text) {
+  constexpr std::string_view kZeroOfFour = "AQgw", kZeroOfTwo = "AEIMQUYcgkosw048";
   size_t symbols = 0, padding = 0;
+  char last = 0;
   for (const char c : text) {
     if (c == ' ') continue;
     const bool letter =
@@ -158,10 +163,24 @@ bool IsBase64(std::string_view text) {
       ++padding;
     } else if (!letter || padding > 0) {
       return false;
+    } else {
+      last = c;
     }
     ++symbols;
   }
-  return symbols % 4 == 0 && padding <= 2;
+  if (symbols % 4 != 0 || padding > 2) return false;
+  return padding == 0 || (padding == 2 ? kZeroOfFour : kZeroOfTwo).find(last) != std::string_view::npos;
+}
+
+// Name, NCName (no colons) and Nmtoken (any character may be the first) of XML, sections 3.4.6, 3.4.7 and 3.4.4.
+bool IsXmlName(std::string_view text, bool colons, bool any_first) {
+  if (FindInvalidUtf8(text)) return false;
+  for (size_t at = 0; at < text.size();) {
+    const bool first = at == 0 && !any_first;
+    const char32_t c = NextCodePoint(text, &at);
+    if (c == ':' ? !colons : !(first ? IsNameStart(c) : IsNameChar(c) || c == '.')) return false;
+  }
+  return !text.empty();
 }
 
 // [a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*
@@ -244,6 +263,9 @@ std::optional<bool> IsValidLexicalForm(std::string_view text, std::string_view d
   if (name == "hexBinary") return IsHex(text);
   if (name == "base64Binary") return IsBase64(text);
   if (name == "language") return IsLanguageTag(text);
+  if (name == "Name") return IsXmlName(text, true, false);
+  if (name == "NCName") return IsXmlName(text, false, false);
+  if (name == "NMTOKEN") return IsXmlName(text, true, true);
   if (name == "normalizedString") return text.find_first_of("\t\n\r") == std::string_view::npos;
   if (name == "token") {
     return text.find_first_of("\t\n\r") == std::string_view::npos &&
@@ -258,8 +280,11 @@ bool IsDerivedDatatype(std::string_view datatype, std::string_view base) {
   std::string_view name = datatype.substr(kXsdNs.size());
   const std::string_view wanted = base.substr(kXsdNs.size());
   if (name == "dateTimeStamp") return wanted == "dateTime";
+  if (name == "NCName" && wanted == "Name") return true;
+  if (name == "NCName" || name == "Name" || name == "NMTOKEN" || name == "language")
+    return wanted == "token" || wanted == "normalizedString" || wanted == "string";
   if (name == "token") return wanted == "normalizedString" || wanted == "string";
-  if (name == "normalizedString" || name == "language") return wanted == "string";
+  if (name == "normalizedString") return wanted == "string";
   if (name == "yearMonthDuration" || name == "dayTimeDuration") return wanted == "duration";
   for (size_t steps = 0; steps < kIntegerTypes.size(); ++steps) {
     bool found = false;

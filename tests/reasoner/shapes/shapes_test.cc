@@ -216,6 +216,11 @@ TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
                                                         {"dayTimeDuration", "P2DT1S"},
                                                         {"hexBinary", "0aF1"},
                                                         {"base64Binary", "QUI="},
+                                                        {"base64Binary", "Y Q = ="},
+                                                        {"Name", "a:b-c.1"},
+                                                        {"Name", ":é"},
+                                                        {"NCName", "_a·1"},
+                                                        {"NMTOKEN", "-1:a"},
                                                         {"language", "de-CH-1901"},
                                                         {"anyURI", "a/b#c"},
                                                         {"nonPositiveInteger", "-0"}}) {
@@ -245,6 +250,13 @@ TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
                                                         {"base64Binary",
                                                          "QU=="
                                                          "I"},
+                                                        {"base64Binary", "YR=="},
+                                                        {"base64Binary", "QUJ="},
+                                                        {"Name", "1a"},
+                                                        {"Name", ""},
+                                                        {"NCName", "a:b"},
+                                                        {"NCName", "a b"},
+                                                        {"NMTOKEN", "a,b"},
                                                         {"boolean", "yes"},
                                                         {"language", "de_CH"},
                                                         {"positiveInteger", "0"},
@@ -254,6 +266,9 @@ TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
   EXPECT_EQ(IsValidLexicalForm("x", "http://e/own"), std::nullopt);
   const std::string xsd = "http://www.w3.org/2001/XMLSchema#";
   EXPECT_TRUE(IsDerivedDatatype(xsd + "unsignedByte", xsd + "decimal"));
+  EXPECT_TRUE(IsDerivedDatatype(xsd + "NCName", xsd + "Name"));
+  EXPECT_TRUE(IsDerivedDatatype(xsd + "language", xsd + "token"));
+  EXPECT_FALSE(IsDerivedDatatype(xsd + "NMTOKEN", xsd + "Name"));
   EXPECT_FALSE(IsDerivedDatatype(xsd + "decimal", xsd + "integer"));
   EXPECT_FALSE(IsDerivedDatatype(xsd + "double", xsd + "decimal"));
 }
