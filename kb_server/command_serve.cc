@@ -5,8 +5,8 @@
 
 #include <iostream>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "graph/command_line/usage_error.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/settings_file.h"
@@ -67,15 +67,6 @@ struct ServeArguments {
   std::string config;
   bool print_config = false;
 };
-
-CLI::Validator AtLeast(uint64_t least) {
-  const auto check = [least](const std::string& text) {
-    uint64_t number = 0;
-    if (absl::SimpleAtoi(text, &number) && number >= least) return std::string();
-    return absl::StrCat("give a whole number, ", least, " or more, not ", text);
-  };
-  return CLI::Validator(check, "");
-}
 
 // Those that a settings file may have.
 void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments* arguments) {

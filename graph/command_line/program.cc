@@ -13,13 +13,14 @@
 
 #include "graph/base/diagnostic.h"
 #include "graph/command_line/help_layout.h"
+#include "graph/command_line/usage_error.h"
 
 namespace docent {
 namespace {
 
 // The given command, as far as it was parsed, and its full name: "docent ontology list".
 struct GivenCommand {
-  const CLI::App* app;
+  CLI::App* app;
   std::string name;
 
   // Descends to the given subcommand; false: there is none.
@@ -32,8 +33,8 @@ struct GivenCommand {
 };
 
 // The first command level with unparsed words, or the deepest one.
-GivenCommand Understood(const CLI::App& app) {
-  GivenCommand given{&app, app.get_name()};
+GivenCommand Understood(CLI::App* app) {
+  GivenCommand given{app, app->get_name()};
   while (given.app->remaining().empty() && given.Descend()) {
   }
   return given;
@@ -52,7 +53,7 @@ std::string WrongOption(const GivenCommand& given, const std::string& argument) 
       return given.name + ": " + option + " belongs behind `" + below.name + "`";
   }
   std::vector<std::string> known;
-  for (const CLI::Option* o : given.app->get_options()) {
+  for (const CLI::Option* o : std::as_const(*given.app).get_options()) {
     for (const std::string& name : o->get_lnames()) known.push_back("--" + name);
   }
   const std::string nearest = Nearest(option, known);
@@ -62,19 +63,20 @@ std::string WrongOption(const GivenCommand& given, const std::string& argument) 
 
 // Error text for wrong arguments, with what to do. CLI11's own messages are too general: for an unknown
 // command it only says that a command is missing, for an unknown option that it was not expected.
-std::string WhatIsWrong(const CLI::App& app, const std::string& error) {
+std::string WhatIsWrong(CLI::App* app, const CLI::Error& error) {
   const GivenCommand given = Understood(app);
   const std::vector<std::string> left = Left(given);
   const std::string help = "`" + given.name + " --help`";
-  if (left.empty()) return given.name + ": " + error + "; " + help + " tells more";
+  if (left.empty())
+    return given.name + ": " + UsageErrorText(error, given.app, given.name) + "; " + help + " tells more";
   if (left.front().starts_with('-')) return WrongOption(given, left.front());
   std::vector<std::string> known;
-  for (const CLI::App* command : given.app->get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* command : given.app->get_subcommands([](CLI::App*) { return true; }))
     known.push_back(command->get_name());
   if (known.empty())
     return given.name + ": one argument too many: " + left.front() + "; " + help + " shows its arguments";
   const std::string nearest = Nearest(left.front(), known);
-  return app.get_name() + ": there is no command `" + given.name + " " + left.front() + "`; " +
+  return app->get_name() + ": there is no command `" + given.name + " " + left.front() + "`; " +
          (nearest.empty() ? help + " lists them" : "did you mean `" + given.name + " " + nearest + "`?");
 }
 
@@ -91,13 +93,14 @@ void PrepareStandardStreams() {
 }
 
 std::optional<int> ParseArguments(CLI::App* app, std::vector<std::string> arguments) {
+  RefuseEmptyValues(app);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
     app->parse(arguments);
   } catch (const CLI::ParseError& error) {
     const bool help = error.get_exit_code() == 0;  // --help or --version
-    if (help && Left(Understood(*app)).empty()) return EndOutput(*app, app->exit(error));
-    std::cerr << WhatIsWrong(*app, error.what()) << "\n";
+    if (help && Left(Understood(app)).empty()) return EndOutput(*app, app->exit(error));
+    std::cerr << WhatIsWrong(app, error) << "\n";
     return kExitBad;
   } catch (const std::bad_alloc&) {
     std::cerr << app->get_name()

@@ -22,7 +22,8 @@ inline constexpr int kExitBad = 2;  // bad usage or input, no server, output tha
 void PrepareStandardStreams();
 
 // Parses the arguments, which runs the callbacks. nullopt: parsed. An exit code: --help or --version was
-// printed, or an error of usage, in one line that says what to do; the program ends with it.
+// printed, or an error of usage, in one line that says what to do; the program ends with it. Empty values are
+// refused, but for free text.
 std::optional<int> ParseArguments(CLI::App* app, std::vector<std::string> arguments);
 
 // Call it last in main. Returns `exit_code`, or kExitBad with a message if standard output could not be

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/command_line/usage_error.h"
 #include "graph/rdf/formats/text_input.h"
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/cli/client.h"
@@ -185,6 +186,7 @@ void AddWatchCommand(CLI::App* app, int* exit_code) {
                    "Report only what has held for this time without a break")
       ->type_name("MS");
   command->add_option("--count", arguments->count, "End after this number of answers, the first one included")
+      ->check(AtLeast(1))
       ->type_name("N");
   command->footer(
       "Examples:\n"

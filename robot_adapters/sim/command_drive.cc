@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "graph/base/data_files.h"
+#include "graph/command_line/usage_error.h"
 #include "maps/hall_model.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/guide_operations.h"
@@ -176,6 +177,7 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
       ->type_name("FACTOR")
       ->capture_default_str();
   app->add_option("--seed", arguments->options.seed, "Seed of all simulated noise")
+      ->check(AtLeast(0))
       ->type_name("N")
       ->capture_default_str();
   app->add_flag(

@@ -8,6 +8,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "graph/command_line/usage_error.h"
 #include "graph/rdf/vocabulary.h"
 #include "maps/hall_picture.h"
 #include "robot_adapters/rawlog/log_replay.h"
@@ -181,6 +182,7 @@ void AddReplayCommand(CLI::App* app, int* exit_code) {
       ->type_name("FACTOR")
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Seed of the particle filter")
+      ->check(AtLeast(0))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--wait", arguments->wait_s, "Time to wait for the server")

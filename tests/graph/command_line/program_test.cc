@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "gmock/gmock.h"
+#include "graph/command_line/usage_error.h"
 #include "gtest/gtest.h"
 
 namespace docent {
@@ -31,7 +32,14 @@ struct Program {
     queries->add_option("--format", format, "The format")
         ->check(CLI::IsMember({"json", "csv"}))
         ->capture_default_str();
-    queries->add_option("--ontology", files, "A file");
+    queries->add_option("--ontology", files, "A file")->type_name("FILE");
+    queries->add_option("--count", count, "How many")->check(AtLeast(1))->type_name("N");
+    queries->add_option("--rows", rows, "How many")->type_name("N");
+    queries->add_option("--change", change, "More or fewer")->type_name("N");
+    queries->add_option("--speed", speed, "How fast")->type_name("FACTOR");
+    queries->add_option("--height", speed, "How high")->check(CLI::Range(0.1, 100.0))->type_name("M");
+    queries->add_option("--reason", reason, "Why")->type_name("TEXT");
+    queries->add_flag("--all", all, "All");
     queries->callback([this] { ran = true; });
     queries->footer("Example:\n  docent query 'ASK {}'");
     CLI::App* ontology = app.add_subcommand("ontology", "Modules");
@@ -56,6 +64,12 @@ struct Program {
 
   std::string format = "json";
   std::vector<std::string> files;
+  uint64_t count = 0;
+  uint32_t rows = 0;
+  int change = 0;
+  double speed = 1;
+  bool all = false;
+  std::string reason;
 };
 
 TEST(ProgramTest, GoodArgumentsRunTheirCommand) {
@@ -97,8 +111,41 @@ TEST(ProgramTest, AnOptionInTheWrongPlaceIsSentToTheRightOne) {
 
 TEST(ProgramTest, WhatIsMissingIsTold) {
   EXPECT_THAT(Program().Fails({}), HasSubstr("`docent --help` tells more"));
-  EXPECT_THAT(Program().Fails({"query"}), HasSubstr("query is required"));
-  EXPECT_THAT(Program().Fails({"query", "x", "--format", "yaml"}), HasSubstr("yaml"));
+  EXPECT_THAT(Program().Fails({"query"}),
+              HasSubstr("docent query: QUERY is missing; write `docent query QUERY`; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--format", "yaml"}),
+              HasSubstr("--format: give one of json, csv, not yaml; "));
+  EXPECT_THAT(Program().Fails({"ontology"}),
+              HasSubstr("docent ontology: a command is missing; there are list, load; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--count"}),
+              HasSubstr("--count has no value; write --count N; "));
+}
+
+TEST(ProgramTest, AWrongValueIsToldWithWhatTheOptionTakes) {
+  EXPECT_THAT(Program().Fails({"query", "x", "--count", "-5"}),
+              HasSubstr("docent query: --count: give a whole number, 1 or more, not -5; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--rows", "-5"}),
+              HasSubstr("--rows: give a whole number, 0 or more, not -5; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--change", "1.5"}),
+              HasSubstr("--change: give a whole number, not 1.5; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--speed", "fast"}),
+              HasSubstr("--speed: give a number, not fast; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--height", "900"}),
+              HasSubstr("--height: give a number from 0.1 to 100, not 900; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--all=maybe"}),
+              HasSubstr("--all: give true or false, not maybe; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--format", "csv", "--format", "json"}),
+              HasSubstr("--format is given 2 times; give it once; "));
+}
+
+// An unset variable of a shell: "$GRAPH" is not the same as no graph.
+TEST(ProgramTest, AnEmptyValueIsNoOptionLeftOut) {
+  EXPECT_THAT(Program().Fails({"query", "x", "--ontology", ""}),
+              HasSubstr("docent query: --ontology: it is empty; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--ontology="}), HasSubstr("--ontology"));
+  EXPECT_THAT(Program().Fails({"query", ""}), HasSubstr("query: it is empty; "));
+  Program program;
+  EXPECT_EQ(ParseArguments(&program.app, {"query", "x", "--reason", ""}), std::nullopt) << "free text";
 }
 
 TEST(ProgramTest, HelpShowsValuesDefaultsAndExamples) {
