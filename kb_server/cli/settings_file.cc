@@ -8,6 +8,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/command_line/usage_error.h"
 #include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/utf8.h"
 
@@ -16,7 +17,9 @@ namespace {
 
 class SettingsReader {
  public:
-  SettingsReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+  // A byte order mark at the beginning is no part of the text.
+  SettingsReader(std::string_view text, const std::string& file)
+      : text_(text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0)), file_(file) {}
 
   ParsedSettings Read() {
     while (SkipBlankLines(), at_ < text_.size()) {
@@ -43,7 +46,7 @@ class SettingsReader {
       return Fail(absl::StrCat("\"=\" is expected after ", setting.name), "write NAME = VALUE");
     ++at_;
     SkipBlanks();
-    if (Peek() == '[' ? !ReadList(&setting.values) : !ReadValue(&setting.values)) return false;
+    if (Peek() == '[' ? !ReadList(&setting) : !ReadValue(&setting)) return false;
     SkipBlanks();
     SkipComment();
     if (at_ < text_.size() && Peek() != '\n')
@@ -52,12 +55,12 @@ class SettingsReader {
     return true;
   }
 
-  bool ReadList(std::vector<std::string>* values) {
+  bool ReadList(Setting* setting) {
     ++at_;
     while (true) {
       SkipBlankLines();
       if (Peek() == ']') break;
-      if (!ReadValue(values)) return false;
+      if (!ReadValue(setting)) return false;
       SkipBlankLines();
       if (Peek() == ',') {
         ++at_;
@@ -69,8 +72,8 @@ class SettingsReader {
     return true;
   }
 
-  bool ReadValue(std::vector<std::string>* values) {
-    if (Peek() == '"' || Peek() == '\'') return ReadText(values);
+  bool ReadValue(Setting* setting) {
+    if (Peek() == '"' || Peek() == '\'') return ReadText(&setting->values);
     std::string word;
     while (absl::ascii_isalnum(Peek()) || Peek() == '-' || Peek() == '_' || Peek() == '+')
       word += text_[at_++];
@@ -83,7 +86,8 @@ class SettingsReader {
       at_ -= word.size();
       return Fail("a value is expected", "texts stand in quotes; others are whole numbers, true and false");
     }
-    values->push_back(word);
+    if (setting->bare.empty()) setting->bare = word;
+    setting->values.push_back(word);
     return true;
   }
 
@@ -183,8 +187,12 @@ bool IsNumber(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](char c) { return absl::ascii_isdigit(c); });
 }
 
+bool TakesNumbers(const CLI::Option& option) {
+  return IsNumber(option.get_default_str());
+}
+
 std::string Value(const CLI::Option& option, const std::string& text) {
-  if (IsNumber(text) && IsNumber(option.get_default_str())) return text;
+  if (IsNumber(text) && TakesNumbers(option)) return text;
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -256,12 +264,21 @@ absl::Status ApplySettings(const std::string& file, const std::vector<std::strin
       fail(absl::StrCat(setting.name, " takes one value"), "");
       continue;
     }
-    if (option->count() > 0 || setting.values.empty()) continue;
+    if (!setting.bare.empty() && !IsFlag(*option) && !TakesNumbers(*option)) {
+      fail(absl::StrCat(setting.name, " takes a text, and ", setting.bare, " is none"),
+           absl::StrCat("write it in quotes: \"", setting.bare, "\""));
+      continue;
+    }
+    // A default that is empty is what a file has that --print-config made.
+    const bool is_none = setting.values == std::vector<std::string>{""} &&
+                         option->get_default_str().empty() && option->get_expected_max() == 1 &&
+                         !IsFlag(*option);
+    if (option->count() > 0 || setting.values.empty() || is_none) continue;
     try {
       for (const std::string& value : setting.values) option->add_result(value);
       option->run_callback();
     } catch (const CLI::Error& error) {
-      fail(error.what(), "");
+      fail(UsageErrorText(error, command, command->get_name()), "");
     }
   }
   return ToStatus(parsed.diagnostics, *text);

@@ -21,7 +21,8 @@ namespace docent::server {
 struct Setting {
   std::string name;
   std::vector<std::string> values;  // of a list all, else one
-  SourceSpan span;                  // of the name
+  std::string bare;  // the first value that is no text, but a number, true or false; empty: all are texts
+  SourceSpan span;   // of the name
 };
 
 struct ParsedSettings {
@@ -33,7 +34,7 @@ ParsedSettings ParseSettings(std::string_view text, const std::string& file);
 
 // Gives the file's settings to the options of the command that its command line does not give. An option is named without
 // its dashes. INVALID_ARGUMENT with every mistake: names that are no option (with the nearest one), a name given twice,
-// values that the option refuses. Options named in `not_in_files` are none here.
+// values that the option refuses, numbers where a text belongs. Options named in `not_in_files` are none here.
 absl::Status ApplySettings(const std::string& file, const std::vector<std::string>& not_in_files,
                            CLI::App* command);
 

@@ -140,7 +140,34 @@ TEST(SettingsFileTest, AValueThatTheOptionRefusesIsToldAtItsLine) {
   const absl::Status status = command.Apply("\nrecords = \"many\"\n", {});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr(".toml:2:1: error: "));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("many"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("give a whole number, 0 or more, not many"));
+  Command flag;
+  EXPECT_THAT(std::string(flag.Apply("insecure = \"maybe\"\n", {}).message()),
+              HasSubstr("give true or false, not maybe"));
+}
+
+TEST(SettingsFileTest, ANumberIsNoText) {
+  Command command;
+  const std::string text(command.Apply("data = 5\nrules = [\"a\", true]\n", {}).message());
+  EXPECT_THAT(text, HasSubstr(".toml:1:1: error: data takes a text, and 5 is none"));
+  EXPECT_THAT(text, HasSubstr("write it in quotes: \"5\""));
+  EXPECT_THAT(text, HasSubstr(".toml:2:1: error: rules takes a text, and true is none"));
+  EXPECT_EQ(command.data, "here");
+}
+
+TEST(SettingsFileTest, AByteOrderMarkIsNoName) {
+  Command command;
+  ASSERT_TRUE(command.Apply("\xEF\xBB\xBFrecords = 9\n", {}).ok());
+  EXPECT_EQ(command.records, 9u);
+}
+
+// As --print-config writes an option without a default.
+TEST(SettingsFileTest, AnEmptyDefaultIsNoValue) {
+  Command command;
+  std::string web = "as it was";
+  command.serve->add_option("--web", web, "x");
+  ASSERT_TRUE(command.Apply("web = \"\"\n", {}).ok());
+  EXPECT_EQ(web, "as it was");
 }
 
 TEST(SettingsFileTest, AFileThatIsNotThereIsNamed) {
