@@ -35,7 +35,7 @@ absl::StatusOr<int> Open(const std::string& path, bool shell_pipes) {
   } else if (S_ISDIR(is.st_mode)) {
     why = "is a directory; name its files";
   } else if (!S_ISREG(is.st_mode) && !(shell_pipes && IsOfShell(path))) {
-    why = "is no regular file, but a pipe or device; give what it holds as a file, or on standard input";
+    why = "is no regular file, but a pipe or device; give what it holds as a file";
   }
   if (why.empty()) {
     if (!S_ISREG(is.st_mode)) fcntl(file, F_SETFL, 0);  // what the shell writes is waited for

@@ -25,10 +25,15 @@ namespace {
 std::string FaultOfAddress(const std::string& address) {
   if (const size_t scheme = address.find("://"); scheme != std::string::npos && address.starts_with("http"))
     return absl::StrCat("write HOST:PORT, without ", address.substr(0, scheme + 3));
-  const std::string port = address.substr(address.rfind(':') + 1);
+  for (const char* scheme : {"unix:", "unix-abstract:", "dns:", "ipv4:", "ipv6:"}) {
+    if (address.starts_with(scheme)) return "";  // a name of gRPC's own
+  }
+  const size_t colon = address.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
   const bool digits = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  if (!digits || colon == 0)
+    return absl::StrCat("\"", address, "\" is no address; write HOST:PORT, such as 127.0.0.1:7400");
   int number = 0;
-  if (!digits || address.find(':') == std::string::npos) return "";  // a name that gRPC may know
   if (absl::SimpleAtoi(port, &number) && number >= 1 && number <= 65535) return "";
   return absl::StrCat("the port ", port, " is not between 1 and 65535");
 }
@@ -104,14 +109,16 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
             << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
 }
 
-void AddBaseOption(CLI::App* command, std::string* base) {
+void AddBaseOption(CLI::App* command, std::string* base, bool standard_input) {
   const auto check = [](const std::string& text) {
     return IsValidTermIri(text) ? std::string() : absl::StrCat("\"", text, "\" is not an absolute IRI");
   };
   command
-      ->add_option("--base", *base,
-                   "Base IRI of the RDF files: relative IRIs in them are relative to it. By default the "
-                   "file's own IRI (file:///…), and none for standard input")
+      ->add_option(
+          "--base", *base,
+          absl::StrCat("Base IRI of the RDF files: relative IRIs in them are relative to it. By default the "
+                       "file's own IRI (file:///…)",
+                       standard_input ? ", and none for standard input" : ""))
       ->type_name("IRI")
       ->check(CLI::Validator(check, "", "IRI"));
 }

@@ -51,8 +51,8 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
 // What the API calls a format.
 std::string MediaTypeOf(RdfFormat format);
-// Adds --base to a command that reads RDF files.
-void AddBaseOption(CLI::App* command, std::string* base);
+// Adds --base to a command that reads RDF files, and standard input if it does.
+void AddBaseOption(CLI::App* command, std::string* base, bool standard_input = true);
 
 // Diagnostics of a server, to standard error.
 void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics);

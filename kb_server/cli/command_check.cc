@@ -139,6 +139,11 @@ class Checker {
   }
 
   absl::Status Check(const std::string& file) {
+    if (file == "-")
+      return absl::InvalidArgumentError(
+          "check does not read standard input: the ending of a file's name tells what is checked; save the "
+          "text as "
+          "a file, such as text.ttl");
     const auto known = rdf_texts_.find(file);
     absl::StatusOr<std::string> read =
         known != rdf_texts_.end() ? known->second : ReadBytes(file, LimitOf(file));
@@ -174,7 +179,7 @@ class Checker {
         return absl::InvalidArgumentError(
             absl::StrCat(file,
                          ": unknown file name extension; use .ttl .trig .nt .nq "
-                         ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
+                         ".rdf .owl .xml .rq .sparql .rules .cawl.xml or .rsel.xml"));
     }
     if (arguments_.fix) {
       for (const ontology::Finding& finding : findings) fixable_[file].push_back(finding.diagnostic);
@@ -413,7 +418,7 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
                    "Ontology file whose words may be used, too; the option stands before each")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  AddBaseOption(command, &arguments->base);
+  AddBaseOption(command, &arguments->base, /*standard_input=*/false);
   command->add_flag(
       "--ask", arguments->ask,
       "Print the SPARQL ASK that each CAWL condition is compiled to, and the query that chooses a robot");

@@ -43,6 +43,10 @@ class FileFormatter {
     const std::string name = standard_input ? "stdin" : file;
     const xml::FormattedXml formatted = xml::FormatXml(*text, name);
     if (!formatted.ok()) {
+      if (!standard_input && !HasXmlName(file)) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            name, " is no XML document; fmt lays out CAWL and RSEL documents alone (.cawl.xml, .rsel.xml)"));
+      }
       std::cerr << Render(formatted.diagnostics, *text);
       exit_code_ = kExitBad;
       return absl::OkStatus();
@@ -69,6 +73,9 @@ class FileFormatter {
     return absl::OkStatus();
   }
 
+  static bool HasXmlName(const std::string& file) {
+    return absl::EndsWith(file, ".xml") || absl::EndsWith(file, ".cawl") || absl::EndsWith(file, ".rsel");
+  }
   static bool IsPacked(const std::string& file) { return absl::EndsWith(file, ".gz"); }
 
   const FmtArguments& arguments_;

@@ -14,6 +14,7 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
+#include "graph/base/regular_file.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
@@ -55,12 +56,13 @@ class Loader {
   int Load(const std::string& file) {
     std::string kind = arguments_.as.empty() ? LoadKindOf(file, arguments_.format) : arguments_.as;
     if (kind.empty()) {
+      if (absl::Status regular = CheckRegularFile(file); !regular.ok()) return Fail(regular);
       if (absl::Status unread = CheckFormatOfFile(file); !unread.ok()) return Fail(unread);
       return Fail(absl::InvalidArgumentError(
           absl::StrCat(file,
                        ": unknown file name extension; use .ttl .trig .nt .nq .rdf "
                        ".owl .xml .rules .cawl.xml or .rsel.xml, or say "
-                       "with --as what it is (data is read as Turtle)")));
+                       "with --format or --as what it is (with --as data alone, Turtle)")));
     }
     if (kind == "facts" && !arguments_.graph.empty()) {
       return Fail(absl::InvalidArgumentError(
@@ -285,9 +287,10 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
           "replaces the old one")
       ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
   command
-      ->add_option(
-          "--format", arguments->format,
-          "Syntax of RDF where the ending of the name does not tell it; Turtle if this is not given either")
+      ->add_option("--format", arguments->format,
+                   "Syntax of RDF where the ending of the name does not tell it; with --as alone, and of "
+                   "standard input, "
+                   "Turtle")
       ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
   AddBaseOption(command, &arguments->base);
   command->add_option("--graph", arguments->graph, "Named graph that data is loaded into")->type_name("IRI");

@@ -17,6 +17,12 @@
 namespace docent::server {
 namespace {
 
+// PN_PREFIX of Turtle's grammar, or empty.
+bool IsPrefixName(const std::string& name) {
+  return name.find_first_of(" \t\r\n:<>#") == std::string::npos &&
+         ParseRdf(absl::StrCat("@prefix ", name, ": <urn:docent:x> ."), RdfFormat::kTurtle, {}).ok();
+}
+
 // "NAME=IRI", "NAME:=IRI" or ":=IRI".
 absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::string& given) {
   std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
@@ -24,6 +30,12 @@ absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::strin
     return absl::InvalidArgumentError(
         absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
   if (parts.first.back() == ':') parts.first.pop_back();
+  if (!IsPrefixName(parts.first)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--prefix \"", given, "\": \"", parts.first,
+        "\" is not the name of a prefix; it begins with a letter, and letters, digits, \"-\", \"_\" "
+        "and \".\" may follow"));
+  }
   if (!IsValidTermIri(parts.second)) {
     return absl::InvalidArgumentError(
         absl::StrCat("--prefix \"", given, "\": \"", parts.second, "\" is not an absolute IRI"));

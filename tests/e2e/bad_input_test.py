@@ -43,7 +43,8 @@ class Documents(StageTest):
 
     def test_an_address_with_a_port_that_is_none(self):
         for address, words in (("127.0.0.1:99999", "the port 99999 is not between 1 and 65535"), ("localhost:0", "the port 0"),
-                               ("http://127.0.0.1:7400", "without http://")):
+                               ("http://127.0.0.1:7400", "without http://"), ("127.0.0.1", "write HOST:PORT"),
+                               ("127.0.0.1:7400x", "write HOST:PORT"), (":7400", "write HOST:PORT"), ("", "--server: it is empty")):
             self.assert_refused(self.docent("query", "--server", address, "ASK {}"), 2, words)
 
     def test_sparql_over_http(self):
@@ -110,6 +111,8 @@ class Documents(StageTest):
     def test_an_ending_that_is_not_known(self):
         file = self.file("data.facts", GOOD.replace(":b", ":other"))
         self.assert_refused(self.server.run("load", file), 2, "data.facts: unknown file name extension", ".ttl", "--as")
+        self.assert_refused(self.server.run("check", file), 2, "data.facts: unknown file name extension", ".xml", ".sparql")
+        self.assert_refused(self.server.run("check", "-", text=GOOD), 2, "check does not read standard input", "text.ttl")
         self.server.command("load", "--as", "data", file)
         self.server.command("load", "-", text=GOOD.replace(":b", ":other"))
 
@@ -163,6 +166,10 @@ class Documents(StageTest):
     def test_a_directory_is_no_file(self):
         folder = self.stage.folder / "folder.ttl"
         folder.mkdir()
+        plain = self.stage.folder / "folder"
+        plain.mkdir()
+        for command in ("load", "check"):
+            self.assert_refused(self.server.run(command, plain), 2, f"{plain} is a directory")
         shapes = self.file("shapes.ttl", "")
         for arguments in (["load"], ["ontology", "load"], ["ontology", "replace"], ["ontology", "diff"], ["check"], ["rules", "use"],
                           ["query", "-f"], ["update", "-f"], ["watch", "-f"], ["validate", "--shapes", shapes], ["validate", "--shapes"]):
@@ -284,9 +291,29 @@ class Starting(StageTest):
         self.assert_refused(self.docent("--data", "x", "serve"), 2, "docent: --data belongs behind `docent serve`")
         self.assert_refused(self.docent("query", "--no-such-thing=1", "ASK {}"), 2, "no option --no-such-thing; `docent query --help` lists them")
         self.assert_refused(self.docent("query", "ASK {}", "ASK {}"), 2, "one argument too many: ASK {}; `docent query --help`")
-        self.assert_refused(self.docent("load"), 2, "docent load: ", "required", "`docent load --help`")
-        self.assert_refused(self.docent("rules"), 2, "subcommand")
-        self.assert_refused(self.docent(), 2, "subcommand")
+        self.assert_refused(self.docent("load"), 2, "docent load: FILES... is missing; write `docent load FILES...`; `docent load --help`")
+        self.assert_refused(self.docent("rules"), 2, "docent rules: a command is missing; there are list, use, ")
+        self.assert_refused(self.docent(), 2, "docent: a command is missing; there are serve, load, ")
+        self.assert_refused(self.docent("query", "--timeout-ms", "-5", "ASK {}"), 2, "--timeout-ms: give a whole number, 0 or more, not -5")
+        self.assert_refused(self.docent("watch", "--count", "-1", "ASK {}"), 2, "--count: give a whole number, 1 or more, not -1")
+        self.assert_refused(self.docent("query", "--format", "csv", "--format", "json", "ASK {}"), 2, "--format is given 2 times; give it once")
+        self.assert_refused(self.docent("tell", "--prefix", "1=http://e/", "1:b <urn:c> 1"), 2, '"1" is not the name of a prefix')
+        self.assert_refused(self.docent("serve", "--grpc", ":0", "--data", "d", "--http", "127.0.0.1:0"), 2, '":0" is not HOST:PORT')
+        self.assert_refused(self.docent("fmt", self.file("n.ttl", GOOD)), 2, "n.ttl is no XML document; fmt lays out CAWL and RSEL")
+
+    def test_an_empty_value_is_not_an_option_left_out(self):
+        """As an unset variable of a shell gives it: facts went elsewhere, and the exit code was 0."""
+        file = self.file("facts.ttl", "<http://example.org/a> <http://example.org/bad> 1 .")
+        for arguments in (["load", "--graph", "", file], ["load", "--as", "facts", "--source", "", file], ["load", ""],
+                          ["tell", "--source", "", "<http://example.org/a> <http://example.org/bad> 1"],
+                          ["update", "--request-id", "", "INSERT DATA { <http://example.org/a> <http://example.org/bad> 1 }"],
+                          ["runs", "--workflow", ""], ["robots", "out", ""], ["query", "--as-of", "", "ASK {}"], ["query", "--file", ""]):
+            with self.subTest(arguments):
+                self.assert_refused(self.server.run(*arguments), 2, "it is empty")
+        for arguments in (["--data", ""], ["--http-name", ""]):
+            self.assert_refused(self.docent("serve", *arguments), 2, f"{arguments[0]}: it is empty")
+        self.assert_refused(self.docent("serve", "--data", self.stage.folder / "names", "--http-name", "http://x/", "--grpc", "127.0.0.1:0",
+                                        "--http", "127.0.0.1:0"), 2, '"http://x/" is not NAME or NAME:PORT')
         self.assertEqual(self.docent("--help").returncode, 0)
         self.assertIn("serve", self.docent("--help").stdout)
 

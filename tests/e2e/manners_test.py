@@ -188,7 +188,7 @@ class Manners(StageTest):
         self.assertEqual(watch.popen.wait(60), -signal.SIGINT)
 
     def test_settings_from_a_file(self):
-        settings = self.file("docent.toml", f'data = "{self.stage.folder}/other"\ngrpc = "127.0.0.1:0"\nhttp = "127.0.0.1:0"\n'
+        settings = self.file("docent.toml", f'\N{ZERO WIDTH NO-BREAK SPACE}data = "{self.stage.folder}/other"\ngrpc = "127.0.0.1:0"\nhttp = "127.0.0.1:0"\n'
                                             'default-graph = "strict"\nrules = ["rdfs"]\n')
         server = self.stage.start("configured", [self.stage.bin / "docent", "serve", "--config", settings])
         line = server.wait_for_output("listening grpc=", 60)
@@ -199,6 +199,7 @@ class Manners(StageTest):
         bad = self.file("bad.toml", 'grpc = "127.0.0.1:0"\ndefault-grph = "strict"\nhttp = 7\nsnapshot-records = "0"\n')
         done = self.docent("serve", "--config", bad, "--http", "127.0.0.1:0")
         self.assert_refused(done, 2, "bad.toml:2:1: error: there is no setting default-grph", "did you mean default-graph?",
+                            "bad.toml:3:1: error: http takes a text, and 7 is none", 'write it in quotes: "7"',
                             "bad.toml:4:1: error: ")
 
 

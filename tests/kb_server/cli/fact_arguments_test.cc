@@ -52,6 +52,15 @@ TEST_F(FactArgumentsTest, AGivenPrefixComesBeforeTheServers) {
   EXPECT_EQ(asked_, 1);
 }
 
+TEST_F(FactArgumentsTest, ANameThatNoPrefixHasIsToldWithTheOption) {
+  for (const char* bad :
+       {"1=http://e/", "a b=http://e/", "-=http://e/", "a.=http://e/", "a: <urn:x> . @prefix b=http://e/"}) {
+    EXPECT_THAT(std::string(facts_.AddPrefixes({bad}).message()), HasSubstr("is not the name of a prefix"))
+        << bad;
+  }
+  EXPECT_TRUE(facts_.AddPrefixes({"a-1=http://e/", "ä.b:=http://e/", ":=http://e/"}).ok());
+}
+
 TEST_F(FactArgumentsTest, AnUnknownPrefixIsDeclaredByTheCommandsOption) {
   const auto hint = [this](const std::string& text) {
     return std::string(facts_.Parse(text, "facts").status().message());
