@@ -247,11 +247,22 @@ class WaitCollector {
     return false;
   }
 
+  // The node waits for what has to hold while it runs, or for its condition to hold again.
+  void AddHold(const v1::Node& node, const std::string& reason, const std::string& place) {
+    v1::Wait* wait = New(place, node, "fact");
+    const bool asks = sources_.ask && !node.waits_for().empty();
+    const ConditionAnswer answer = asks ? sources_.ask(node.waits_for()) : ConditionAnswer();
+    if (answer.holds || answer.missing.empty()) return wait->set_detail(reason);
+    wait->set_missing(answer.missing);
+    wait->set_detail(Concat("a fact: ", answer.missing, " (",
+                            answer.remarks.empty() ? "" : answer.remarks + "; ", reason, ")"));
+  }
+
   void AddPending(const v1::Node& node, const v1::Invocation& invocation, const std::string& place) {
     const std::string& reason = invocation.reason();
     const auto says = [&reason](std::string_view text) { return absl::StrContains(reason, ToAbsl(text)); };
     if (says("has to hold") || says("ceased to hold")) {
-      New(place, node, "fact")->set_detail(reason);
+      AddHold(node, reason, place);
     } else if (says("is paused")) {
       New(place, node, "resume")->set_detail(reason);
     } else if (says("comes after the one before it")) {

@@ -112,8 +112,8 @@ const std::vector<FindingKind>& FindingKinds() {
        "Correct the text at the place that the finding names."},
       {"timeout-without-effect", "warning", "CAWL",
        "A timeout ends nothing: it stands where nothing takes time, at an activator, or behind one that ends "
-       "first. Or the delay of further attempts is as long as the timeout of the node, so that there are "
-       "none.",
+       "first. Or the delay of further attempts of an invocation is as long as the timeout of the node, so "
+       "that there are none.",
        "Take it away, or put it where something is waited for; make the delay shorter."},
       {"type-clash", "warning", "CAWL, RSEL",
        "A value does not suit: a literal where the property has resources or the reverse, a literal of "

@@ -71,6 +71,8 @@ inline constexpr std::string_view kAllServeOthers = "every robot that offers it 
 inline constexpr std::string_view kAtAnotherStep = "the robot is at another step of this run, or ends one";
 // Or its ext:while-holds is not so.
 inline constexpr std::string_view kHoldsNot = "what has to hold while it runs does not hold";
+// Or its guard is not so any more: the end of the reason.
+inline constexpr std::string_view kCeasedToHold = " ceased to hold";
 // Or ext:sequential.
 inline constexpr std::string_view kComesLater = "it comes after the one before it";
 // Or a command of an attempt before has no final report yet.

@@ -53,6 +53,18 @@ bool RunStepper::AttemptsEnded(size_t node) const {
   return true;
 }
 
+// The time of a node's attempt begins with it: when all of the attempt before has ended, and its ext:retry-delay.
+void RunStepper::BeginTime(size_t node) {
+  NodeState& state = run_.nodes[node];
+  const std::optional<int64_t>& timeout_ms = flow_.nodes[node].timeout_ms;
+  if (!timeout_ms || state.deadline_us || run_.paused() || !AttemptsEnded(node)) return;
+  const bool too_early =
+      std::any_of(state.invocations.begin(), state.invocations.end(), [this](const InvocationState& each) {
+        return each.state == WorkState::kPending && each.not_before_us > core_.input->now_us;
+      });
+  if (!too_early) state.deadline_us = core_.input->now_us + *timeout_ms * 1000;
+}
+
 // The attempt failed. The next one, if there is any, begins when all that belongs to this one has ended.
 void RunStepper::InvocationFailed(size_t node, size_t index, const std::string& reason) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
@@ -147,6 +159,11 @@ bool RunStepper::CheckOverdue(size_t node, size_t index) {
     if (!invocation.overdue.empty()) {
       invocation.once = true;
       InvocationFailed(node, index, absl::StrCat(invocation.overdue, "; ", ToAbsl(kAttemptNotEnded)));
+      return true;
+    }
+    if (invocation.reason == kAttemptNotEnded) {
+      invocation.once = true;  // no further attempt would know it either
+      InvocationFailed(node, index, absl::StrCat("timed out: ", ToAbsl(kAttemptNotEnded)));
       return true;
     }
     const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];

@@ -8,6 +8,7 @@
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "workflow/engine/engine_core.h"
 #include "workflow/engine/run_results.h"
 
 namespace docent::engine {
@@ -122,6 +123,17 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   }
 }
 
+// What its condition, or what has to hold while it runs, is not so of: the ASK; empty: the node does not wait for that.
+const std::string& WaitsFor(const NodeState& node) {
+  if (node.state != WorkState::kRunning) return node.waits_for;
+  for (const InvocationState& invocation : node.invocations) {
+    if (invocation.state != WorkState::kPending) continue;
+    if (node.hold && invocation.reason == kHoldsNot) return node.hold->armed.ask.ask;
+    if (node.guard && invocation.reason.ends_with(kCeasedToHold)) return node.guard->armed.ask.ask;
+  }
+  return node.waits_for;
+}
+
 void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index, Writer* out) {
   const NodeState& state = run.nodes[index];
   const cawl::Node& node = run.Flow().nodes[index];
@@ -133,7 +145,7 @@ void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t
   out->SayText(RunTerm::kNodeName, node.name.value);
   out->SayTerm(RunTerm::kPosition, Term::Integer(static_cast<int64_t>(node.position)));
   out->SayState(RunTerm::kNodeState, state.state);
-  out->SayText(RunTerm::kWaitsFor, state.waits_for);
+  out->SayText(RunTerm::kWaitsFor, WaitsFor(state));
   out->SayText(RunTerm::kFiredBecause, state.fired_because);
   if (state.fired_us != 0) out->SayTime(RunTerm::kFiredAt, state.fired_us);
   if (state.since_us != 0) out->SayTime(RunTerm::kSince, state.since_us);

@@ -140,7 +140,15 @@ absl::Status RunStepper::ArmHold(size_t index) {
   return absl::OkStatus();
 }
 
-// No invocation of the node has begun anything.
+// Something was begun since the node opened: in this attempt, or in one before. What has to hold has to until the node is done,
+// also between attempts.
+bool RunStepper::HasBegun(size_t index) const {
+  const std::vector<InvocationState>& invocations = run_.nodes[index].invocations;
+  return std::any_of(invocations.begin(), invocations.end(),
+                     [](const InvocationState& invocation) { return invocation.sent; });
+}
+
+// No invocation of the node does anything now, or has done something.
 bool RunStepper::NothingBegun(size_t index) const {
   const std::vector<InvocationState>& invocations = run_.nodes[index].invocations;
   return std::all_of(invocations.begin(), invocations.end(), [](const InvocationState& invocation) {
@@ -156,7 +164,7 @@ bool RunStepper::MayBegin(size_t node, size_t index, bool* changed) {
     if (answer == Answer::kUnknown) return false;
     if (answer == Answer::kNo) {
       *changed = NothingBegun(node);
-      const std::string why = absl::StrCat("condition ", state.guard->armed.ask.name, " ceased to hold");
+      const std::string why = absl::StrCat("condition ", state.guard->armed.ask.name, ToAbsl(kCeasedToHold));
       if (*changed)
         WaitAgain(node, why);
       else
@@ -178,7 +186,7 @@ bool RunStepper::CheckHold(size_t index) {
   const bool all_ended =
       std::all_of(node.invocations.begin(), node.invocations.end(),
                   [](const InvocationState& invocation) { return IsFinal(invocation.state); });
-  if (all_ended || NothingBegun(index)) return false;
+  if (all_ended || !HasBegun(index)) return false;
   if (node.hold && Ask(*node.hold, {}) == Answer::kNo) {
     Interrupt(index, absl::StrCat("what has to hold ceased to: ", flow_.nodes[index].hold_text.value));
     return true;
@@ -186,17 +194,28 @@ bool RunStepper::CheckHold(size_t index) {
   if (!flow_.nodes[index].holds_condition || !node.guard) return false;
   for (const InvocationState& invocation : node.invocations) {
     if (IsFinal(invocation.state) || Ask(*node.guard, invocation.match) != Answer::kNo) continue;
-    Interrupt(index, absl::StrCat("condition ", node.guard->armed.ask.name, " ceased to hold"));
+    Interrupt(index, absl::StrCat("condition ", node.guard->armed.ask.name, ToAbsl(kCeasedToHold)));
     return true;
   }
   return false;
 }
 
-// Whether nothing can be heard now of how its commands end.
-bool RunStepper::IsOutOfReach(const InvocationState& invocation) const {
-  return std::all_of(invocation.commands.begin(), invocation.commands.end(), [this](const OpenCommand& open) {
-    const RobotOffer* offer = core_.OfferOf(open.command.operation, open.command.robot);
+// Whether nothing can be heard now of how its commands end, those of attempts before included.
+bool RunStepper::IsOutOfReach(size_t node, size_t index) const {
+  const auto is_silent = [this](const RobotCommand& command) {
+    const RobotOffer* offer = core_.OfferOf(command.operation, command.robot);
     return offer == nullptr || offer->offline;
+  };
+  const std::vector<OpenCommand>& commands = run_.nodes[node].invocations[index].commands;
+  if (std::any_of(commands.begin(), commands.end(),
+                  [&](const OpenCommand& open) { return !is_silent(open.command); }))
+    return false;
+  const CommandOwner self{run_.id, node, index};
+  if (core_.ledger.EndingOf(self) == 0) return true;
+  const RobotLedger::Ending& ending = core_.ledger.ending();
+  return std::none_of(ending.begin(), ending.end(), [&](const auto& other) {
+    const std::vector<CommandOwner>& owners = other.second.owners;
+    return !owners.empty() && owners.front() == self && !is_silent(other.second.command);
   });
 }
 
@@ -207,7 +226,7 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
   for (size_t i = 0; i < node.invocations.size(); ++i) {
     InvocationState& invocation = node.invocations[i];
     if (IsFinal(invocation.state)) continue;
-    if (invocation.commands.empty() || IsOutOfReach(invocation)) {
+    if (IsOutOfReach(index, i)) {
       CancelInvocation(index, i, why);
       continue;
     }
@@ -218,8 +237,13 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
     invocation.lost.clear();
     invocation.overdue = why;
     invocation.deadline_us = until_us;
-    invocation.reason = absl::StrCat(why, "; how its command ends is not known yet");
+    invocation.not_before_us.reset();
+    invocation.reason =
+        absl::StrCat(why, "; ",
+                     invocation.state == WorkState::kPending ? ToAbsl(kAttemptNotEnded)
+                                                             : "how its command ends is not known yet");
     node.reason = Concat(kInterrupted, why);
+    node.deadline_us.reset();  // the wait for the end has its own
   }
   if (!IsInterrupted(index)) return Interrupted(index, why);
   core_.Say(Subject(index), "running", "running", node.reason);
@@ -229,7 +253,10 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
 bool RunStepper::SettleInterrupt(size_t index) {
   NodeState& node = run_.nodes[index];
   for (size_t i = 0; i < node.invocations.size(); ++i) {
-    if (!IsFinal(node.invocations[i].state) && IsOutOfReach(node.invocations[i]))
+    if (IsFinal(node.invocations[i].state)) continue;
+    BeginAgain(index, i);  // as done or cancelled, where its end is known
+    if (!GoesOn() || node.state != WorkState::kRunning) return true;
+    if (!IsFinal(node.invocations[i].state) && IsOutOfReach(index, i))
       CancelInvocation(index, i, std::string(node.invocations[i].overdue));
   }
   const auto has = [&node](auto&& is) {
@@ -260,7 +287,10 @@ std::vector<size_t> RunStepper::InterruptLinks(size_t index) const {
 // It takes its links with onInterrupt, or waits again.
 void RunStepper::Interrupted(size_t index, const std::string& why) {
   const std::vector<size_t> taken = InterruptLinks(index);
-  if (taken.empty()) return WaitAgain(index, why);
+  if (taken.empty()) {
+    run_.nodes[index].attempt = 1;  // it begins from its start
+    return WaitAgain(index, why);
+  }
   NoteDone(index);
   SetNode(index, WorkState::kCancelled, why);
   FollowLinks(index, taken);

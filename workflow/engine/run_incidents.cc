@@ -103,7 +103,9 @@ void RunStepper::RetryNode(size_t index, const RobotId& robot, const std::string
   std::vector<InvocationState> done;  // for values of forEach
   if (!flow_.nodes[index].for_each.empty()) {
     for (const InvocationState& invocation : node.invocations) {
-      if (invocation.state == WorkState::kDone) done.push_back(invocation);
+      if (invocation.state != WorkState::kDone) continue;
+      done.push_back(invocation);
+      done.back().sent = false;  // not since the node opens again
     }
   }
   WaitAgain(index, ByOperator("has it begin again", reason), std::move(done));

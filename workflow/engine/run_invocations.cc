@@ -149,7 +149,8 @@ bool RunStepper::TryDispatch(size_t node, size_t index, bool opening) {
   }
   const bool again = invocation.sent || invocation.attempt > 1 || run_.nodes[node].iteration > 0;
   if (again && !AttemptsEnded(node)) {
-    if (!invocation.deadline_us) invocation.deadline_us = DefaultDeadline(node, index);
+    if (!invocation.deadline_us)
+      invocation.deadline_us = core_.input->now_us + core_.limits.default_step_timeout_ms * int64_t{1000};
     return WaitForOwnRobot(node, index, kAttemptNotEnded);
   }
   if (IsTooEarly(node, index)) return false;

@@ -272,7 +272,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
     ++node.attempt;
     core_.Say(Subject(index), "running", "running",
               absl::StrCat("attempt ", node.attempt, " after: ", reason));
-    if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
+    node.deadline_us.reset();  // it begins with the attempt (BeginTime)
     for (InvocationState& old : node.invocations) {
       if (!syntax.for_each.empty() && old.state == WorkState::kDone) continue;
       InvocationState fresh;
@@ -398,6 +398,7 @@ void RunStepper::Advance() {
             changed = true;
             break;
           }
+          BeginTime(i);
           for (size_t k = 0; k < run_.nodes[i].invocations.size(); ++k) {
             changed = GoOn(i, k) || changed;
             if (!GoesOn() || run_.nodes[i].state != WorkState::kRunning) break;

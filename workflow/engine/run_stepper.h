@@ -203,6 +203,7 @@ class RunStepper {
   void DisarmGuard(std::optional<Guard>* guard);
   void WritesAtOpen(size_t index);
   absl::Status ArmHold(size_t index);
+  bool HasBegun(size_t index) const;
   bool NothingBegun(size_t index) const;
   bool MayBegin(size_t node, size_t invocation, bool* changed);
   bool CheckHold(size_t index);
@@ -212,7 +213,7 @@ class RunStepper {
     return run_.nodes[index].state == WorkState::kRunning &&
            run_.nodes[index].reason.starts_with(kInterrupted);
   }
-  bool IsOutOfReach(const InvocationState& invocation) const;
+  bool IsOutOfReach(size_t node, size_t invocation) const;
   bool SettleInterrupt(size_t index);
   std::vector<size_t> InterruptLinks(size_t index) const;
   void Interrupted(size_t index, const std::string& why);
@@ -230,6 +231,7 @@ class RunStepper {
   bool TryDispatch(size_t node, size_t invocation, bool opening = false);
   bool ComesLater(size_t node, size_t invocation) const;
   bool AttemptsEnded(size_t node) const;
+  void BeginTime(size_t node);
   void WaitForRobot(size_t node, size_t invocation, std::string why);
   bool WaitForOwnRobot(size_t node, size_t invocation, std::string_view why);
   std::optional<TimeMicros> GivenDeadline(size_t node, size_t invocation) const;

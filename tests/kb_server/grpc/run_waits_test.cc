@@ -26,11 +26,7 @@ class RunWaitsTest : public ::testing::Test {
   v1::ExplainRunReply Waits(const v1::Run& run, TimeMicros now_us = 0) {
     const GraphReader graph(dictionary_, writer_.current());
     v1::ExplainRunReply reply;
-    AddWaits({&graph, nullptr, now_us,
-              [](const std::string&) {
-                return ConditionAnswer{true, "", ""};
-              }},
-             run, "", &reply);
+    AddWaits({&graph, nullptr, now_us, [this](const std::string&) { return answer_; }}, run, "", &reply);
     return reply;
   }
   static v1::Run Waiting(const std::string& ask) {
@@ -45,6 +41,7 @@ class RunWaitsTest : public ::testing::Test {
     return run;
   }
 
+  ConditionAnswer answer_ = {true, "", ""};
   Dictionary dictionary_;
   GraphWriter writer_{nullptr};
   BatchApplier applier_{dictionary_, Limits{}};
@@ -66,6 +63,26 @@ TEST_F(RunWaitsTest, ATimeThatAConditionHasToHoldIsNamed) {
   ASSERT_EQ(reply.waits_size(), 1);
   EXPECT_EQ(reply.waits(0).until_us(), 0);
   EXPECT_EQ(reply.waits(0).detail(), "its condition holds, but not yet for the 5min that it has to hold");
+}
+
+TEST_F(RunWaitsTest, TheFactThatLacksForWhatHasToHoldIsNamed) {
+  v1::Run run = Waiting("ASK {\n}\n");
+  run.mutable_nodes(0)->set_state("running");
+  v1::Invocation* invocation = run.mutable_nodes(0)->add_invocations();
+  invocation->set_state("pending");
+  invocation->set_reason("what has to hold while it runs does not hold");
+  answer_ = {false, "<urn:john> <urn:near> ?robot", "now <urn:far>"};
+  v1::ExplainRunReply reply = Waits(run);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_EQ(reply.waits(0).kind(), "fact");
+  EXPECT_EQ(reply.waits(0).missing(), "<urn:john> <urn:near> ?robot");
+  EXPECT_EQ(
+      reply.waits(0).detail(),
+      "a fact: <urn:john> <urn:near> ?robot (now <urn:far>; what has to hold while it runs does not hold)");
+  answer_ = {};
+  reply = Waits(run);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_EQ(reply.waits(0).detail(), "what has to hold while it runs does not hold");
 }
 
 // The reason of the invocation, which is that of one robot, stood with each.

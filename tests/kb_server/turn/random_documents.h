@@ -100,6 +100,7 @@ class RandomDocuments {
   static std::string Interval(int number) { return absl::StrCat(9 + 2 * number, "s"); }
   // Flow/node → the word of its condition; → that of its ext:while-holds.
   std::map<std::string, int> words, holds;
+  std::set<std::string> holding_conditions;      // of holds: those that are the condition of the node
   std::map<int, SimulatedActivator> activators;  // by workflow
   // Flow/node → of each invoke the class that it asks for, or "".
   std::map<std::string, std::vector<std::string>> classes;
@@ -241,6 +242,7 @@ class RandomDocuments {
     const std::string place = absl::StrCat("F", number, "/N", n);
     words.erase(place);
     holds.erase(place);
+    holding_conditions.erase(place);
     classes.erase(place);
     const bool condition = dice_.OneIn(2, "condition");
     const bool each = condition && dice_.OneIn(4, "each");
@@ -260,6 +262,10 @@ class RandomDocuments {
     }
     text += ">";
     if (condition) absl::StrAppend(&text, Condition(number, place));
+    if (text.find("while-holds=\"true\"") != std::string::npos) {
+      holds[place] = words.at(place);
+      holding_conditions.insert(place);
+    }
     const int invokes = 1 + dice_.Below(2);
     for (int i = 0; i < invokes; ++i) {
       absl::StrAppend(&text, Invoke(number, place));

@@ -4,6 +4,7 @@
 //   - a robot is free exactly when its last holder and all of its commands have ended;
 //   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
 //     guard_revision, or of a run that is paused;
+//   - no node goes on when what has to hold while it runs has fallen since it began something;
 //   - no command goes to a robot that is reserved for others, unless its run is of a higher priority or held a robot of the
 //     reservation before; what waits for a reserved robot goes on when the reservation has ended;
 //   - who asks for a class of operations gets one of this class;
@@ -107,6 +108,7 @@ class Simulation {
   size_t preempted() const { return preempted_; }
   size_t barred() const { return barred_; }
   size_t by_class() const { return by_class_; }
+  size_t fallen() const { return fallen_; }
 
  private:
   static constexpr int kSteps = 70;
@@ -384,6 +386,7 @@ class Simulation {
                                 RunAndParents(*graph, IdParts(command.id).run)};
     }
     CheckHolds(*graph);
+    CheckHeld(*graph);
     CheckWrites(*graph);
     if (log_.size() % 4 == 0) CheckWaits();
     for (const RobotCommand& command : result->record.commands) fleet_.Send(command, now_us_);
@@ -402,6 +405,10 @@ class Simulation {
       if (writes || ends) writers_.back().insert(t.subject);
       if (t.from == "waiting") wrote_.erase(t.subject);
       if (writes) wrote_.insert(t.subject);
+      const std::vector<std::string> parts = absl::StrSplit(t.subject, '/');
+      if (parts.size() == 2 && t.from != t.to) begun_.erase(t.subject);
+      if (parts.size() == 3 && t.from == "pending" && t.to == "running")
+        begun_.insert(absl::StrCat(parts[0], "/", parts[1]));
     }
     std::array<bool, test::kSimulatedWords> wanted{};
     for (int word = 0; word < test::kSimulatedWords; ++word)
@@ -553,6 +560,32 @@ class Simulation {
     EXPECT_EQ(stages_->engine.OpenCommands().size(), under_way_.size());
   }
 
+  // What has to hold while a node runs has to from its first command until it is done, also between attempts.
+  void CheckHeld(const GraphReader& graph) {
+    for (const std::string& node : begun_) {
+      const size_t slash = node.find('/');
+      const std::string run = node.substr(0, slash);
+      const std::string place = absl::StrCat(run.substr(0, run.find('-')), node.substr(slash));
+      const auto word = documents_.holds.find(place);
+      if (word == documents_.holds.end() || wanted_.back()[static_cast<size_t>(word->second)]) continue;
+      // what the node itself writes when it opens does not close its guard
+      if (documents_.holding_conditions.contains(place) && wrote_.contains(node)) continue;
+      v1::Run state;
+      ASSERT_TRUE(ReadRun(graph, run, &state));
+      for (const v1::Node& one : state.nodes()) {
+        if (absl::StrCat(run, "/", one.name()) != node || one.state() != "running") continue;
+        const bool goes_on =
+            std::any_of(one.invocations().begin(), one.invocations().end(), [](const auto& invocation) {
+              return invocation.state() == "pending" || invocation.state() == "running";
+            });
+        fallen_ += absl::StartsWith(one.reason(), "interrupted: ") ? 1 : 0;
+        EXPECT_TRUE(!goes_on || absl::StartsWith(one.reason(), "interrupted: "))
+            << node << " goes on, and what has to hold does not\n"
+            << one.DebugString();
+      }
+    }
+  }
+
   // Whether a command of the run, or of one that is nested in it, is under way.
   bool HasCommand(const std::string& run_iri) const {
     return std::any_of(under_way_.begin(), under_way_.end(),
@@ -688,6 +721,7 @@ class Simulation {
   std::vector<log::TurnRecord> log_;
   std::vector<std::array<bool, test::kSimulatedWords>> wanted_;  // by revision
   std::set<std::string> wrote_;                                  // RUN/NODE: since it opened
+  std::set<std::string> begun_;                                  // RUN/NODE: it has begun something
   std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
   test::FiringModel firings_;
@@ -695,6 +729,7 @@ class Simulation {
   size_t preempted_ = 0;
   size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
   size_t by_class_ = 0;  // commands of those that asked for a class
+  size_t fallen_ = 0;    // nodes that were interrupted, and waited for the end of their commands
   std::vector<engine::Reservation> reservations_;
 };
 
@@ -702,7 +737,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
-  size_t commands = 0, preempted = 0, barred = 0, by_class = 0;
+  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
@@ -711,6 +746,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     preempted += simulation.preempted();
     barred += simulation.barred();
     by_class += simulation.by_class();
+    fallen += simulation.fallen();
     if (HasFailure()) break;
   }
   if (only < 0 && first == 0 && seeds >= 300) {
@@ -718,6 +754,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(preempted, static_cast<size_t>(seeds) / 60) << "of pre-emption, too";
     EXPECT_GT(barred, static_cast<size_t>(seeds) / 30) << "of reservations";
     EXPECT_GT(by_class, static_cast<size_t>(seeds) / 3) << "of classes of operations";
+    EXPECT_GT(fallen, static_cast<size_t>(seeds) / 30) << "of what has to hold and falls";
   }
 }
 

@@ -1,5 +1,7 @@
 // A guard is a guard: a command goes out only in a turn in which the condition of its node holds; ext:while-holds.
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -255,6 +257,150 @@ TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeWaitsAgain) {
   Turn({Done(commands_[0].id)});
   EXPECT_EQ(engine_.live_runs(), 0u);
   EXPECT_EQ(conditions_.armed(), 0u);
+}
+
+// What has to hold counts from when the node begins something until it is done: also while nothing of it is under way.
+class HoldBetweenAttemptsTest : public EngineGuardsTest {
+ protected:
+  // A node that has to be safe, with these attributes and invokes, and what is to come where it ceases to be.
+  void DeploySafe(const std::string& attributes, const std::string& invokes) {
+    Deploy(Flow("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\" " + attributes + ">" + invokes +
+                "</node>" + Node("Stop", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t") +
+                Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t")) +
+           "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+           "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+    conditions_.Set("urn:safe", {{}});
+    Start();
+    ASSERT_EQ(commands_.size(), 1u);
+    first_ = commands_[0].id;
+  }
+  void Fall() {
+    conditions_.Set("urn:safe", {});
+    Turn();
+  }
+  bool IsInterrupted() const {
+    return std::any_of(transitions_.begin(), transitions_.end(), [](const std::string& transition) {
+      return transition.ends_with("/Stop running>done");
+    });
+  }
+  CommandId first_;
+};
+
+TEST_F(HoldBetweenAttemptsTest, ItFallsDuringTheDelayBeforeTheNextAttempt) {
+  const std::string invoke = "<invoke operation=\"a\"/>";
+  const std::string delay = " ext:retry=\"2\" ext:retry-delay=\"3s\"";
+  const std::vector<std::pair<std::string, std::string>> nodes = {
+      {"", "<invoke operation=\"a\"" + delay + "/>"},
+      {delay, invoke},
+      {"", "<invoke subflow=\"G\"" + delay + "/>"}};
+  for (const auto& [attributes, invokes] : nodes) {
+    SCOPED_TRACE(attributes + invokes);
+    DeploySafe(attributes, invokes);
+    Turn({Failed(first_, "slipped")});
+    EXPECT_THAT(commands_, IsEmpty());
+    Fall();
+    EXPECT_TRUE(IsInterrupted());
+    EXPECT_EQ(engine_.live_runs(), 0u) << "and its robot is free";
+  }
+}
+
+TEST_F(HoldBetweenAttemptsTest, ItFallsInTheTurnInWhichTheAttemptFails) {
+  DeploySafe("", "<invoke operation=\"a\" ext:retry=\"1\"/>");
+  conditions_.Set("urn:safe", {});
+  Turn({Failed(first_, "slipped")});
+  EXPECT_TRUE(IsInterrupted());
+}
+
+TEST_F(HoldBetweenAttemptsTest, ItFallsWhileAFurtherAttemptWaitsForARobot) {
+  DeploySafe("", "<invoke operation=\"a\" ext:retry=\"1\"/>");
+  robots_.offers[0].out_of_service = "is charging";
+  Turn({Failed(first_, "slipped")});
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "invocationState"), "pending");
+  Fall();
+  EXPECT_TRUE(IsInterrupted());
+}
+
+TEST_F(HoldBetweenAttemptsTest, ItFallsAndTheConditionOfTheNodeItselfIsMeant) {
+  Deploy(Flow("<node name=\"A\" ext:while-holds=\"true\">" + Condition("near") +
+              "<invoke operation=\"a\" ext:retry=\"1\" ext:retry-delay=\"3s\"/></node>" +
+              Node("Stop", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t") +
+              Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t")));
+  conditions_.Set("urn:near", {Match("urn:john")});
+  Start();
+  Turn({Failed(commands_.at(0).id, "slipped")});
+  conditions_.Set("urn:near", {});
+  Turn();
+  EXPECT_TRUE(IsInterrupted());
+}
+
+TEST_F(HoldBetweenAttemptsTest, ItFallsWhileTheEndOfTheAttemptBeforeIsAwaitedWhichIsAwaitedThenToo) {
+  DeploySafe("ext:timeout=\"2s\" ext:retry=\"1\"", "<invoke operation=\"a\"/>");
+  now_us_ += 2'000'000;
+  Turn();
+  EXPECT_THAT(cancels_, ElementsAre(first_));
+  Fall();
+  EXPECT_FALSE(IsInterrupted()) << "the robot still brakes";
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A", "reason"), HasSubstr("interrupted"));
+  Turn({{first_, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  EXPECT_TRUE(IsInterrupted());
+  EXPECT_THAT(commands_, IsEmpty());
+}
+
+TEST_F(HoldBetweenAttemptsTest, TheEndOfTheAttemptBeforeIsNotAwaitedForEver) {
+  for (const bool offline : {false, true}) {
+    robots_.offers[0].offline = false;
+    DeploySafe("ext:timeout=\"2s\" ext:retry=\"1\"", "<invoke operation=\"a\"/>");
+    now_us_ += 2'000'000;
+    Turn();
+    Fall();
+    EXPECT_FALSE(IsInterrupted());
+    if (offline)
+      robots_.offers[0].offline = true;
+    else
+      now_us_ += Limits{}.default_step_timeout_ms * int64_t{1000};
+    Turn();
+    EXPECT_TRUE(IsInterrupted());
+    Turn({{first_, CommandReport::Outcome::kCancelled, "", 0, "i1", {}}});
+  }
+}
+
+TEST_F(HoldBetweenAttemptsTest, WithoutALinkItBeginsFromItsStartWithAllItsAttempts) {
+  for (const bool of_node : {true, false}) {
+    const std::string retry = "ext:retry=\"1\" ext:retry-delay=\"3s\"";
+    DeployNode("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\" " + (of_node ? retry : "") +
+               "><invoke operation=\"a\" " + (of_node ? "" : retry) + "/></node>");
+    conditions_.Set("urn:safe", {{}});
+    Start();
+    Turn({Failed(commands_.at(0).id, "slipped")});
+    conditions_.Set("urn:safe", {});
+    Turn();
+    EXPECT_TRUE(Says(of_node ? "F-1/A running>waiting" : "F-2/A running>waiting"));
+    conditions_.Set("urn:safe", {{}});
+    Turn();
+    ASSERT_EQ(commands_.size(), 1u) << "at once: it is no further attempt";
+    Turn({Failed(commands_[0].id, "slipped")});
+    EXPECT_EQ(engine_.live_runs(), 1u);
+    now_us_ += 3'000'000;
+    Turn();
+    ASSERT_EQ(commands_.size(), 1u);
+    Turn({Done(commands_[0].id)});
+    EXPECT_EQ(engine_.live_runs(), 0u);
+  }
+}
+
+TEST_F(HoldBetweenAttemptsTest, BeforeANodeHasBegunAnythingItWaits) {
+  DeploySafe("", "<invoke operation=\"a\"/>");
+  Start();
+  conditions_.Set("urn:safe", {});
+  Turn({Done(first_)});
+  EXPECT_FALSE(IsInterrupted());
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "running");
+  EXPECT_THAT(Fact("urn:docent:run:F-2/A/0", "reason"), HasSubstr("has to hold"));
+  EXPECT_THAT(Fact("urn:docent:run:F-2/A", "waitsFor"), HasSubstr("urn:safe"));
+  conditions_.Set("urn:safe", {{}});
+  Turn();
+  EXPECT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "waitsFor"), "");
 }
 
 TEST_F(EngineGuardsTest, WhatHasToHoldEndsASubflow) {

@@ -212,6 +212,58 @@ TEST_F(EngineRobotsTest, ARetriedNodeBeginsWhenAllOfTheAttemptBeforeHasEnded) {
   EXPECT_EQ(commands_.size(), 2u);
 }
 
+TEST_F(EngineRobotsTest, TheTimeOfANodeIsThatOfEachAttemptAndBeginsWithIt) {
+  const std::vector<std::string> retries = {"ext:retry=\"1\"", "ext:retry=\"1\" ext:retry-delay=\"10s\""};
+  for (const std::string& retry : retries) {
+    Deploy(OneNode("<invoke operation=\"a\"/>", "ext:timeout=\"2s\" " + retry));
+    Start();
+    ASSERT_EQ(commands_.size(), 1u);
+    const CommandId first = commands_[0].id;
+    Pass(2);
+    Turn();
+    EXPECT_THAT(cancels_, ElementsAre(first));
+    Pass(3);  // it still brakes
+    Turn();
+    ASSERT_EQ(engine_.live_runs(), 1u) << "the second attempt has not begun";
+    Turn({Report(first, Outcome::kCancelled)});
+    if (commands_.empty()) {
+      Pass(7);
+      Turn();
+    }
+    ASSERT_EQ(commands_.size(), 1u) << retry;
+    const CommandId second = commands_[0].id;
+    EXPECT_EQ(commands_[0].deadline_us, now_us_ + 2'000'000);
+    Pass(1);
+    Turn();
+    EXPECT_EQ(engine_.live_runs(), 1u);
+    Pass(1);
+    Turn();
+    EXPECT_EQ(engine_.live_runs(), 0u);
+    Turn({Report(second, Outcome::kCancelled)});
+  }
+}
+
+TEST_F(EngineRobotsTest, NoNodeWaitsForEverForTheEndOfAnAttempt) {
+  const std::vector<std::string> documents = {
+      OneNode("<invoke operation=\"a\"/>", "ext:timeout=\"2s\" ext:retry=\"5\""),
+      OneNode("<invoke operation=\"a\" ext:timeout=\"2s\"/>", "ext:retry=\"5\"")};
+  for (const std::string& document : documents) {
+    Deploy(document);
+    Start();
+    ASSERT_EQ(commands_.size(), 1u) << document;
+    const CommandId first = commands_[0].id;
+    Pass(2);
+    Turn();
+    Pass(299);
+    Turn();
+    EXPECT_EQ(engine_.live_runs(), 1u) << document;
+    Pass(1);
+    Turn();
+    EXPECT_EQ(engine_.live_runs(), 0u) << document;
+    Turn({Report(first, Outcome::kCancelled)});
+  }
+}
+
 TEST_F(EngineRobotsTest, ARetriedSubflowBeginsWhenTheCommandsOfTheOneBeforeHaveEnded) {
   robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
   Deploy(Nested("ext:timeout=\"2s\" ext:retry=\"1\""));

@@ -55,7 +55,6 @@ class TimeoutChecker {
            Concat("node ", node.name.value, " invokes nothing and is done as soon as it opens"),
            node.condition ? "write it at the <condition> to limit the wait" : "take it away");
     }
-    CheckDelay(node, node.retry, node.retry_policy);
     if (node.condition) Check(*node.condition);
     for (const Invoke& invoke : node.invokes) {
       if (node.timeout_ms && invoke.timeout_ms && *invoke.timeout_ms > *node.timeout_ms) {
@@ -63,15 +62,17 @@ class TimeoutChecker {
              Concat("node ", node.name.value, " ends after ", Shown(*node.timeout_ms), " already"),
              "make it shorter than that of the node, or take it away");
       }
-      CheckDelay(node, invoke.retry, invoke.retry_policy);
+      CheckDelay(node, invoke);
       CheckSteps(node, invoke);
     }
   }
 
-  // A further attempt that begins when the time of the node is over. (The time of an invoke is that of each attempt, and begins
-  // after the delay.)
-  void CheckDelay(const Node& node, int retry, const RetryPolicy& policy) {
-    if (!node.timeout_ms || retry == 0 || !policy.delay_ms || *policy.delay_ms < *node.timeout_ms) return;
+  // A further attempt of an invocation that begins when the time of the node is over. (The time of an invoke or a node with
+  // ext:retry is that of each attempt, and begins after its own delay.)
+  void CheckDelay(const Node& node, const Invoke& invoke) {
+    const RetryPolicy& policy = invoke.retry_policy;
+    if (!node.timeout_ms || invoke.retry == 0 || !policy.delay_ms || *policy.delay_ms < *node.timeout_ms)
+      return;
     reader_
         .Warning(policy.delay_text.span,
                  Concat("the further attempts have no effect: node ", node.name.value, " ends after ",
