@@ -221,11 +221,28 @@ class Simulation {
         return batch;
       }
       default: {
+        if (dice_.OneIn(3, "fall")) return Fall();
         const TermQuad fact = Fact(absl::StrCat("P", dice_.Below(3)),
                                    absl::StrCat("wants", dice_.Below(test::kSimulatedWords)), "Thing");
         return dice_.OneIn(2) ? Tell({}, {fact}) : Tell({fact});
       }
     }
+  }
+
+  // What has to hold while a node runs that has begun something is withdrawn, but for what runs told.
+  WriteBatch Fall() {
+    std::vector<int> words;
+    for (const std::string& node : begun_) {
+      const std::string flow = node.substr(0, node.find('-'));
+      const int word = test::RandomDocuments::WordOf(documents_.holds, flow + node.substr(node.find('/')));
+      if (word >= 0) words.push_back(word);
+    }
+    if (words.empty()) return WriteBatch();
+    const int word = words[static_cast<size_t>(dice_.Below(static_cast<int>(words.size())))];
+    std::vector<TermQuad> facts;
+    for (int person = 0; person < 3; ++person)
+      facts.push_back(Fact(absl::StrCat("P", person), absl::StrCat("wants", word), "Thing"));
+    return Tell({}, facts);
   }
 
   std::vector<std::pair<std::string, Term>> Arguments() {
