@@ -1,6 +1,6 @@
 // Plays the simulation of robot_simulation.h and checks after every turn what an operator relies on:
 //   - no two commands under way occupy the same part of a robot, and all of a robot are of the run that holds it;
-//   - no attempt begins before the end of the one before it is known;
+//   - no attempt begins before the end of the one before it is known, and no time of a node either;
 //   - a robot is free exactly when its last holder and all of its commands have ended;
 //   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
 //     guard_revision, or of a run that is paused;
@@ -17,6 +17,7 @@
 // tells its course. simulation_dice.h says how to leave parts of it out; `scripts/soak simulation` does that to a failing one.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -109,9 +110,14 @@ class Simulation {
   size_t barred() const { return barred_; }
   size_t by_class() const { return by_class_; }
   size_t fallen() const { return fallen_; }
+  size_t timed_out() const { return timed_out_; }
 
  private:
   static constexpr int kSteps = 70;
+  struct Attempt {  // of a node
+    TimeMicros since_us = 0;
+    std::set<CommandId> awaited;  // commands of the attempt before
+  };
   struct UnderWay {
     RobotCommand command;
     std::string root;
@@ -380,8 +386,13 @@ class Simulation {
       Note(absl::StrCat(t.subject, "  ", t.from, " → ", t.to, "  ", t.cause));
     for (const CommandReport& report : batch.reports) {
       Note(absl::StrCat("report ", report.command.value(), " ", static_cast<int>(report.outcome)));
-      if (IsFinal(report.outcome)) under_way_.erase(report.command);
+      if (!IsFinal(report.outcome)) continue;
+      under_way_.erase(report.command);
+      for (auto& [node, attempt] : attempts_) {
+        if (attempt.awaited.erase(report.command) > 0) attempt.since_us = now_us_;
+      }
     }
+    for (const Transition& t : result->record.transitions) CheckTime(t);
     GraphReader* graph = Graph();
     Remember(*graph, result->record.transitions);
     reservations_ = ReadReservations(dictionary_, *version_);
@@ -411,6 +422,28 @@ class Simulation {
     commands_ += result->record.commands.size();
     for (const Transition& transition : result->record.transitions)
       preempted_ += transition.cause.starts_with("pre-empted") ? 1 : 0;
+  }
+
+  // The time of a node is that of each attempt, from when it began: all commands of the attempt before had ended.
+  void CheckTime(const Transition& t) {
+    const std::vector<std::string> parts = absl::StrSplit(t.subject, '/');
+    if (parts.size() != 2) return;
+    const size_t within = t.cause.find("it was not done within ");
+    const auto attempt = attempts_.find(t.subject);
+    int seconds = 0;
+    if (within != std::string::npos && attempt != attempts_.end() &&
+        std::sscanf(t.cause.c_str() + within, "it was not done within %d s", &seconds) == 1 &&
+        (t.to == "failed" || t.to == "incident" || t.from == t.to)) {
+      ++timed_out_;
+      EXPECT_GE(now_us_ - attempt->second.since_us, seconds * TimeMicros{1'000'000})
+          << t.subject << ": " << t.cause;
+    }
+    if (t.to != "running" || (t.from == t.to && !t.cause.starts_with("attempt "))) return;
+    Attempt& next = attempts_[t.subject];
+    next = {now_us_, {}};
+    for (const auto& [id, other] : under_way_) {
+      if (id.value().starts_with(t.subject + "/")) next.awaited.insert(id);
+    }
   }
 
   // What is wanted after the turn, and who wrote in it: RUN/NODE, or a RUN that ended.
@@ -741,12 +774,14 @@ class Simulation {
   std::set<std::string> begun_;                                  // RUN/NODE: it has begun something
   std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
+  std::map<std::string, Attempt> attempts_;  // by RUN/NODE
   test::FiringModel firings_;
   size_t commands_ = 0;
   size_t preempted_ = 0;
-  size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
-  size_t by_class_ = 0;  // commands of those that asked for a class
-  size_t fallen_ = 0;    // nodes that were interrupted, and waited for the end of their commands
+  size_t barred_ = 0;     // invocations that waited for the end of a reservation, when it was looked
+  size_t by_class_ = 0;   // commands of those that asked for a class
+  size_t timed_out_ = 0;  // nodes
+  size_t fallen_ = 0;     // nodes that were interrupted, and waited for the end of their commands
   std::vector<engine::Reservation> reservations_;
 };
 
@@ -754,7 +789,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
-  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0;
+  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
@@ -764,6 +799,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     barred += simulation.barred();
     by_class += simulation.by_class();
     fallen += simulation.fallen();
+    timed_out += simulation.timed_out();
     if (HasFailure()) break;
   }
   if (only < 0 && first == 0 && seeds >= 300) {
@@ -772,6 +808,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(barred, static_cast<size_t>(seeds) / 30) << "of reservations";
     EXPECT_GT(by_class, static_cast<size_t>(seeds) / 3) << "of classes of operations";
     EXPECT_GT(fallen, static_cast<size_t>(seeds) / 30) << "of what has to hold and falls";
+    EXPECT_GT(timed_out, static_cast<size_t>(seeds) / 30) << "of times of nodes";
   }
 }
 
