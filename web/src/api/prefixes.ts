@@ -1,6 +1,7 @@
 // Names for IRIs: the prefixes that the server knows.
 import { useMemo } from "react";
 import { ontologies } from "./client";
+import { replaceIris } from "./iris";
 import { usePoll } from "./poll";
 import { nameOf, useLabels } from "./labels";
 import { shorten } from "./sparql";
@@ -34,7 +35,7 @@ export function useNames(): Names {
 
 // N-Triples as rows of short words.
 export function readTriples(text: string, short: (iri: string) => string): string[][] {
-  const word = (written: string) => written.replace(/<([^>]*)>/g, (whole, iri: string) => short(iri) || whole).replace(/\^\^xsd:(string|boolean|integer|decimal|double)$/, "").replace(/^"(true|false|[-+]?[\d.]+)"$/, "$1");
+  const word = (written: string) => replaceIris(written, short).replace(/\^\^xsd:(string|boolean|integer|decimal|double)$/, "").replace(/^"(true|false|[-+]?[\d.]+)"$/, "$1");
   return text.split("\n").flatMap((line) => {
     const match = /^(\S+)\s+(\S+)\s+(.+?)\s*\.?\s*$/.exec(line.trim());
     return match ? [[word(match[1] ?? ""), word(match[2] ?? ""), word(match[3] ?? "")]] : [];

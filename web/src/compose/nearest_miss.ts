@@ -1,5 +1,6 @@
 // Of a condition that does not hold: the nearest to it that there is, what lacks of that, and what is there instead.
 import { context } from "../api/client";
+import { replaceIris } from "../api/iris";
 import { valueWords } from "../api/labels";
 import { query, shorten } from "../api/sparql";
 import { quadOf, termText } from "../api/terms";
@@ -34,7 +35,7 @@ export function readMiss(reply: Pick<ExplainReply, "sets" | "more" | "text">, in
   const size = (one: MissingSet) => one.missing.length + one.remove.length;
   const set = reply.sets.filter((one) => size(one) === size(reply.sets[0] ?? one)).sort((a, b) => known(b) - known(a))[0];
   const short = (iri: string) => shorten(iri, prefixes);
-  const pattern = (text: string) => text.replace(/<([^>]+)>/g, (whole, iri: string) => short(iri) || whole).replace(/\s*\.$/, "");
+  const pattern = (text: string) => replaceIris(text, short).replace(/\s*\.$/, "");
   if (!set) return { lacks: [], tooMuch: [], where: "", holds: 0, add: [], others: 0, text: reply.text };
   return {
     lacks: set.missing.map((text, i) => ({ pattern: pattern(text), now: insteadOf(set, i, instead) })),

@@ -1,11 +1,12 @@
 // What a simulation did, in words; facts that lack as rows that can be told.
+import { replaceIris } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
 import { quadText, termText } from "../api/terms";
 import type { SimulatedStep } from "../gen/docent/v1/replays_pb";
 import type { Term } from "../gen/docent/v1/term_pb";
-import { look } from "../operate/states";
-import { factsOf } from "../operate/waits";
+import { look, runWords } from "../operate/states";
+import { factsOf } from "../operate/fact_words";
 import type { SimulationEvent } from "./simulation";
 
 export const activatorNode = "activator"; // the node under which a reply tells what starts the workflow
@@ -21,7 +22,7 @@ export function clockWords(afterS: number): string {
 
 export const robotName = (iri: string) => (iri.startsWith("urn:docent:robot:") ? `the ${iri.slice("urn:docent:robot:".length)} robot` : localName(iri));
 const value = (term: Term | undefined) => (term?.kind.case === "iri" ? localName(term.kind.value) : termText(term, () => ""));
-export const plainIris = (text: string) => text.replace(/<([^>]+)>/g, (_, iri: string) => robotName(iri));
+export const plainIris = (text: string) => replaceIris(text, robotName);
 
 // "R01 gets moveToBooth(B03)"
 export function commandWords(step: SimulatedStep, verb = "gets"): string {
@@ -31,11 +32,12 @@ export function commandWords(step: SimulatedStep, verb = "gets"): string {
 export function eventWords(event: SimulationEvent, names: Short): { who: string; what: string; why: string } {
   if (event.telling) return { who: "", what: `${event.telling.remove ? "no longer known" : "told"}: ${quadText(event.telling.quad, names.short)}`, why: "" };
   const { node, step } = event.step;
-  if (step?.operation) return { who: node, what: commandWords(event.step), why: "" };
+  const who = runWords(node);
+  if (step?.operation) return { who, what: commandWords(event.step), why: "" };
   const state = step?.state ?? "";
   const why = ["running", "failed", "incident", "cancelled"].includes(state) ? plainIris(step?.cause ?? "").replace(/^asked for$|^after .*$/, "").replace(/^condition (\S+) holds(?: with)?/, "by $1:").replace(/:$/, "") : "";
   if (node === "") return { who: "", what: state === "running" ? "the run begins" : `the run is ${look(state).words}`, why };
-  return { who: node, what: state === "running" ? "opens" : state === "waiting" ? "waits" : look(state).words, why };
+  return { who, what: state === "running" ? "opens" : state === "waiting" ? "waits" : look(state).words, why };
 }
 
 const list = (text: string) => text.split(/, /).map((word) => plainIris(word)).join(", ");

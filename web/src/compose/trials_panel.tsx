@@ -2,13 +2,14 @@
 import { ChevronDown, ChevronUp, CircleAlert, CircleCheck, Download, GitCompareArrows, History, LoaderCircle, Star } from "lucide-react";
 import { replays } from "../api/client";
 import { sentence } from "../api/errors";
+import { replaceIris } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import { nameOf } from "../api/labels";
 import { Link } from "../app/link";
 import { paths } from "../app/router";
 import type { ReplayDifference, ReplayReply } from "../gen/docent/v1/replays_pb";
 import { clock, runWords } from "../operate/states";
-import { factsOf } from "../operate/waits";
+import { factsOf } from "../operate/fact_words";
 import { toast } from "../ui/toasts";
 import { saveFile } from "./files";
 import { firstDifference, type Trial, type Trials } from "./trials";
@@ -80,7 +81,7 @@ const kinds: Record<string, string> = {
 };
 
 function Differences({ reply, names, onStep }: { reply: ReplayReply; names: Names; onStep: (name: string) => void }) {
-  const short = (text: string) => text.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole);
+  const short = (text: string) => replaceIris(text, names.short);
   const side = (title: string, text: string) => text && <p><span className="faint">{title}</span> {short(text)}</p>;
   const row = (d: ReplayDifference, i: number) => <div key={i} className="difference"><b>{kinds[d.kind] ?? d.kind}</b>{side("then", d.recorded)}{side("now", d.replayed)}</div>;
   return (

@@ -4,6 +4,7 @@ import { CircleAlert, CircleCheck, FlaskConical, Hourglass } from "lucide-react"
 import { useState } from "react";
 import { replays } from "../api/client";
 import { sentence } from "../api/errors";
+import { replaceIris } from "../api/iris";
 import { useNames, type Names } from "../api/prefixes";
 import { termText } from "../api/terms";
 import type { CawlDocument, Invoke, Step } from "../cawl/document";
@@ -11,7 +12,7 @@ import { words } from "../cawl/names";
 import type { TryNodeReply } from "../gen/docent/v1/replays_pb";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { clock } from "../operate/states";
-import { factsOf } from "../operate/waits";
+import { factsOf } from "../operate/fact_words";
 import { askOf, rowsOf } from "./condition_editor";
 import { ofKinds, useLive, type Live } from "./live";
 import type { PaletteEntry } from "./palette_data";
@@ -98,7 +99,7 @@ export function Answer({ reply, names }: { reply: TryNodeReply; names: Names }) 
       {reply.bindings.length > 0 && <p>The match gives <code>{values(reply.bindings)}</code></p>}
       {reply.variables.length > 0 && <p className="faint">The run had <code>{values(reply.variables)}</code></p>}
       {reply.commands.length > 0 && <ul>{reply.commands.map((c, i) => <li key={i}>{names.name(c.robot) || "a robot"} would get <code>{c.operation}({values(c.arguments)})</code></li>)}</ul>}
-      {reply.pending && <p>It sends nothing yet: {reply.pending.replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))}</p>}
+      {reply.pending && <p>It sends nothing yet: {replaceIris(reply.pending, names.name)}</p>}
       {reply.missing && <p>Missing: {factsOf(reply.missing, names).map((fact) => <code key={fact}>{fact} </code>)}</p>}
       {reply.state === "failed" && <p>{reply.reason}</p>}
     </div>

@@ -1,8 +1,10 @@
 // What happened in a run as sentences for people. Pure functions.
+import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import { verbWords } from "../cawl/phrases";
 import { words } from "../cawl/names";
 import type { RunEvent } from "../gen/docent/v1/workflows_pb";
+import { reasonWords } from "./reason_words";
 import { look } from "./states";
 
 export interface EventWords {
@@ -11,14 +13,14 @@ export interface EventWords {
 }
 
 const type = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
-const plainIris = (text: string, names: Pick<Names, "name">) => text.replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri));
+const plainIris = (text: string, names: Pick<Names, "name">) => replaceIris(text, names.name);
 
 // "<John> <isAt> <Entrance> . <John> <type> <Visitor> ." is "John is at Entrance, John is a Visitor".
 export function factsInWords(triples: string, names: Pick<Names, "name">): string {
-  return triples.split(/\s\.(?:\s+|$)/).filter((fact) => fact.trim()).map((fact) => {
-    const [, subject = "", verb = "", object = ""] = /^(\S+)\s+<([^>]+)>\s+([\s\S]+)$/.exec(fact.trim()) ?? [];
-    const value = object.replace(/^"([\s\S]*)"(?:\^\^\S+|@\S+)?$/, "$1");
-    return verb ? [plainIris(subject, names), verb === type ? "is a" : verbWords(`<${verb}>`), plainIris(value, names)].join(" ") : plainIris(fact.trim(), names);
+  return splitFacts(triples).map((fact) => {
+    const [, subject = "", verb = "", object = ""] = /^(\S+)\s+<([^>]+)>\s+([\s\S]+)$/.exec(fact) ?? [];
+    const text = /^"([\s\S]*)"(?:\^\^\S+|@\S+)?$/.exec(object)?.[1];
+    return verb ? [plainIris(subject, names), verb === type ? "is a" : verbWords(`<${verb}>`), text ?? plainIris(object, names)].join(" ") : plainIris(fact, names);
   }).join(", ");
 }
 
@@ -29,7 +31,7 @@ export function eventsInWords(events: readonly RunEvent[], names: Pick<Names, "n
 }
 
 function eventInWords(event: RunEvent, names: Pick<Names, "name">, operations: Map<string, string>): EventWords | null {
-  const plain = plainIris(event.detail, names).replace(/:\s*$/, "").trim();
+  const plain = reasonWords(plainIris(event.detail, names)).words.replace(/:\s*$/, "").trim();
   const state = look(event.to).words;
   switch (event.kind) {
     case "run": {
@@ -53,7 +55,7 @@ function eventInWords(event: RunEvent, names: Pick<Names, "name">, operations: M
       return { words: `${operations.get(id) ?? "The operation"}: ${state}`, detail: rest };
     }
     case "command": {
-      const sent = / to ([^:]+): ([\s\S]*?\))(?:,|$)/.exec(plain);
+      const sent = / to ([^:]+): ([^\s(]+\((?:"(?:[^"\\]|\\.)*"|[^")])*\))/.exec(plain);
       return sent ? { words: `${sent[1]} gets the command`, detail: sent[2] ?? "" } : { words: `command ${state}`, detail: withoutIds(plain) };
     }
     case "report":
