@@ -5,8 +5,7 @@ import { replays } from "../api/client";
 import type { Names } from "../api/prefixes";
 import { query } from "../api/sparql";
 import { usePast } from "../api/past";
-import { patternWords } from "../compose/term_name";
-import { factsOf } from "./waits";
+import { factsOf, factWords } from "./fact_words";
 
 export function PastWhyNot({ run, node, names }: { run: string; node: string; names: Names }) {
   const tried = useAsOf(`lacked ${run}/${node}`, usePast(), async (asOf, signal) => {
@@ -18,5 +17,5 @@ export function PastWhyNot({ run, node, names }: { run: string; node: string; na
   const lacks = factsOf(tried.data.missing, names);
   if (tried.data.opens) return <p className="notice">It opened with this turn.</p>;
   if (lacks.length === 0) return <p className="faint small">What was missing can’t be told.</p>;
-  return <div className="lacks"><section className="lack">{lacks.map((fact) => <p key={fact} className="lack-words" title={fact}><ChevronRight size={12} /><span>{patternWords(fact, names.prefixes)}</span></p>)}</section></div>;
+  return <div className="lacks"><section className="lack">{lacks.map((fact) => <p key={fact} className="lack-words" title={fact}><ChevronRight size={12} /><span>{factWords(fact, names.prefixes)}</span></p>)}</section></div>;
 }

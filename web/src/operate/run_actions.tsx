@@ -1,13 +1,16 @@
 // What an operator can do with a run. Only what its state allows is offered.
-import { Ban, FastForward, Pause, Play, RotateCw, X } from "lucide-react";
+import { Ban, FastForward, OctagonX, Pause, Play, RotateCw, X } from "lucide-react";
 import { useState } from "react";
 import { workflows } from "../api/client";
 import { sentence } from "../api/errors";
+import { nameOf } from "../api/labels";
 import { useCommands } from "../app/commands";
+import { words } from "../cawl/names";
 import { usePast } from "../api/past";
 import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
+import { type UnderWay, underWay } from "./runs_within";
 import { isLive, runWords } from "./states";
 
 export function attempt(what: string, call: () => Promise<unknown>, then: () => void) {
@@ -17,14 +20,33 @@ export function attempt(what: string, call: () => Promise<unknown>, then: () => 
   );
 }
 
+// "R01 still does Move2User: move to user."
+export function busyWords(busy: readonly UnderWay[]): string {
+  return `${busy.map((b) => `${nameOf(b.robot)} still does ${b.node} (${words(b.operation).toLowerCase()})`).join("; ")}.`;
+}
+// Of a run that is paused: its robot is not.
+export function StillBusy({ run, runs, again }: { run: Run; runs: readonly Run[]; again: () => void }) {
+  const past = usePast() !== null;
+  const busy = run.paused ? underWay(run, runs) : [];
+  if (busy.length === 0) return null;
+  return (
+    <div className="stale" role="status"><Pause size={14} /><span className="grow">Paused: {busyWords(busy)} It does so to the end.</span>
+      {!past && <button className="button small danger" onClick={() => attempt("The robot stops", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: true }), again)}><OctagonX size={12} />Stop it now</button>}
+    </div>
+  );
+}
+
 // `keys`: they are commands of the view, too.
-export function RunActions({ run, again, keys }: { run: Run; again: () => void; keys?: boolean }) {
+export function RunActions({ run, runs, again, keys }: { run: Run; runs: readonly Run[]; again: () => void; keys?: boolean }) {
   const [asking, setAsking] = useState(false);
+  const [pausing, setPausing] = useState(false);
   const [reason, setReason] = useState("");
   const [undo, setUndo] = useState(false);
   const past = usePast() !== null;
   const there = isLive(run.state) && !past;
-  const pause = () => attempt("The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: false }), again);
+  const busy = underWay(run, runs);
+  const pauseNow = (cancelCommands: boolean) => attempt(cancelCommands ? "The run is paused, and its robot stops" : "The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands }), again);
+  const pause = () => (busy.length > 0 ? setPausing(true) : pauseNow(false));
   const resume = () => attempt("The run goes on", () => workflows.resume({ what: { case: "run", value: run.id } }), again);
   useCommands(there && keys ? [
     run.paused ? { title: "Let the run go on", group: "Run", icon: Play, keys: "Shift+P", run: resume } : { title: "Pause the run", group: "Run", icon: Pause, keys: "Shift+P", run: pause },
@@ -35,13 +57,26 @@ export function RunActions({ run, again, keys }: { run: Run; again: () => void; 
     <>
       {run.paused ? <button className="button" onClick={resume}><Play size={13} />Go on</button> : <button className="button" onClick={pause} title="No node opens and no command goes out; what is under way ends"><Pause size={13} />Pause</button>}
       <button className="button danger" onClick={() => setAsking(true)}><Ban size={13} />Cancel</button>
+      {pausing && (
+        <Dialog label="Pause the run" width={440} onClose={() => setPausing(false)}>
+          <div className="sheet-head"><h2 className="grow">Pause {runWords(run.id)}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setPausing(false)}><X size={15} /></button></div>
+          <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+            <p>{busyWords(busy)}</p>
+            <p className="quiet">A pause lets it do so, and nothing new begins. A step that is stopped begins again when the run goes on.</p>
+          </div>
+          <div className="sheet-foot">
+            <button className="button danger" onClick={() => (setPausing(false), pauseNow(true))}><OctagonX size={13} />Stop it now</button>
+            <button className="button primary" data-first onClick={() => (setPausing(false), pauseNow(false))}><Pause size={13} />Let it finish</button>
+          </div>
+        </Dialog>
+      )}
       {asking && (
         <Dialog label="Cancel the run" width={440} onClose={() => setAsking(false)}>
           <div className="sheet-head"><h2 className="grow">Cancel {runWords(run.id)}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}><X size={15} /></button></div>
           <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
             <p className="quiet">Its commands are cancelled; its robot is free when it has stopped. A cancelled run does not come back.</p>
             <input className="field" placeholder="Why, for the record" aria-label="Reason" value={reason} onChange={(e) => setReason(e.target.value)} />
-            <label className="row"><input type="checkbox" checked={undo} onChange={(e) => setUndo(e.target.checked)} />Undo what its done steps compensate for</label>
+            <label className="row"><input type="checkbox" checked={undo} onChange={(e) => setUndo(e.target.checked)} />Undo what it has done, where its steps say how</label>
           </div>
           <div className="sheet-foot">
             <button className="button" onClick={() => setAsking(false)}>Let it run</button>

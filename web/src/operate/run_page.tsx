@@ -3,6 +3,7 @@ import { ArrowLeft, ChevronRight, CircleAlert, History, Workflow } from "lucide-
 import { useEffect, useMemo, useState } from "react";
 import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
+import { replaceIris } from "../api/iris";
 import { useFollow } from "../api/live";
 import { usePoll } from "../api/poll";
 import { readTriples, useNames, type Names } from "../api/prefixes";
@@ -18,10 +19,11 @@ import { usePalette } from "../compose/palette_data";
 import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
 import { FlowView } from "./flow_view";
 import { askRun } from "./past_runs";
-import { RunActions, SettleButtons } from "./run_actions";
-import { useRuns, useTicks, whereWords } from "./runs";
+import { reasonWords } from "./reason_words";
+import { RunActions, SettleButtons, StillBusy } from "./run_actions";
+import { useRuns, useTicks } from "./runs";
 import { LostBar, useOfflineRobots } from "./offline";
-import { lostOf, progressOf, stateOf } from "./runs_within";
+import { lostOf, progressOf, stateOf, whereWords } from "./runs_within";
 import { clock, duration, isLive, nowUs, runWords, StateTag, Time, timeTitle } from "./states";
 import { Timeline } from "./timeline";
 import { PastWhyNot } from "./past_why";
@@ -65,10 +67,11 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
         {run.parent && <Link className="button plain wide-only" href={paths.run(run.parent)}>Part of {runWords(run.parent)}</Link>}
         <Link className="button plain wide-only" href={paths.compose(run.workflow, run.flow === run.workflow ? "" : run.flow)}><Workflow size={14} />{run.workflow}</Link>
         {!run.parent && at === null && <span className="wide-only row" style={{ gap: 2 }}><RunTest run={run} /></span>}
-        <RunActions run={run} again={polled.again} keys />
+        <RunActions run={run} runs={all} again={polled.again} keys />
       </header>
       <LostBar lost={lostOf(run, offline)} />
-      {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} />{run.reason}</div>}
+      <StillBusy run={run} runs={all} again={polled.again} />
+      {run.reason && <div className="stale" style={run.state === "failed" ? { background: "var(--bad-soft)", color: "var(--bad)" } : {}}><CircleAlert size={14} /><Reason text={run.reason} /></div>}
       <div className="editor-body run-body">
         {flow ? <FlowView flow={flow} run={run} picked={node} onPick={pick} serviceNames={serviceNames} /> : (
           <div className="run-list">
@@ -127,7 +130,7 @@ function Now({ run, runs, names, again }: { run: Run; runs: readonly Run[]; name
   const parts = within.length > 0 && (
     <section className="run-section">
       <h3>Runs within</h3>
-      <ul className="runs-within">{within.map((r) => <li key={r.id}><Link href={paths.run(r.id)} className="run-id cut grow">{runWords(r.id)}</Link><span className="faint small cut">{whereWords(r)}</span><StateTag state={stateOf(r, runs)} /></li>)}</ul>
+      <ul className="runs-within">{within.map((r) => <li key={r.id}><Link href={paths.run(r.id)} className="run-id cut grow">{runWords(r.id)}</Link><span className="faint small cut">{whereWords(r, runs)}</span><StateTag state={stateOf(r, runs)} /></li>)}</ul>
     </section>
   );
   if (active.length === 0) return <>{parts}<p className="quiet run-section">{isLive(run.state) ? "Nothing is under way." : `The run is ${run.state}. Choose a step to see why it opened.`}</p></>;
@@ -144,13 +147,14 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
         <StateTag state={node.state} />
         <NodeTime run={run.id} node={node} />
       </div>
-      {node.reason && node.reason !== run.reason && <p className="notice bad"><CircleAlert size={14} />{node.reason}</p>}
+      {node.reason && node.reason !== run.reason && <p className="notice bad"><CircleAlert size={14} /><Reason text={node.reason} robot={node.invocations.find((i) => i.reason === node.reason)?.robot} names={names} /></p>}
       <SettleButtons run={run.id} node={node} again={again} />
       {node.invocations.map((i, k) => (
         <div key={k} className="invocation">
           <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
           {i.state === "running" && <Progress part={progressOf(run, i, runs)} label={i.operation} />}
-          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`, i.reason && i.reason !== node.reason && ` ${i.reason}`]}</p>
+          <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`]}</p>
+          {i.reason && i.reason !== node.reason && <p className="faint small"><Reason text={i.reason} robot={i.robot} names={names} /></p>}
           {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{runWords(a.heldBy)}</Link></>}</p>)}
         </div>
       ))}
@@ -158,6 +162,12 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
       {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} heldAt={() => firedAt(run.id, node.name)} />)}</ul></>}
     </section>
   );
+}
+
+// Why it failed or stands still, in words; as the server said it in the title.
+function Reason({ text, robot, names }: { text: string; robot?: string | undefined; names?: Names }) {
+  const { words: said, detail } = reasonWords(replaceIris(text, (iri) => names?.name(iri) ?? ""), robot && names ? names.name(robot) : "");
+  return <span title={detail || undefined}>{said}</span>;
 }
 
 // How long it is so; of what has ended, when it ended and how long it took.

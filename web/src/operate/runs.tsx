@@ -10,10 +10,9 @@ import { Link } from "../app/link";
 import { usePast } from "../api/past";
 import { navigate, paths } from "../app/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
-import { words } from "../cawl/names";
 import { askRuns } from "./past_runs";
 import { LostTag, useOfflineRobots } from "./offline";
-import { lostOf, stateOf } from "./runs_within";
+import { lostOf, stateOf, whereWords } from "./runs_within";
 import { duration, isLive, nowUs, runWords, StateTag, Time } from "./states";
 import "./runs.css";
 
@@ -72,7 +71,7 @@ export default function Runs(props: { state: string; workflow: string }) {
                 <tr key={run.id} onClick={() => navigate(paths.run(run.id))}>
                   <td><Link href={paths.run(run.id)} className="run-id">{runWords(run.id)}</Link>{run.parent && <span className="faint small"> in {runWords(run.parent)}</span>}</td>
                   <td><span className="run-states"><StateTag state={stateOf(run, all)} /><LostTag lost={lostOf(run, offline)} /></span></td>
-                  <td className="run-where">{whereWords(run)}</td>
+                  <td className="run-where">{whereWords(run, all)}</td>
                   <td>{[...new Set(run.nodes.flatMap((n) => n.invocations.map((i) => i.robot)).filter(Boolean))].map(nameOf).join(", ")}</td>
                   <td className="number faint"><Time us={run.startedUs} /></td>
                   <td className="number faint right">{duration(run.startedUs, run.endedUs || nowUs())}</td>
@@ -85,19 +84,6 @@ export default function Runs(props: { state: string; workflow: string }) {
       </div>
     </main>
   );
-}
-
-// What a run does or waits for, in a line.
-export function whereWords(run: Run): string {
-  if (run.reason) return run.reason;
-  const busy = run.nodes.filter((n) => ["running", "incident"].includes(n.state));
-  if (busy.length > 0)
-    return busy.map((n) => {
-      const i = n.invocations.find((x) => ["running", "pending"].includes(x.state));
-      return `${n.name}${i ? `: ${i.state === "pending" ? "waits for a robot" : words(i.operation)}${i.progress > 0 && i.progress < 1 ? ` ${Math.round(i.progress * 100)} %` : ""}` : ""}`;
-    }).join(", ");
-  const waiting = run.nodes.filter((n) => n.state === "waiting");
-  return waiting.length > 0 ? `${waiting.map((n) => n.name).join(", ")} waits` : "";
 }
 
 export function useTicks(ms: number) {

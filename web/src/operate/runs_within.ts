@@ -1,6 +1,8 @@
 // Runs that steps of another run have started: how far they are, and whether they wait. Pure functions.
 import type { Invocation, Run } from "../gen/docent/v1/workflows_pb";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { words } from "../cawl/names";
+import { reasonWords } from "./reason_words";
 import { clock, isLive } from "./states";
 
 const deepest = 8;
@@ -33,6 +35,22 @@ export function stateOf(run: Run, runs: readonly Run[] = [], depth = 0): string 
   return states.size === 1 && only && ["waiting", "paused", "incident"].includes(only) ? only : "running";
 }
 
+// What a run does or waits for, in a line; of a run within it, what that does.
+export function whereWords(run: Run, runs: readonly Run[] = [], depth = 0): string {
+  if (run.reason) return reasonWords(run.reason).words;
+  const busy = run.nodes.filter((n) => ["running", "incident"].includes(n.state));
+  if (busy.length > 0)
+    return busy.map((n) => {
+      const i = n.invocations.find((x) => ["running", "pending"].includes(x.state));
+      if (!i) return n.name;
+      const inner = i.state === "running" && depth < deepest ? innerRun(run, i, runs) : undefined;
+      const within = inner && isLive(inner.state) ? whereWords(inner, runs, depth + 1) : "";
+      const what = i.state === "pending" ? "waits for a robot" : within || words(i.operation);
+      return `${n.name}: ${what}${!within && i.progress > 0 && i.progress < 1 ? ` ${Math.round(i.progress * 100)} %` : ""}`;
+    }).join(", ");
+  const waiting = run.nodes.filter((n) => n.state === "waiting");
+  return waiting.length > 0 ? `${waiting.map((n) => n.name).join(", ")} waits` : "";
+}
 export type Lost = Pick<RobotStatus, "robot" | "label" | "lastSeenUs" | "heldBy" | "heldFor">;
 
 // Of robots that are offline: those that a live run has something under way with.
@@ -44,4 +62,18 @@ export function lostOf(run: Run, offline: readonly Lost[]): readonly Lost[] {
 // " since 18:20:03"
 export function sinceWords(robot: Pick<RobotStatus, "lastSeenUs">): string {
   return robot.lastSeenUs > 0n ? ` since ${clock(robot.lastSeenUs)}` : "";
+}
+
+export interface UnderWay {
+  robot: string; // IRI
+  node: string;
+  operation: string;
+}
+// What robots do for a run now, in runs within it, too.
+export function underWay(run: Run, runs: readonly Run[] = [], depth = 0): UnderWay[] {
+  if (!isLive(run.state)) return [];
+  return run.nodes.flatMap((n) => n.invocations.filter((i) => i.state === "running").flatMap((i): UnderWay[] => {
+    const inner = i.robot === "" && depth < deepest ? innerRun(run, i, runs) : undefined;
+    return inner ? underWay(inner, runs, depth + 1) : i.robot ? [{ robot: i.robot, node: n.name, operation: i.operation }] : [];
+  }));
 }

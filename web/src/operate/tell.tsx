@@ -4,6 +4,7 @@ import { useMemo, useState } from "react";
 import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { randomUuid } from "../api/ids";
+import { replaceIris } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import { termOf, termText } from "../api/terms";
 import { create } from "@bufbuild/protobuf";
@@ -13,6 +14,10 @@ import { useVocabulary } from "../compose/vocabulary";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
+import { factWords } from "./fact_words";
+import { isOwnFact } from "./no_robot";
+import { useFleet } from "./offline";
+import { look, runWords } from "./states";
 
 // What somebody wrote as subject, verb and object. Throws RangeError with what is wrong.
 export function quadOfRow([s = "", p = "", o = ""]: readonly string[], prefixes: ReadonlyMap<string, string>): Quad {
@@ -38,6 +43,9 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
   const [effect, setEffect] = useState<WhatIfReply | null>(null);
   const [error, setError] = useState<PlainError | null>(null);
   const [busy, setBusy] = useState(false);
+  const robots = useFleet();
+  // That a robot tells of itself is tried here, and not told in its name: a robot that is off would count as ready.
+  const ofRobot = robots.find((r) => rows.some(([s = "", p = ""]) => isOwnFact(iriOf(s, names), iriOf(p, names), [r]) && iriOf(p, names) !== isAt));
   const run = async (what: "simulate" | "tell") => {
     setBusy(true);
     setError(null);
@@ -59,14 +67,15 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
     <Dialog label={props.title} width={600} onClose={props.onClose}>
       <div className="sheet-head"><h2 className="grow">{props.title}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
-        <p className="quiet">{props.patterns.length > 0 ? <>What is missing: {props.patterns.map((p, i) => <code key={i}>{i > 0 ? " and " : ""}{p}</code>)}. The values below are examples; choose the ones that are meant.</> : "Who or what, which property of it, and the value. Put a text in quotes."}</p>
+        <p className="quiet">{props.patterns.length > 0 ? <>What is missing: {props.patterns.map((p, i) => <span key={i} title={p}>{i > 0 ? " and " : ""}<b>{factWords(p, names.prefixes)}</b></span>)}. The values below are examples; choose the ones that are meant.</> : "Who or what, which property of it, and the value. Put a text in quotes."}</p>
         {rows.map((row, i) => <FactFields key={i} row={row} names={names} onChange={(changed) => (setEffect(null), setRows(rows.map((r, j) => (j === i ? changed : r))))} />)}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
+        {ofRobot && <div className="notice wait"><CircleAlert size={15} /><div>{ofRobot.label || names.name(ofRobot.robot)} tells this itself{ofRobot.state === "offline" ? ", and is offline" : ""}. You can simulate it; only the robot can tell it.</div></div>}
         {effect && (
           <div className="notice" role="status"><FlaskConical size={15} /><div>
             <b>If it were told:</b>
             {effect.transitions.length + effect.commands.length === 0 && <div>No run would move on.</div>}
-            {effect.transitions.map((t, i) => <div key={i}>{t.subject}: {t.from} → <b>{t.to}</b></div>)}
+            {effect.transitions.map((t, i) => <div key={i}>{runWords(t.subject)}: {look(t.from).words} → <b>{look(t.to).words}</b></div>)}
             {effect.commands.map((c, i) => <div key={`c${i}`}>{commandWords(c, names)}</div>)}
             {effect.added.length > rows.length && <div className="faint">{effect.added.length - rows.length === 1 ? "One more fact" : `${effect.added.length - rows.length} more facts`} would be inferred.</div>}
           </div></div>
@@ -74,14 +83,19 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
       </div>
       <div className="sheet-foot">
         <button className="button" disabled={busy} onClick={() => void run("simulate")}><FlaskConical size={14} />Simulate</button>
-        <button className="button primary" disabled={busy} onClick={() => void run("tell")}><Megaphone size={14} />Tell it</button>
+        <button className="button primary" disabled={busy || ofRobot !== undefined} onClick={() => void run("tell")}><Megaphone size={14} />Tell it</button>
       </div>
     </Dialog>
   );
 }
 
+const isAt = "https://w3id.org/docent#isAt"; // where it stands can be seen by people, too
+function iriOf(term: string, names: Names): string {
+  return /^<([^>]*)>$/.exec(term.trim())?.[1] ?? names.long(term.trim());
+}
+
 // "ID to <robot>: operation(arguments), …" for people.
 function commandWords(command: string, names: Names): string {
-  const parts = / to <([^>]+)>: ([\s\S]*?\))/.exec(command);
-  return parts ? `${names.name(parts[1] ?? "")} would get ${(parts[2] ?? "").replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri))}` : command;
+  const parts = / to <([^>]+)>: ([^\s(]+\((?:"(?:[^"\\]|\\.)*"|[^")])*\))/.exec(command);
+  return parts ? `${names.name(parts[1] ?? "")} would get ${replaceIris(parts[2] ?? "", names.name)}` : command;
 }

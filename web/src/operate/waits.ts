@@ -1,9 +1,14 @@
 // What all live runs wait for, grouped by what lacks, the oldest first: from what the server explains of each run. Pure functions.
+import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import type { Node, Run, Wait } from "../gen/docent/v1/workflows_pb";
-import { isLive } from "./states";
+import { asMeant, factsOf, factWords } from "./fact_words";
+import { isOwnFact, isReadiness, type Known, noRobotWords, tellsItself } from "./no_robot";
+import { reasonWords } from "./reason_words";
+import { sinceWords } from "./runs_within";
+import { isLive, runWords } from "./states";
 
-export type WaitKind = "operator" | "fact" | "robot" | "time" | "resume";
+export type WaitKind = "operator" | "lost" | "fact" | "robot" | "time" | "resume";
 export interface Waiting {
   run: Run; // that has the node: maybe a sub-flow
   node: Node | undefined; // undefined: the run as a whole
@@ -13,33 +18,29 @@ export interface Waiting {
 export interface Group {
   key: string;
   kind: WaitKind;
-  title: string[]; // facts, or words
+  title: string[]; // facts as patterns, or words
+  detail: string; // as the server said it, where the title says it otherwise
+  noRobot: string; // why no robot can begin it; empty: it is not known that none can
   heldBy: string; // run that has the robot
   waiting: Waiting[];
   oldestUs: bigint;
-  ask: string; // the condition, for what would make it hold; empty: there is none
+  ask: string; // the condition, for what would make it hold; empty: there is none, or only robots can tell what lacks
 }
-// Command, subflow, join: something is under way, and ends by itself.
+// Command, subflow, join: something is under way, and ends by itself; a command of a robot that is offline does not.
 const shown: readonly string[] = ["operator", "fact", "robot", "time", "resume"] satisfies WaitKind[];
 
-// "<s> <p> ?o . <s2> …" as patterns with prefixes, one a fact.
-export function factsOf(missing: string, names: Pick<Names, "short">): string[] {
-  const short = missing.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole);
-  return short.split(/\s\.(?:\s+|$)/).map((fact) => fact.trim()).filter(Boolean);
-}
-
-export function groupWaits(runs: readonly Run[], waits: ReadonlyMap<string, readonly Wait[]>, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string): Group[] {
+export function groupWaits(runs: readonly Run[], waits: ReadonlyMap<string, readonly Wait[]>, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[] = []): Group[] {
   const byId = new Map(runs.map((run) => [run.id, run]));
   const groups = new Map<string, Group>();
   for (const root of runs.filter((r) => !r.parent && isLive(r.state))) {
-    for (const { kind, title, heldBy, place } of gathered(waits.get(root.id) ?? [], names, clock)) {
+    for (const { kind, title, heldBy, place, detail, noRobot, told } of gathered(root, waits.get(root.id) ?? [], byId, names, clock, robots)) {
       const { run, node } = placeOf(place, root, byId);
       const sinceUs = node?.sinceUs || run.startedUs;
-      const key = JSON.stringify([kind, title]);
-      const group = groups.get(key) ?? { key, kind, title, heldBy, waiting: [], oldestUs: sinceUs, ask: "" };
+      const key = JSON.stringify([kind, title, noRobot]);
+      const group = groups.get(key) ?? { key, kind, title, detail, noRobot, heldBy, waiting: [], oldestUs: sinceUs, ask: "" };
       group.waiting.push({ run, node, root, sinceUs });
       if (sinceUs < group.oldestUs) group.oldestUs = sinceUs;
-      if (kind === "fact" && node?.waitsFor && !group.ask) group.ask = node.waitsFor.split("\n# or\n")[0] ?? "";
+      if (told && node?.waitsFor && !group.ask) group.ask = node.waitsFor.split("\n# or\n")[0] ?? "";
       groups.set(key, group);
     }
   }
@@ -51,28 +52,71 @@ export function groupWaits(runs: readonly Run[], waits: ReadonlyMap<string, read
 interface Gathered {
   kind: WaitKind;
   title: string[];
+  detail: string;
+  noRobot: string;
   heldBy: string;
   place: string;
+  told: boolean; // something of it can be told by people
 }
 // Of one run: the robots that a node waits for are one thing, since any of them will do.
-function gathered(waits: readonly Wait[], names: Pick<Names, "short" | "name">, clock: (us: bigint) => string): Gathered[] {
+function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, Run>, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): Gathered[] {
   const found: Gathered[] = [];
-  for (const wait of waits.filter((w) => shown.includes(w.kind))) {
+  for (const wait of waits) {
+    const at = { detail: "", noRobot: "", heldBy: wait.heldBy, place: wait.node, told: false };
+    const lost = wait.kind === "command" ? robots.find((r) => r.robot === wait.robot && r.state === "offline") : undefined;
+    if (lost) found.push({ ...at, kind: "lost", title: [`${lost.label || names.name(lost.robot)} is offline${sinceWords(lost)}`] });
+    if (!shown.includes(wait.kind)) continue;
     const kind = wait.kind as WaitKind;
+    if (kind === "fact" && wait.missing) {
+      found.push({ ...at, ...ofFacts(wait.missing, placeOf(wait.node, root, byId), names, robots) });
+      continue;
+    }
     const same = kind === "robot" ? found.find((g) => g.kind === "robot" && g.place === wait.node) : undefined;
-    const title = titleOf(wait, kind, names, clock);
-    if (!same) found.push({ kind, title, heldBy: wait.heldBy, place: wait.node });
-    else if (!same.title.includes(title[0] ?? "")) same.title.push(...title);
+    const { words, detail } = titleOf(wait, kind, names, clock);
+    if (!same) found.push({ ...at, kind, title: [words], detail, noRobot: kind === "robot" ? noRobotWords(robots.filter((r) => r.robot === wait.robot && r.state === "offline"), root.id) : "" });
+    else if (!same.title.includes(words)) same.title.push(words);
   }
   return found;
 }
-function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string): string[] {
-  const plain = wait.detail.replace(/<([^>]+)>/g, (_, iri: string) => names.name(iri));
-  if (kind === "fact" && wait.missing) return factsOf(wait.missing, names);
-  if (kind === "robot" && wait.robot) return [names.name(wait.robot)];
-  if (kind === "time" && wait.untilUs > 0n) return [`until ${clock(wait.untilUs)}`];
-  if (kind === "operator") return [plain.replace(/^it failed: /, "").replace(/; settle it:[\s\S]*$/, "")];
-  return [plain.replace(/; docent runs[\s\S]*$/, "")];
+// What robots tell of themselves is not for people to tell: said is why no robot is ready.
+function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefined }, names: Pick<Names, "short">, robots: readonly Known[]): Pick<Gathered, "kind" | "title" | "noRobot" | "told"> {
+  const facts = splitFacts(missing).map((text) => {
+    const [, subject = "", property = ""] = /^<([^>]*)>\s+<([^>]*)>/.exec(text) ?? [];
+    return { subject, property, own: isOwnFact(subject, property, robots), words: factsOf(text, names)[0] ?? text };
+  });
+  const ready = facts.filter((f) => f.own && isReadiness(f.property));
+  // A robot that the run has is the one that is waited for; else any would do.
+  const bound = run.variables.some((v) => v.value?.kind.case === "iri" && ready.some((f) => f.subject === (v.value?.kind.value as string)));
+  const noRobot = ready.length === 0 ? "" : noRobotWords(robots.filter((r) => tellsItself(r) && (!bound || ready.some((f) => f.subject === r.robot))), run.id);
+  const rest = noRobot === "" ? facts : facts.filter((f) => !ready.includes(f));
+  return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, node?.waitsFor.split("\n# or\n")[0] ?? "")), noRobot, told: facts.some((f) => !f.own) };
+}
+function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string): { words: string; detail: string } {
+  const plain = replaceIris(wait.detail, names.name);
+  const as = (words: string) => ({ words, detail: "" });
+  if (kind === "robot" && wait.robot) return as(names.name(wait.robot));
+  if (kind === "time" && wait.untilUs > 0n) return as(`until ${clock(wait.untilUs)}`);
+  if (kind === "operator") return reasonWords(plain.replace(/^it failed: /, "").replace(/; settle it:[\s\S]*$/, ""));
+  return as(plain.replace(/; docent runs[\s\S]*$/, ""));
+}
+
+// What a group waits for, as a part of a sentence, for lists of runs.
+export function waitsWords(group: Pick<Group, "kind" | "title" | "noRobot" | "heldBy">, prefixes: ReadonlyMap<string, string>): string {
+  const facts = group.title.map((t) => factWords(t, prefixes)).join(" and ");
+  switch (group.kind) {
+    case "fact":
+      return [group.noRobot, facts && `it is not known yet: ${facts}`].filter(Boolean).join("; ");
+    case "robot":
+      return group.noRobot || `needs ${group.title.join(" or ")}${group.heldBy ? `, which ${runWords(group.heldBy)} has` : ""}`;
+    case "lost":
+      return `${group.title[0]}; nothing more is heard of its step until it is back`;
+    case "operator":
+      return `${group.title[0]}: somebody has to decide`;
+    case "resume":
+      return "";
+    default:
+      return group.title.join(", ");
+  }
 }
 
 // "Move2User" of the run itself, or "BoothGuide-2/Move2User" of a sub-flow.

@@ -3,6 +3,7 @@ import { ChevronRight, FlaskConical, HelpCircle, LoaderCircle, Unplug } from "lu
 import { useState } from "react";
 import { context } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
+import { replaceIris } from "../api/iris";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
 import { timeText, usePast } from "../api/past";
@@ -10,19 +11,18 @@ import { quadOf, quadText, termOf } from "../api/terms";
 import { patternWords } from "../compose/term_name";
 import type { ExplainReply, MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";
-import { QuadSchema } from "../gen/docent/v1/term_pb";
+import { type Quad, QuadSchema, type Term } from "../gen/docent/v1/term_pb";
+import { asMeant, factWords } from "./fact_words";
+import { isOwnFact, isReadiness, type Known, noRobotWords } from "./no_robot";
+import { useFleet } from "./offline";
 import { clock } from "./states";
 import { TellDialog } from "./tell";
 import "./why.css";
 
 export function shortPattern(pattern: string, names: Names): string {
-  return pattern.replace(/<([^>]+)>/g, (whole, iri: string) => names.short(iri) || whole).replace(/\s*\.$/, "");
+  return replaceIris(pattern, names.short).replace(/\s*\.$/, "");
 }
 
-// "<…John> <…selected> ?booth ." is "John selected a booth".
-export function lackWords(pattern: string, names: Names): string {
-  return patternWords(shortPattern(pattern, names), names.prefixes);
-}
 // Ways that would do as well as the ones that are shown.
 export function othersOf(reply: Pick<ExplainReply, "sets" | "more">, shown: number): number {
   return Math.max(0, reply.sets.length + Number(reply.more) - shown);
@@ -94,23 +94,53 @@ export function useWhyNot(ask: string, everyMs = 2500) {
 export function WhyNot({ ask, names, title }: { ask: string; names: Names; title: string }) {
   const polled = useWhyNot(ask);
   const [telling, setTelling] = useState<MissingSet | null>(null);
+  const robots = useFleet();
   if (polled.error && !polled.data) return <p className="notice"><Unplug size={14} />{polled.error.title}. {polled.error.detail}</p>;
   if (!polled.data) return <p className="faint small">Looking for what is missing…</p>;
   if (polled.data.holds) return <p className="notice">It holds now; the step opens with the next turn.</p>;
+  const ways = waysOf(polled.data.sets, ask, names, robots);
+  const others = ways.length === 1 && polled.data.sets.length > 1 ? 0 : othersOf(polled.data, polled.data.sets.length);
   return (
     <div className="lacks">
-      {polled.data.sets.map((set, i) => (
+      {ways.map(({ set, missing, noRobot, add }, i) => (
         <section key={i} className="lack">
           {i > 0 && <p className="faint small">or</p>}
-          {set.missing.map((m, k) => <p key={k} className="lack-words" title={shortPattern(m, names)}><ChevronRight size={12} /><span>{lackWords(m, names)}</span></p>)}
+          {noRobot && <p className="lack-words"><ChevronRight size={12} /><span>{noRobot}</span></p>}
+          {missing.map((m, k) => <p key={k} className="lack-words" title={m}><ChevronRight size={12} /><span>{factWords(m, names.prefixes)}</span></p>)}
           {set.conditions.map((c, k) => <p key={`c${k}`} className="lack-words faint"><ChevronRight size={12} /><code>{shortPattern(c, names)}</code></p>)}
           {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <span title={quadText(q, names.short)}>{patternWords(quadText(q, names.short), names.prefixes)}</span></p>)}
-          {set.add.length > 0 && <button className="button small" onClick={() => setTelling(set)}><FlaskConical size={13} />Simulate or tell</button>}
+          {add.length > 0 ? <button className="button small" onClick={() => setTelling(set)}><FlaskConical size={13} />Simulate or tell</button> : set.add.length > 0 && <p className="faint small">The robot tells this itself.</p>}
         </section>
       ))}
-      {othersOf(polled.data, polled.data.sets.length) > 0 && <p className="faint small">{othersWords(othersOf(polled.data, polled.data.sets.length))}</p>}
+      {others > 0 && <p className="faint small">{othersWords(others)}</p>}
       {polled.data.sets.length === 0 && <pre className="small faint" style={{ whiteSpace: "pre-wrap" }}>{polled.data.text}</pre>}
-      {telling && <TellDialog title={title} quads={telling.add.map(quadOf)} patterns={telling.missing.map((m) => shortPattern(m, names))} names={names} onTold={polled.again} onClose={() => setTelling(null)} />}
+      {telling && <TellDialog title={title} quads={tellable(telling, robots)} patterns={telling.missing.map((m) => asMeant(shortPattern(m, names), ask))} names={names} onTold={polled.again} onClose={() => setTelling(null)} />}
     </div>
   );
+}
+
+interface Way {
+  set: MissingSet;
+  missing: string[]; // patterns with prefixes
+  noRobot: string;
+  add: Quad[]; // what people may tell
+}
+const iriOf = (term: Term | undefined) => (term?.kind.case === "iri" ? term.kind.value : "");
+const isOwn = (quad: Quad, robots: readonly Known[]) => isOwnFact(iriOf(quad.subject), iriOf(quad.predicate), robots);
+// Of what a set adds, what is not for the robots alone to tell.
+export function tellable(set: Pick<MissingSet, "add">, robots: readonly Known[]): Quad[] {
+  return set.add.filter((quad) => !isOwn(quad, robots)).map(quadOf);
+}
+// The ways to make it hold; those that differ only in a thing of which any would do are one way.
+export function waysOf(sets: readonly MissingSet[], ask: string, names: Names, robots: readonly Known[]): Way[] {
+  const ways = new Map<string, Way>();
+  for (const set of sets) {
+    const own = set.add.filter((quad) => isOwn(quad, robots) && isReadiness(iriOf(quad.predicate)));
+    const noRobot = own.length === 0 ? "" : noRobotWords(robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)));
+    const ofRobot = new Set(noRobot ? own.map((quad) => quadText(quad, names.short)) : []);
+    const missing = set.missing.map((m) => shortPattern(m, names)).filter((m) => !ofRobot.has(m)).map((m) => asMeant(m, ask.split("\n# or\n")[0] ?? ""));
+    const key = JSON.stringify([missing, noRobot, set.remove.length, set.conditions]);
+    if (!ways.has(key)) ways.set(key, { set, missing, noRobot, add: tellable(set, robots) });
+  }
+  return [...ways.values()];
 }

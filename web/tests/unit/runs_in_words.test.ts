@@ -4,7 +4,7 @@ import { describe, expect, it } from "vitest";
 import { words } from "../../src/cawl/names";
 import { nextVersion } from "../../src/compose/text_diff";
 import { RunEventSchema, RunSchema } from "../../src/gen/docent/v1/workflows_pb";
-import { progressOf, stateOf } from "../../src/operate/runs_within";
+import { progressOf, stateOf, underWay, whereWords } from "../../src/operate/runs_within";
 import { eventsInWords, factsInWords } from "../../src/operate/timeline_words";
 
 const names = { name: (iri: string) => iri.replace(/^.*[#/]/, "") };
@@ -25,6 +25,11 @@ describe("the history of a run", () => {
       "began by itself: John is at Entrance, John is a Visitor", "opens: Free holds with robot = R01", "Move to user begins: on R01", "R01 gets the command: moveToUser(user=John)",
     ]);
   });
+  it("leaves texts as they were spoken, with their markup", () => {
+    const text = 'See you <b>soon</b> & (a), <http://x.org/y#z> \\"well\\"';
+    expect(said({ kind: "command", node: "Say", to: "sent", detail: `Tiny-1/Say/0/0.1/1/1@17 to <${expo}R01>: say(text="${text}"), guard as of 19, deadline 17 us` })).toEqual([`R01 gets the command: say(text="${text}")`]);
+    expect(factsInWords(`<${expo}R01> <${docent}says> "a <b>b</b> . c" . `, names)).toBe("R01 says a <b>b</b> . c");
+  });
   it("says once that an operation of one step is done", () => {
     expect(said(
       { kind: "invocation", from: "pending", to: "running", detail: `Hello-1/Greet/0: say on <${expo}R01>` },
@@ -42,6 +47,10 @@ describe("a run within a run", () => {
     expect(stateOf(inner, [outer, inner])).toBe("waiting");
     expect(stateOf(outer, [outer, inner])).toBe("waiting");
     expect(stateOf(outer, [outer])).toBe("running");
+    expect(whereWords(outer, [outer, inner])).toBe("guide: b waits");
+    expect(underWay(outer, [outer, inner])).toEqual([]);
+    const driving = create(RunSchema, { ...inner, nodes: [{ name: "b", state: "running", invocations: [{ operation: "move", state: "running", robot: `${expo}R01` }] }] });
+    expect(underWay(outer, [outer, driving])).toEqual([{ robot: `${expo}R01`, node: "b", operation: "move" }]);
   });
 });
 

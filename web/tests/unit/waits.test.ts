@@ -1,13 +1,18 @@
 // The board: what runs wait for, grouped by what lacks.
 import { fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
+import { replaceIris, splitFacts } from "../../src/api/iris";
+import { RobotStatusSchema } from "../../src/gen/docent/v1/fleet_pb";
 import { RunSchema, WaitSchema, type Wait } from "../../src/gen/docent/v1/workflows_pb";
-import { factsOf, groupWaits } from "../../src/operate/waits";
+import { asMeant, factsOf, factWords } from "../../src/operate/fact_words";
+import { reasonWords } from "../../src/operate/reason_words";
+import { groupWaits } from "../../src/operate/waits";
 
 const expo = "https://w3id.org/docent/expo#";
 const docent = "https://w3id.org/docent#";
 const names = { short: (iri: string) => (iri.startsWith(expo) ? `expo:${iri.slice(expo.length)}` : iri.startsWith(docent) ? `docent:${iri.slice(docent.length)}` : ""), name: (iri: string) => iri.replace(/^.*[#/]/, "") };
 const run = (id: string, values: JsonObject = {}) => fromJson(RunSchema, { id, state: "running", startedUs: "1000", nodes: [{ name: "n", state: "waiting", sinceUs: "2000", waitsFor: `ASK { ${id} }` }], ...values });
+const robot = (local: string, values: JsonObject) => fromJson(RobotStatusSchema, { robot: expo + local, label: local, ...values });
 const wait = (values: JsonObject) => fromJson(WaitSchema, { node: "n", ...values });
 const group = (runs: ReturnType<typeof run>[], waits: Record<string, Wait[]>) => groupWaits(runs, new Map(Object.entries(waits)), names, () => "10:30");
 
@@ -39,4 +44,47 @@ describe("the board", () => {
   it("several facts that lack are told apart", () => {
     expect(factsOf(`<${expo}R01> <${docent}status> <${docent}Standby> . <${expo}R01> <${docent}localised> true .`, names)).toEqual(["expo:R01 docent:status docent:Standby", "expo:R01 docent:localised true"]);
   });
+
+  it("facts that a robot tells of itself are not asked of people: why no robot can come is said", () => {
+    const missing = `<${expo}R01> <${docent}status> <${docent}Standby> . <${expo}R01> <${docent}localised> true .`;
+    const waits = { a: [wait({ kind: "fact", missing })] };
+    const off = robot("R01", { state: "offline", lastSeenUs: "1795666891731000", address: "127.0.0.1:1" });
+    const [group] = groupWaits([run("a")], new Map(Object.entries(waits)), names, () => "", [off]);
+    expect(group).toMatchObject({ kind: "robot", title: [], ask: "" });
+    expect(group?.noRobot).toMatch(/^No robot can come: R01 is offline since .*:31/);
+    expect(groupWaits([run("a")], new Map(Object.entries(waits)), names, () => "", [robot("R01", { state: "busy", address: "x:1", heldBy: "Other%20one-3" })])[0]?.noRobot).toBe("No robot can come: R01 works for Other one-3");
+    // Of one that people play, without an adapter, they tell it.
+    expect(groupWaits([run("a")], new Map(Object.entries(waits)), names, () => "", [robot("R01", { state: "busy" })])[0]).toMatchObject({ kind: "fact", noRobot: "", ask: "ASK { a }" });
+    // What people tell beside it stays.
+    const both = { a: [wait({ kind: "fact", missing: `${missing} <${expo}John> <${docent}isAt> ?where .` })] };
+    expect(groupWaits([run("a")], new Map(Object.entries(both)), names, () => "", [off])[0]).toMatchObject({ kind: "fact", title: ["expo:John docent:isAt ?where"], ask: "ASK { a }", noRobot: expect.stringMatching(/offline/) });
+  });
+  it("a run hangs whose command's robot is offline", () => {
+    const waits = new Map([["a", [wait({ kind: "command", robot: `${expo}R01` })]]]);
+    expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "busy" })])).toEqual([]);
+    expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "offline" })])).toMatchObject([{ kind: "lost", title: ["R01 is offline"], waiting: [{ node: { name: "n" } }] }]);
+  });
+});
+
+describe("what is missing", () => {
+  const ask = `PREFIX docent: <${docent}>\nASK {\n  expo:John docent:isAt ?meeting .\n  expo:R01 docent:isAt ?meeting .\n  expo:John docent:selected ?booth .\n  ?booth rdf:type docent:Booth .\n}`;
+  const prefixes = new Map([["expo", expo], ["docent", docent]]);
+  it("is said by the class of the thing where any would do", () => {
+    expect(asMeant("expo:John docent:selected expo:B01", ask)).toBe("expo:John docent:selected ?booth");
+    expect(factWords("expo:John docent:selected ?booth", prefixes)).toBe("John selected a booth");
+    expect(asMeant("expo:John docent:isAt expo:B01", ask)).toBe("expo:John docent:isAt expo:B01"); // both have to be there
+    expect(asMeant("expo:Ann docent:selected expo:B01", ask)).toBe("expo:Ann docent:selected expo:B01");
+    expect(asMeant("expo:John docent:selected expo:B01", "")).toBe("expo:John docent:selected expo:B01");
+    expect(factWords("?_operator docent:isAt expo:B01", prefixes)).toBe("an operator is at B01");
+  });
+  it("texts with markup, dots and quotes stay whole", () => {
+    expect(splitFacts('<a:b> <c:d> "one . two \\" <b>x</b> ." . <a:b> <c:d> 7 .')).toEqual(['<a:b> <c:d> "one . two \\" <b>x</b> ."', "<a:b> <c:d> 7"]);
+    expect(replaceIris('<http://x.org/y#z> says "see <http://x.org/y#z> <b>bold</b>" <b>', () => "z")).toBe('z says "see <http://x.org/y#z> <b>bold</b>" <b>');
+  });
+});
+
+it("reasons are said without addresses of programs", () => {
+  expect(reasonWords("adapter at 127.0.0.1:44367 broke off the feedback of a command that has not ended: recvmsg:Connection reset by peer", "R01")).toEqual({ words: "the connection to R01 broke off before its command had ended", detail: expect.stringContaining("recvmsg") });
+  expect(reasonWords("adapter at [::1]:7 refused moveToBooth: no way", "R01").words).toBe("R01 refused moveToBooth: no way");
+  expect(reasonWords("the visitor ended it")).toEqual({ words: "the visitor ended it", detail: "" });
 });
