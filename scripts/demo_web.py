@@ -20,6 +20,7 @@ def main():
     with stage.Stage(FOLDER) as show:
         server = show.server()
         stage.load_s01(server)
+        server.load(stage.S01 / "languages.ttl")
         show.robot(server, seed=arguments.seed, speed=arguments.speed)
         server.tell(readings=[("expo:DoorSensor", "tag-17")])
         print(f"""

@@ -3,14 +3,20 @@ import { useEffect, useSyncExternalStore } from "react";
 import { usePoll } from "./poll";
 import { localName, query, type Value } from "./sparql";
 
+// A thing's name in a language, else in none, else in English, else any: patterns of a query that groups by the thing, and the
+// expression that chooses. A thing may have its name in several languages.
+export const namePatterns = (thing: string, language = "en") =>
+  [`LANGMATCHES(LANG(?name1), "${language.replace(/[^\w-]/g, "")}")`, 'LANG(?name2) = ""', 'LANGMATCHES(LANG(?name3), "en")', "true"].map((filter, i) => `OPTIONAL { ${thing} schema:name|rdfs:label ?name${i + 1} FILTER(${filter}) }`).join(" ");
+export const nameChosen = "COALESCE(SAMPLE(?name1), SAMPLE(?name2), SAMPLE(?name3), SAMPLE(?name4))";
+
 const labelsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
-SELECT ?t (SAMPLE(?l) AS ?label) { VALUES ?c { docent:Region docent:Robot docent:Person docent:Visitor docent:Service } ?t a ?c ; schema:name|rdfs:label ?l FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 5000`;
+SELECT ?t (${nameChosen} AS ?label) { { SELECT DISTINCT ?t { VALUES ?c { docent:Region docent:Robot docent:Person docent:Visitor docent:Service } ?t a ?c FILTER(isIRI(?t)) } } ${namePatterns("?t")} } GROUP BY ?t LIMIT 5000`;
 let labels: ReadonlyMap<string, string> = new Map();
 const listeners = new Set<() => void>();
 
 // To be called once, by the frame of the app.
 export function usePollLabels() {
-  const polled = usePoll("labels", async (signal) => new Map((await query(labelsQuery, signal)).rows.map((row) => [row["t"]?.text ?? "", row["label"]?.text ?? ""])), 10_000);
+  const polled = usePoll("labels", async (signal) => new Map((await query(labelsQuery, signal)).rows.flatMap((row): [string, string][] => (row["t"] && row["label"] ? [[row["t"].text, row["label"].text]] : []))), 10_000);
   useEffect(() => {
     const next = polled.data;
     if (!next || (next.size === labels.size && [...next].every(([iri, label]) => labels.get(iri) === label))) return;

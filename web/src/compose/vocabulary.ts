@@ -1,5 +1,6 @@
 // Words for subjects, verbs and objects: what the ontology and the live graph have now, under the document's prefixes.
 import { useMemo } from "react";
+import { nameChosen, namePatterns } from "../api/labels";
 import { usePoll } from "../api/poll";
 import { query, shorten } from "../api/sparql";
 
@@ -18,7 +19,7 @@ export interface Vocabulary {
 const rdf = "PREFIX rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#> PREFIX owl: <http://www.w3.org/2002/07/owl#> PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> ";
 const verbsQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (MAX(?u) AS ?n) { { SELECT ?t (COUNT(*) AS ?u) { ?s ?t ?o } GROUP BY ?t } UNION { VALUES ?k { owl:ObjectProperty owl:DatatypeProperty rdf:Property docent:StateProperty } ?t a ?k BIND(0 AS ?u) } OPTIONAL { ?t rdfs:label ?l } FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 600`;
 const classesQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (MAX(?u) AS ?n) { { SELECT ?t (COUNT(DISTINCT ?s) AS ?u) { ?s a ?t } GROUP BY ?t } UNION { VALUES ?k { owl:Class rdfs:Class } ?t a ?k BIND(0 AS ?u) } OPTIONAL { ?t rdfs:label ?l } FILTER(isIRI(?t)) } GROUP BY ?t LIMIT 400`;
-const thingsQuery = `${rdf} SELECT ?t (SAMPLE(?l) AS ?label) (GROUP_CONCAT(DISTINCT STR(?c); separator=" ") AS ?classes) { ?t a ?c . FILTER(isIRI(?t)) FILTER NOT EXISTS { ?t a docent:Run } FILTER NOT EXISTS { ?t a docent:NodeInstance } OPTIONAL { ?t rdfs:label|schema:name ?l } FILTER(?c NOT IN (owl:Class, rdfs:Class, owl:ObjectProperty, owl:DatatypeProperty, rdf:Property)) } GROUP BY ?t LIMIT 1500`;
+const thingsQuery = `${rdf} SELECT ?t (${nameChosen} AS ?label) (GROUP_CONCAT(DISTINCT STR(?c); separator=" ") AS ?classes) { ?t a ?c . FILTER(isIRI(?t)) FILTER NOT EXISTS { ?t a docent:Run } FILTER NOT EXISTS { ?t a docent:NodeInstance } ${namePatterns("?t")} FILTER(?c NOT IN (owl:Class, rdfs:Class, owl:ObjectProperty, owl:DatatypeProperty, rdf:Property)) } GROUP BY ?t LIMIT 1500`;
 
 export function useVocabulary(prefixes: ReadonlyMap<string, string>): Vocabulary {
   const polled = usePoll("vocabulary", async (signal) => Promise.all([verbsQuery, classesQuery, thingsQuery].map((text) => query(text, signal))), 30_000);

@@ -2,9 +2,10 @@
 import { CircleAlert, Play, Star, X } from "lucide-react";
 import { useState } from "react";
 import { plain, type PlainError } from "../api/errors";
+import { nameChosen, namePatterns } from "../api/labels";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
-import { query } from "../api/sparql";
+import { localName, query } from "../api/sparql";
 import { termOf } from "../api/terms";
 import { navigate, paths } from "../app/router";
 import { words } from "../cawl/names";
@@ -56,7 +57,7 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
           {edit && <label className="property"><span>Text on the button</span><input className="field" data-first value={title} placeholder={words(favourite.name)} maxLength={60} onChange={(e) => setTitle(e.target.value)} /></label>}
           {edit && inputs.length > 0 && <p className="quiet">Values that are always the same. What is left empty is asked for at each start.</p>}
           {inputs.map((input, i) => (
-            <label key={input.name} className="property"><span>{words(input.name)}</span><Combo label={words(input.name)} placeholder={input.optional ? "any" : edit ? "asked for" : names.short(input.type).replace(/^[\w-]+:/, "").toLowerCase()} value={values[input.name] ?? ""} choices={things.data?.get(input.type) ?? []} autoFocus={!edit && i === 0} onChange={(value) => setValues((before) => ({ ...before, [input.name]: value }))} /></label>
+            <label key={input.name} className="property"><span>{words(input.name)}</span><Combo label={words(input.name)} placeholder={input.optional ? "any" : edit ? "asked for" : typeWords(input.type)} value={values[input.name] ?? ""} choices={things.data?.get(input.type) ?? []} autoFocus={!edit && i === 0} onChange={(value) => setValues((before) => ({ ...before, [input.name]: value }))} /></label>
           ))}
           {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         </div>
@@ -69,10 +70,16 @@ export function AskDialog(props: { favourite: Favourite; entry: PaletteEntry; ed
   );
 }
 
+// "a booth", "a text", "a whole number": what is wanted, for a field.
+function typeWords(type: string): string {
+  const name = localName(type);
+  return /XMLSchema#/.test(type) ? ({ string: "text", boolean: "true or false", integer: "whole number", dateTime: "date and time" }[name] ?? (/^(decimal|double|float)$/.test(name) ? "number" : words(name).toLowerCase())) : words(name).toLowerCase();
+}
+
 // What there is of a class now, by name: "expo:B05", "B05 · Norrgard Lifts".
 async function thingsOf(type: string, names: Names, signal: AbortSignal): Promise<Choice[]> {
   const { rows } = await query(`PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
-SELECT ?t (SAMPLE(?l) AS ?name) (SAMPLE(?e) AS ?exhibitor) { ?t a <${type}> FILTER(isIRI(?t)) OPTIONAL { ?t schema:name|rdfs:label ?l } OPTIONAL { ?t docent:exhibitor/schema:name ?e } } GROUP BY ?t ORDER BY ?t LIMIT 1000`, signal);
+SELECT ?t (${nameChosen} AS ?name) (SAMPLE(?e) AS ?exhibitor) { ?t a <${type}> FILTER(isIRI(?t)) ${namePatterns("?t")} OPTIONAL { ?t docent:exhibitor/schema:name ?e } } GROUP BY ?t ORDER BY ?t LIMIT 1000`, signal);
   return rows.map((row) => {
     const iri = row["t"]?.text ?? "";
     return { value: names.short(iri) || `<${iri}>`, label: [row["name"]?.text, row["exhibitor"]?.text].filter(Boolean).join(" · ") };

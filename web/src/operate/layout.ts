@@ -1,5 +1,6 @@
 // The hall as shapes: read from the graph, where it is described once for robots and people.
 import { useShown } from "../api/as_of";
+import { nameChosen, namePatterns } from "../api/labels";
 import { query, type Row } from "../api/sparql";
 import { usePoll, type Polled } from "../api/poll";
 
@@ -23,10 +24,10 @@ export interface Layout {
 }
 
 const prologue = "PREFIX docent: <https://w3id.org/docent#> PREFIX geo: <http://www.opengis.net/ont/geosparql#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>\n";
-export const shapesQuery = `${prologue}SELECT ?s ?type ?wkt (SAMPLE(?n) AS ?name) (SAMPLE(?r) AS ?radius) (SAMPLE(?e) AS ?exhibitor) {
+export const shapesQuery = (language = "en") => `${prologue}SELECT ?s ?type ?wkt (${nameChosen} AS ?name) (SAMPLE(?r) AS ?radius) (SAMPLE(?e) AS ?exhibitor) {
   ?s geo:hasGeometry ?g ; a ?type . ?g geo:asWKT ?wkt
   VALUES ?type { docent:Hall docent:Wall docent:Pillar docent:Booth docent:Region docent:Counter docent:BoothWall }
-  OPTIONAL { ?s schema:name|rdfs:label ?n } OPTIONAL { ?s docent:radius ?r } OPTIONAL { ?s docent:exhibitor ?x . ?x schema:name ?e }
+  ${namePatterns("?s", language)} OPTIONAL { ?s docent:radius ?r } OPTIONAL { ?s docent:exhibitor ?x . ?x schema:name ?e }
 } GROUP BY ?s ?type ?wkt LIMIT 5000`;
 
 // Rings of a POLYGON or MULTIPOLYGON, the points of a LINESTRING, the point of a POINT; an empty list for what can't be read.
@@ -110,7 +111,7 @@ function distance(p: Point, ring: readonly Point[]): number {
 }
 
 export function useLayout(): Polled<Layout> {
-  return usePoll("layout", async (signal) => readLayout((await query(shapesQuery, signal)).rows), 60_000);
+  return usePoll("layout", async (signal) => readLayout((await query(shapesQuery(), signal)).rows), 60_000);
 }
 
 export interface Person {
@@ -120,8 +121,8 @@ export interface Person {
   x: number | null;
   y: number | null;
 }
-const peopleQuery = `${prologue}SELECT ?p (SAMPLE(?n) AS ?name) (SAMPLE(?r) AS ?region) (SAMPLE(?px) AS ?x) (SAMPLE(?py) AS ?y) {
-  { ?p a docent:Visitor } UNION { ?p a docent:Person } OPTIONAL { ?p docent:isAt ?r } OPTIONAL { ?p schema:name|rdfs:label ?n } OPTIONAL { ?p docent:x ?px ; docent:y ?py } FILTER(isIRI(?p))
+const peopleQuery = `${prologue}SELECT ?p (${nameChosen} AS ?name) (SAMPLE(?r) AS ?region) (SAMPLE(?px) AS ?x) (SAMPLE(?py) AS ?y) {
+  { ?p a docent:Visitor } UNION { ?p a docent:Person } OPTIONAL { ?p docent:isAt ?r } ${namePatterns("?p")} OPTIONAL { ?p docent:x ?px ; docent:y ?py } FILTER(isIRI(?p))
 } GROUP BY ?p LIMIT 500`;
 
 async function askPeople(asOf: string, signal: AbortSignal): Promise<Person[]> {

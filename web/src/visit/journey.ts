@@ -45,13 +45,20 @@ export function journeyOf(run: Run, waits: readonly Wait[], robots: readonly Rob
   const together = visit.at !== "" && robot.regions.includes(visit.at);
   if (!visit.met && !together) return as(works ? "coming" : "waiting");
   if (!works) return as(together ? "here" : visit.booth !== "" && robot.regions.includes(visit.booth) ? "ahead" : "waiting");
-  if (visit.booth !== "" && robot.regions.includes(visit.booth)) return as("presenting");
+  if (visit.booth !== "" && robot.regions.includes(visit.booth) && bothMove(run) && atTheBooth(run, visit)) return as("presenting");
   return as(visit.booth !== "" && bothMove(run) ? "guiding" : together ? "here" : "working");
 }
 
 // After the first step: what came before was the way to the visitor.
 function bothMove(run: Run): boolean {
   return run.nodes.some((n) => n.state === "done" && n.invocations.length > 0);
+}
+
+// By the page, or by what opened the step that is under way: somebody else, or a badge, may have told it. Until then the robot
+// still leads there, also in its last metre.
+function atTheBooth(run: Run, visit: Visit): boolean {
+  const told = `<${visit.visitor}> <${docent}isAt> <${visit.booth}>`;
+  return visit.at === visit.booth || run.nodes.some((n) => n.state === "running" && n.firedBecause.includes(told));
 }
 
 export function robotOf(run: Run, robots: readonly RobotStatus[]): RobotStatus | undefined {

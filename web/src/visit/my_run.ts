@@ -1,14 +1,16 @@
 // The visitor's run with what it waits for, the robots, and who is before: followed as it changes.
-import { useEffect } from "react";
+import { useEffect, useRef, useState } from "react";
+import { fromJson, toJson, type DescMessage, type JsonValue, type MessageShape } from "@bufbuild/protobuf";
 import { fleet, workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { usePoll } from "../api/poll";
 import { query } from "../api/sparql";
-import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { kept } from "../api/storage";
+import { type ListRobotsReply, ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { ExplainRunReplySchema, type Run, RunSchema, type Wait } from "../gen/docent/v1/workflows_pb";
 import { isLive } from "../operate/states";
 import { docentNs } from "./offers";
-import { change, useVisitor, withdraw } from "./visitor";
+import { change, fulfilled, lapsed, outbox, renewWish, useVisitor, withdraw } from "./visitor";
 
 const prologue = `PREFIX docent: <${docentNs}> PREFIX prov: <http://www.w3.org/ns/prov#>\n`;
 // Of the visitor whose IRI is given: its runs, the newest first.
@@ -44,5 +46,48 @@ export function useMyRun(): MyRun {
   }, 5000);
   // A run that the server does not keep any more has ended.
   useEffect(() => void (run.error?.kind === "missing" && withdraw()), [run.error?.kind, id]);
-  return { run: run.data, waits: waits.data?.waits ?? [], robots: robots.data?.robots ?? [], before: queue.data?.before ?? 0, tookS: queue.data?.tookS ?? [] };
+  // What was wished is told as long as the page is open and it is not over.
+  const ended = run.data !== undefined && !isLive(run.data.state);
+  useEffect(() => {
+    if (ended) return fulfilled();
+    const timer = window.setInterval(renewWish, 15_000);
+    document.addEventListener("visibilitychange", renewWish);
+    renewWish();
+    return () => {
+      window.clearInterval(timer);
+      document.removeEventListener("visibilitychange", renewWish);
+    };
+  }, [ended, id]);
+  // A wish that has lapsed, and that no run has begun of.
+  useEffect(() => void (found.data === "" && lapsed(visitor, Date.now()) && outbox.state.kind === "empty" && withdraw()), [found.data, visitor]);
+  const last = useLast(id, run.data, robots.data);
+  return { run: last.run, waits: waits.data?.waits ?? [], robots: last.robots?.robots ?? [], before: queue.data?.before ?? 0, tookS: queue.data?.tookS ?? [] };
+}
+
+const lastKey = "docent.visit.last";
+const keptEveryMs = 2000;
+interface Last {
+  run: Run | undefined;
+  robots: ListRobotsReply | undefined;
+}
+// What was known last, for a page that is loaded again without a network.
+function useLast(id: string, run: Run | undefined, robots: ListRobotsReply | undefined): Last {
+  const [before] = useState<Last & { id: string }>(() => {
+    try {
+      const stored = JSON.parse(kept.getItem(lastKey) ?? "null") as { id: string; run: JsonValue; robots: JsonValue } | null;
+      const read = <D extends DescMessage>(schema: D, json: JsonValue): MessageShape<D> => fromJson(schema, json, { ignoreUnknownFields: true });
+      if (stored) return { id: stored.id, run: read(RunSchema, stored.run), robots: read(ListRobotsReplySchema, stored.robots) };
+    } catch {
+      // of another version, or broken
+    }
+    return { id: "", run: undefined, robots: undefined };
+  });
+  const keptMs = useRef(0);
+  useEffect(() => {
+    if (!run || !robots || (Date.now() - keptMs.current < keptEveryMs && isLive(run.state))) return;
+    keptMs.current = Date.now();
+    kept.setItem(lastKey, JSON.stringify({ id: run.id, run: toJson(RunSchema, run), robots: toJson(ListRobotsReplySchema, robots) }));
+  }, [run, robots]);
+  const known = id !== "" && before.id === id ? before : undefined;
+  return { run: run ?? known?.run, robots: robots ?? known?.robots };
 }

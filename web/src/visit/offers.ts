@@ -32,7 +32,7 @@ export async function wishesOf(text: string): Promise<Wish[]> {
 }
 
 const servicesQuery = `PREFIX docent: <${docentNs}> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
-SELECT ?s ?name ?text { ?s a docent:Service FILTER NOT EXISTS { ?s a docent:RobotService } FILTER(isIRI(?s)) OPTIONAL { ?s schema:name|rdfs:label ?name } OPTIONAL { ?s schema:description ?text } } ORDER BY ?s LIMIT 500`;
+SELECT ?s ?name ?text { ?s a docent:Service FILTER NOT EXISTS { ?s a docent:RobotService } FILTER(isIRI(?s)) OPTIONAL { ?s schema:name|rdfs:label ?name } OPTIONAL { ?s schema:description|rdfs:comment ?text } } ORDER BY ?s LIMIT 500`;
 
 // The text in the language, else without one, else any.
 export function inLanguage(rows: readonly Row[], variable: string, language: string): string {

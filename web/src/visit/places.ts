@@ -16,8 +16,8 @@ export interface Places {
 
 const pointsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX geo: <http://www.opengis.net/ont/geosparql#> SELECT ?s ?wkt { ?s docent:servicePoint ?p . ?p geo:asWKT ?wkt } LIMIT 5000`;
 
-export async function readPlaces(signal: AbortSignal): Promise<Places> {
-  const [shapes, points] = await Promise.all([query(shapesQuery, signal), query(pointsQuery, signal)]);
+export async function readPlaces(language: string, signal: AbortSignal): Promise<Places> {
+  const [shapes, points] = await Promise.all([query(shapesQuery(language), signal), query(pointsQuery, signal)]);
   const layout = readLayout(shapes.rows);
   const stands = new Map(points.rows.map((row) => [row["s"]?.text ?? "", readWkt(row["wkt"]?.text ?? "")[0]?.[0]]));
   const list = layout.shapes.filter((s) => s.kind === "booth" || s.kind === "region").map((s): Place => ({ iri: s.iri, name: s.name, detail: s.detail, booth: s.kind === "booth", at: stands.get(s.iri) ?? s.label }));

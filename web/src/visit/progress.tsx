@@ -45,7 +45,7 @@ export function Progress({ places, offers }: { places: Places; offers: readonly 
         <span className="visit-status-icon">{phase === "staff" ? <CircleAlert size={26} aria-hidden /> : phase === "waiting" || !phase ? <Hourglass size={26} aria-hidden /> : <Bot size={26} aria-hidden />}</span>
         <div className="grow">
           {offer && <p className="visit-what">{offer.name}{visitor.booth && naming.place(visitor.booth) && ` · ${naming.place(visitor.booth)}`}</p>}
-          <h2>{box.kind === "unsent" ? say("status.unsent") : box.kind === "refused" ? say("status.refused", { reason: box.reason }) : !journey ? say(box.kind === "sending" ? "status.sending" : "status.asked") : statusWords(journey, say, naming, visitor.booth)}</h2>
+          <h2>{box.kind === "unsent" ? say("status.unsent") : box.kind === "refused" ? say("status.refused", { reason: box.reason }) : !journey ? say(box.kind === "sending" ? "status.sending" : visitor.run ? "loading" : "status.asked") : statusWords(journey, say, naming, visitor.booth)}</h2>
           {journey && <When journey={journey} at={place(visitor.at)} booth={place(visitor.booth)} before={mine.before} tookS={mine.tookS} />}
         </div>
       </section>
@@ -101,10 +101,13 @@ function Reasons({ reasons, places, booth }: { reasons: readonly Reason[]; place
   );
 }
 
+const sureMs = 700;
 function EndButton() {
   const { say } = useWords();
   const [asking, setAsking] = useState(false);
-  if (!asking) return <button className="visit-second end" onClick={() => setAsking(true)}>{say("cancel")}</button>;
+  const [shownMs] = useState(() => Date.now());
+  // The second touch of a double one, on what was there before, is not meant for this.
+  if (!asking) return <button className="visit-second end" onClick={() => Date.now() - shownMs > sureMs && setAsking(true)}>{say("cancel")}</button>;
   return (
     <section className="visit-ask" role="alertdialog" aria-labelledby="end-title">
       <h3 id="end-title">{say("cancel.title")}</h3>

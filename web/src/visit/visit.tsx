@@ -47,7 +47,7 @@ function Body() {
   const { language, say } = useWords();
   const visitor = useVisitor();
   const choice = useChoice();
-  const places = useKept("places", readPlaces, 60_000);
+  const places = useKept(`places.${language}`, (signal) => readPlaces(language, signal), 60_000);
   const offers = useKept(`offers.${language}`, (signal) => readOffers(language, signal), 10_000);
   const scanned = places.data ? findPlace(places.data.list, choice.at) : undefined;
   // A code that is scanned says where the visitor is now, also while the robot is on its way.

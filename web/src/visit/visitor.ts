@@ -7,7 +7,7 @@ import { plain } from "../api/errors";
 import { randomUuid } from "../api/ids";
 import { kept } from "../api/storage";
 import { iriTerm } from "../api/terms";
-import { AssertRequestSchema } from "../gen/docent/v1/context_pb";
+import { type AssertRequest, AssertRequestSchema } from "../gen/docent/v1/context_pb";
 import { type Quad, QuadSchema, type Term, TermSchema } from "../gen/docent/v1/term_pb";
 import { docentNs } from "./offers";
 import { Outbox } from "./outbox";
@@ -22,23 +22,33 @@ export interface Visitor {
   past: string; // the run before, which the visitor is done with
   met: string; // the run in which the robot has been with the visitor
   rated: string; // the run that feedback was given of
+  toldMs: number; // when the wish was told last, or again; 0: it is not told
 }
 const key = "docent.visit";
-const livesMs = 12n * 3_600_000n; // of what is told, after which the server forgets it
+const livesMs = 12 * 3_600_000; // of what is told, after which the server forgets it
+// A wish lasts as long as its page tells it again: of a page that is closed it ends by itself, and starts nothing later.
+export const wishLivesMs = 30 * 60_000;
+export const wishAgainMs = 5 * 60_000;
 const rdfType = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
-const fresh = (): Visitor => ({ id: `urn:uuid:${randomUuid()}`, at: "", service: "", booth: "", asked: false, run: "", past: "", met: "", rated: "" });
+const fresh = (): Visitor => ({ id: `urn:uuid:${randomUuid()}`, at: "", service: "", booth: "", asked: false, run: "", past: "", met: "", rated: "", toldMs: 0 });
 
 function read(): Visitor {
   try {
     const stored = JSON.parse(kept.getItem(key) ?? "null") as Partial<Visitor> | null;
-    return typeof stored?.id === "string" ? { ...fresh(), ...stored } : fresh();
+    // Of a page before this version: told for 12 hours, and to be withdrawn all the same.
+    return typeof stored?.id === "string" ? { ...fresh(), ...(stored.asked && { toldMs: Date.now() }), ...stored } : fresh();
   } catch {
     return fresh();
   }
 }
 let visitor = read();
 const listeners = new Set<() => void>();
-export const outbox = new Outbox({ storage: kept, send: (request) => context.assert(request, { timeoutMs: 10_000 }), plain });
+export const outbox = new Outbox({ storage: kept, send, plain });
+async function send(request: AssertRequest) {
+  await context.assert(request, { timeoutMs: 10_000 });
+  // One that was kept for want of a network lasts from now on.
+  if (request.add.some((quad) => quad.predicate?.kind.value === `${docentNs}chose`)) change({ toldMs: Date.now() });
+}
 window.addEventListener("online", () => void outbox.flush());
 void outbox.flush();
 
@@ -57,9 +67,10 @@ export function useOutbox() {
 const literal = (lexical: string, datatype = "", language = ""): Term => create(TermSchema, { kind: { case: "literal", value: { lexical, datatype, language } } });
 const fact = (subject: string, property: string, object: Term | string): Quad =>
   create(QuadSchema, { subject: iriTerm(subject), predicate: iriTerm(property.includes(":") ? property : docentNs + property), object: typeof object === "string" ? iriTerm(object) : object });
-function tell(add: Quad[], remove: Quad[] = []) {
-  if (add.length + remove.length > 0) outbox.put(create(AssertRequestSchema, { requestId: randomUuid(), source: visitor.id, add, remove, ...(add.length > 0 && { lifetimeMs: livesMs }) }));
+function tell(add: Quad[], remove: Quad[] = [], lifetimeMs = livesMs) {
+  if (add.length + remove.length > 0) outbox.put(create(AssertRequestSchema, { requestId: randomUuid(), source: visitor.id, add, remove, ...(add.length > 0 && { lifetimeMs: BigInt(lifetimeMs) }) }));
 }
+const wish = (service: string) => tell([fact(visitor.id, "chose", service)], [], wishLivesMs);
 
 // "Guest 4F2A", for those who look at the hall.
 export function guestName(id: string): string {
@@ -73,22 +84,40 @@ export function arrive(place: string) {
 }
 export function call(service: string, booth: string) {
   const { id, at } = visitor;
-  change({ service, booth, asked: true, past: visitor.run || visitor.past, run: "", met: "" });
+  change({ service, booth, asked: true, past: visitor.run || visitor.past, run: "", met: "", toldMs: Date.now() });
   tell([
     fact(id, rdfType, `${docentNs}Visitor`), fact(id, "http://www.w3.org/2000/01/rdf-schema#label", literal(guestName(id))),
-    ...(at ? [fact(id, "isAt", at)] : []), ...(booth ? [fact(id, "selected", booth)] : []), fact(id, "chose", service),
+    ...(at ? [fact(id, "isAt", at)] : []), ...(booth ? [fact(id, "selected", booth)] : []),
   ]);
+  wish(service); // after what its run may need
+}
+// As long as the page is open. A wish that has lapsed with the page closed is not told anew, which would start another run.
+export function renewWish() {
+  const { asked, service, toldMs } = visitor;
+  const now = Date.now();
+  if (!asked || !service || outbox.state.kind !== "empty" || now - toldMs < wishAgainMs || lapsed(visitor, now)) return;
+  change({ toldMs: now });
+  wish(service);
+}
+export function lapsed(v: Pick<Visitor, "toldMs">, now: number): boolean {
+  return now - v.toldMs >= wishLivesMs;
 }
 export function select(booth: string) {
   change({ booth });
   tell([fact(visitor.id, "selected", booth)]);
 }
-// What was wished is no longer so; the next wish is another one.
-export function withdraw() {
-  const { id, service, booth } = visitor;
-  if (!visitor.asked) return;
-  change({ asked: false, past: visitor.run || visitor.past, run: "" });
+// What was wished is no longer told; the page may still show how it went.
+export function fulfilled() {
+  const { id, service, booth, toldMs } = visitor;
+  if (!visitor.asked || toldMs === 0) return;
+  change({ toldMs: 0 });
   tell([], [...(service ? [fact(id, "chose", service)] : []), ...(booth ? [fact(id, "selected", booth)] : [])]);
+}
+// The next wish is another one.
+export function withdraw() {
+  if (!visitor.asked) return;
+  fulfilled();
+  change({ asked: false, past: visitor.run || visitor.past, run: "" });
 }
 // Ends the run as well, as soon as there is a network.
 export async function end(): Promise<void> {

@@ -13,7 +13,7 @@ const phone = { width: 390, height: 780 };
 
 describe.skipIf(why !== "")("a visitor's phone", () => {
   let stage: RealStage;
-  beforeAll(async () => void (stage = await RealStage.open({ speed: 6 }, "booth_guide.rsel.xml", "booth_guide.cawl.xml")));
+  beforeAll(async () => void (stage = await RealStage.open({ speed: 6 }, "languages.ttl", "booth_guide.rsel.xml", "booth_guide.cawl.xml")));
   afterAll(() => stage?.close());
   const open = (path: string, options = {}) => stage.page(path, { ...phone, ...options });
   const rows = async (select: string) => {
@@ -70,15 +70,26 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await page.locator(".visit-status.guiding").waitFor();
     await stage.picture(page, "visit-guiding");
     const id = await visitorOf(page);
+    // What is said from here on, in its order: nothing is presented before the visitor is there.
+    await page.evaluate(() => {
+      const seen: string[] = ((window as { seen?: string[] }).seen = []);
+      new MutationObserver(() => {
+        const phase = document.querySelector(".visit-status")?.className.replace("visit-status ", "") ?? "";
+        if (phase !== seen.at(-1)) seen.push(phase);
+      }).observe(document.body, { subtree: true, childList: true, attributes: true });
+    });
     expect(await rows(`SELECT ?r { <${id}> docent:isAt <${expo}B07> . ?r a docent:Robot }`)).toHaveLength(1);
     // The visitor has followed the robot, and scans the code there.
     await page.getByText("R01 waits for you at B05").waitFor();
     await page.getByText("Come to B05").waitFor();
     await stage.picture(page, "visit-follow");
+    expect(await page.evaluate(() => (window as { seen?: string[] }).seen)).not.toContain("presenting");
     await page.goto(`${stage.processes.url}/visit?at=B05`);
     await page.locator(".visit-status.presenting").waitFor();
     await stage.picture(page, "visit-presenting");
     await page.locator(".visit-status.done").waitFor();
+    // It is over: the wish is no longer told, whatever the visitor does with the page.
+    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs }).toEqual([]);
     await page.getByLabel("4 of 5").check({ force: true });
     await page.getByLabel("What should we know").fill('It spoke "clearly", <b>but fast</b>.');
     await stage.picture(page, "visit-feedback");
@@ -89,7 +100,37 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     ]);
     await page.getByRole("button", { name: "Choose something else" }).click();
     await page.getByRole("button", { name: /Booth guide/ }).waitFor();
-    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose ?x }`), { timeout: patienceMs }).toEqual([]);
+  });
+
+  it("a wish lasts as long as its page: a page that was left withdraws it when it is opened again and the run has ended; a second touch ends nothing", async () => {
+    const page = await open("/visit?at=B07");
+    const told: { lifetimeMs?: string; add?: { predicate: { iri: string } }[] }[] = [];
+    page.on("request", (request) => void (request.url().endsWith("/Context/Assert") && told.push(request.postDataJSON())));
+    await page.getByRole("button", { name: /Booth guide/ }).click();
+    await page.locator(".visit-card", { hasText: "B05" }).first().click();
+    await page.getByRole("button", { name: "Call the robot" }).dblclick();
+    await page.locator(".visit-status.coming").waitFor();
+    expect(await page.locator(".visit-ask").count()).toBe(0);
+    expect(told.filter((t) => t.add?.some((q) => q.predicate.iri.endsWith("#chose"))).map((t) => t.lifetimeMs)).toEqual(["1800000"]);
+    const id = await visitorOf(page);
+    // A page that is loaded again without a network says what it knew.
+    await page.evaluate(() => navigator.serviceWorker.ready);
+    await expect.poll(() => page.evaluate(() => localStorage.getItem("docent.visit.last") ?? ""), { timeout: patienceMs }).toContain("running");
+    await page.context().setOffline(true);
+    await page.reload();
+    await page.locator(".visit-away").waitFor();
+    await page.locator(".visit-status:is(.coming, .here, .guiding)").waitFor();
+    await stage.picture(page, "visit-offline-coming");
+    await page.context().setOffline(false);
+    await page.goto("about:blank");
+    const { runs } = await stage.call<{ runs: { id: string }[] }>("Workflows/ListRuns", { liveOnly: true });
+    for (const run of runs) await stage.call("Workflows/Cancel", { run: run.id, reason: "the hall closes" });
+    expect(await rows(`SELECT ?x { <${id}> docent:chose ?x }`)).toHaveLength(1); // until its time is over
+    await page.goto(`${stage.processes.url}/visit`);
+    await page.locator(".visit-status.cancelled").waitFor();
+    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs }).toEqual([]);
+    await page.getByRole("button", { name: "Choose something else" }).click();
+    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
   });
 
   it("says in plain words why no robot comes, and who is before", async () => {
@@ -99,7 +140,9 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await first.getByText("R01 is out of service: a wheel squeaks.").waitFor();
     await stage.picture(first, "visit-out-of-service");
     const second = await open("/visit?at=Entrance", { language: "de-DE" });
-    await second.getByRole("button", { name: /Booth guide/ }).click();
+    await second.getByText("Sie sind hier: Eingang").waitFor();
+    await second.getByText("Ein Roboter kommt zu Ihnen").waitFor();
+    await second.getByRole("button", { name: /Standführung/ }).click();
     await second.locator(".visit-card", { hasText: "B01" }).first().click();
     await second.getByRole("button", { name: "Roboter rufen" }).click();
     await second.getByText("R01 ist außer Betrieb: a wheel squeaks.").waitFor();
@@ -107,7 +150,7 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await stage.picture(second, "visit-german");
     await second.getByRole("button", { name: "Dienst beenden" }).click();
     await second.getByRole("button", { name: "Beenden", exact: true }).click();
-    await second.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await second.getByRole("button", { name: /Standführung/ }).waitFor();
     await stage.call("Fleet/PutInService", { robot: `${expo}R01` });
     await first.locator(".visit-status.coming").waitFor();
     await first.getByRole("button", { name: "End the service" }).click();
@@ -122,11 +165,11 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await stage.picture(page, "visit-korean");
     await page.evaluate(() => navigator.serviceWorker.ready);
     await expect.poll(() => page.evaluate(async () => (await caches.keys()).some((name) => name.startsWith("visit-"))), { timeout: patienceMs }).toBe(true);
-    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await page.getByRole("button", { name: /부스 안내/ }).waitFor();
     await page.context().setOffline(true);
     await page.reload();
     await page.locator(".visit-away").waitFor();
-    await page.getByRole("button", { name: /Booth guide/ }).click();
+    await page.getByRole("button", { name: /부스 안내/ }).click();
     await page.locator(".visit-card", { hasText: "B06" }).first().click();
     await page.getByRole("button", { name: "로봇 부르기" }).click();
     await page.getByText("네트워크가 없습니다").waitFor();
@@ -138,7 +181,7 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     expect(await rows(`SELECT ?run { ?run docent:hasVariable/docent:variableValue <${id}> ; a docent:Run }`)).toHaveLength(1);
     await page.getByRole("button", { name: "서비스 끝내기" }).click();
     await page.getByRole("button", { name: "끝내기", exact: true }).click();
-    await page.getByRole("button", { name: /Booth guide/ }).waitFor();
+    await page.getByRole("button", { name: /부스 안내/ }).waitFor();
   });
 
   it("the server is killed while the robot is on its way: the page says so and goes on", async () => {

@@ -32,11 +32,21 @@ describe("how far it is", () => {
     expect(phase(run([node("a", "done", { state: "done", robot: `${expo}R01` }), node("b", "waiting")]), [here])).toBe("here");
     expect(phase(run([node("a", "done", { state: "done", robot: `${expo}R01` }), node("b", "running", drives)]), undefined, { ...visit, met: true })).toBe("guiding");
     const there = robot({ state: "busy", heldBy: "G-1", regions: [`${expo}B05`] });
-    expect(phase(run([node("a", "done", { state: "done", robot: `${expo}R01` }), node("c", "running", drives)]), [there], { ...visit, met: true })).toBe("presenting");
+    const atIt = { ...visit, at: `${expo}B05`, met: true };
+    expect(phase(run([node("a", "done", { state: "done", robot: `${expo}R01` }), node("c", "running", drives)]), [there], atIt)).toBe("presenting");
     expect(phase(run([node("b", "done", { state: "done", robot: `${expo}R01` }), node("c", "waiting")]), [there], { ...visit, met: true })).toBe("ahead");
     expect(phase(run([node("a", "incident")]))).toBe("staff");
     expect(phase(run([], { state: "done" }))).toBe("done");
     expect(phase(run([], { state: "cancelled" }))).toBe("cancelled");
+  });
+  it("nothing is presented while the visitor is elsewhere: the robot still comes to its place there", () => {
+    const there = robot({ state: "busy", heldBy: "G-1", regions: [`${expo}B05`] });
+    const met = { ...visit, met: true };
+    const last = (values: JsonObject) => run([node("a", "done", { state: "done", robot: `${expo}R01` }), { ...node("c", "running", drives), ...values }]);
+    expect(phase(last({}), [there], met)).toBe("guiding");
+    expect(phase(last({ firedBecause: `<${me}> <${docent}isAt> <${expo}B05> .\n` }), [there], met)).toBe("presenting"); // a badge told it
+    // The booth is the one where the robot was called to: it comes first.
+    expect(phase(run([node("a", "running", drives), node("c", "inactive")]), [there], { ...visit, at: `${expo}B05` })).toBe("here");
   });
   it("a robot that only passes by is not with the visitor while no step is done", () => {
     expect(phase(run([node("a", "running", drives)]), [robot({ state: "busy", regions: [`${expo}B07`] })], { ...visit, at: "" })).toBe("coming");
