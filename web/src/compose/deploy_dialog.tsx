@@ -12,6 +12,7 @@ import type { DraftSync } from "./draft_sync";
 import type { Findings } from "./findings";
 import { askLive, BehindChoices, behindWords, liveNumber } from "./live_version";
 import type { Session } from "./session";
+import { StartsNow } from "./starts_now";
 import { diffLines, proposedVersion } from "./text_diff";
 import "./deploy.css";
 
@@ -77,6 +78,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
         <div style={{ maxWidth: 160 }}>
           <label className="property"><span>Version</span><input className="field" aria-label="Version" value={version} placeholder="1.0" onChange={(e) => setTyped(e.target.value)} /></label>
         </div>
+        {document.activator && errors.length === 0 && (!old || conditionText(old) !== conditionText(document)) && <StartsNow activator={document.activator} conditions={findings.conditions} again={old !== null} />}
         {errors.length > 0 && <div className="notice bad"><CircleAlert size={15} /><div><b>{errors.length} to mend first.</b> {errors[0]?.message}</div></div>}
         {errors.length === 0 && warnings.length > 0 && <div className="notice wait"><CircleAlert size={15} /><div><b>{warnings.length} to look at.</b> {warnings[0]?.message}</div></div>}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
@@ -105,6 +107,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
 // Without the places of steps, which say nothing of what it does.
 const placeless = (text: string) => text.replace(/ \w+:[xy]="[^"]*"/g, "");
 const stepText = (document: CawlDocument, step: Step) => placeless(document.text.slice(step.element.from, step.element.to));
+const conditionText = (document: CawlDocument) => (document.activator ? placeless(document.text.slice(document.activator.element.from, document.activator.element.to)) : "");
 const flowText = (document: CawlDocument, flow: Flow | undefined) => (flow ? placeless(document.text.slice(flow.element.from, flow.element.to)) : "");
 
 function stepDiff(before: CawlDocument, after: CawlDocument): { come: string[]; gone: string[]; changed: string[] } {
