@@ -7,14 +7,21 @@ export interface PlainError {
   detail: string;
 }
 
+const awayWords = "It is off, or the network is. This page goes on by itself when it is back.";
+
+// "has 300 bytes; the limit name_bytes is 256" is "has 300 bytes; at most 256 are allowed".
+export function limitWords(text: string): string {
+  return text.replace(/;? ?the limit (?:of \w+ )?\w+_\w+ (?:is|=) ([\d,]+)/g, "; at most $1 are allowed").replace(/^; a/, "A");
+}
+
 export function plain(error: unknown): PlainError {
   const e = ConnectError.from(error);
-  const words = e.rawMessage.replace(/[^\n]{400,}/g, (line) => `${line.slice(0, 400)}…`); // a line of somebody's file may be in it
+  const words = limitWords(e.rawMessage.replace(/[^\n]{400,}/g, (line) => `${line.slice(0, 400)}…`)); // a line of somebody's file may be in it
   switch (e.code) {
     case Code.Canceled:
       return { kind: "cancelled", title: "Cancelled", detail: "" };
     case Code.Unavailable:
-      return { kind: "away", title: "The server does not answer", detail: `Start it with "docent serve"; this page goes on by itself. ${words.startsWith("HTTP") ? "" : words}`.trim() };
+      return { kind: "away", title: "The server does not answer", detail: `${awayWords} ${words.startsWith("HTTP") ? "" : words}`.trim() };
     case Code.Unimplemented:
       return { kind: "unable", title: "This server can't do that yet", detail: "It is older than the app, or was built without this part." };
     case Code.NotFound:
@@ -33,7 +40,7 @@ export function plain(error: unknown): PlainError {
     case Code.DeadlineExceeded:
       return { kind: "failed", title: "It takes too long", detail: "The server did not answer in time. Try again." };
     default:
-      if (e.cause instanceof TypeError || /fetch|network/i.test(words)) return { kind: "away", title: "The server does not answer", detail: 'Start it with "docent serve"; this page goes on by itself.' };
+      if (e.cause instanceof TypeError || /fetch|network/i.test(words)) return { kind: "away", title: "The server does not answer", detail: awayWords };
       return { kind: "failed", title: "Something went wrong", detail: words };
   }
 }

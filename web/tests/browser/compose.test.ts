@@ -165,7 +165,7 @@ describe("what is not usual", () => {
     await page.keyboard.press("n");
     await page.keyboard.press("Enter");
     await page.waitForSelector(".palette .notice");
-    expect(await page.locator(".palette .notice").innerText()).toContain("docent serve");
+    expect(await page.locator(".palette .notice").innerText()).toContain("goes on by itself");
     await add(page, "Wave");
     await page.waitForSelector(step("Wave"));
     await stage.picture(page, "compose-without-server");
