@@ -131,7 +131,7 @@ function Stale() {
   return (
     <div className="stale" role="status">
       <Unplug size={14} />
-      The server has not answered since <Time us={BigInt(connection.since) * 1000n} />. What you see may be old; what you write is kept here.
+      <span>The server has not answered since <Time us={BigInt(connection.since) * 1000n} />. What you see may be old; what you write is kept here.</span>
     </div>
   );
 }

@@ -25,6 +25,9 @@ export function toggleTheme() {
   apply();
 }
 export function startTheme() {
+  // Paper is light.
+  window.addEventListener("beforeprint", () => (document.documentElement.dataset["theme"] = "light"));
+  window.addEventListener("afterprint", apply);
   dark.addEventListener("change", apply);
   apply();
 }

@@ -195,8 +195,8 @@ function ShapeLabel({ shape, letters }: { shape: Shape; letters: Letters }) {
   const { name, lines } = linesOf(shape, letters);
   return (
     <g className={`shape-label ${shape.kind}`} aria-hidden>
-      <text x={shape.label.x} y={name.y} fontSize={name.size}>{name.text}</text>
-      {lines.map((line) => <text key={line.y} className="shape-detail" x={shape.label.x} y={line.y} fontSize={letters.detail}>{line.text}</text>)}
+      <text x={shape.label.x} y={name.y} fontSize={name.size} style={{ strokeWidth: name.size * outline }}>{name.text}</text>
+      {lines.map((line) => <text key={line.y} className="shape-detail" x={shape.label.x} y={line.y} fontSize={letters.detail} style={{ strokeWidth: letters.detail * outline }}>{line.text}</text>)}
     </g>
   );
 }

@@ -57,6 +57,8 @@ export function readLayout(rows: readonly Row[]): Layout {
   const solid = sorted.filter((s) => ["booth", "wall", "counter", "pillar"].includes(s.kind));
   const regions = sorted.filter((s) => s.kind === "region");
   if (sorted.length <= labelsPlaced) for (const s of sorted) if (s.kind === "region") s.label = roomiest(s, solid, regions);
+  const counters = sorted.filter((s) => s.kind === "counter");
+  if (sorted.length <= labelsPlaced) for (const s of sorted) if (s.kind === "booth") s.label = clearOf(s, counters);
   const points = sorted.flatMap((s) => s.rings.flat());
   const xs = points.map((p) => p.x);
   const ys = points.map((p) => p.y);
@@ -84,6 +86,29 @@ function roomiest(shape: Shape, solid: readonly Shape[], regions: readonly Shape
         most = room;
         best = p;
       }
+    }
+  return best;
+}
+
+const [nameHigh, letterWide] = [2.4, 0.3]; // of a booth's name with its exhibitor, in metres
+
+// The point nearest to the middle where the name of a booth covers least of the furniture in it.
+function clearOf(booth: Shape, counters: readonly Shape[]): Point {
+  const edges = (ring: readonly Point[]) => ({ x0: Math.min(...ring.map((p) => p.x)), x1: Math.max(...ring.map((p) => p.x)), y0: Math.min(...ring.map((p) => p.y)), y1: Math.max(...ring.map((p) => p.y)) });
+  const own = edges(booth.rings[0] ?? []);
+  const near = counters.flatMap((c) => (c.rings[0] ? [edges(c.rings[0])] : [])).filter((c) => c.x1 > own.x0 && c.x0 < own.x1 && c.y1 > own.y0 && c.y0 < own.y1);
+  if (near.length === 0) return booth.label;
+  const longest = Math.max(booth.name.length * 1.4, ...booth.detail.split(" ").map((word) => word.length));
+  const half = { x: Math.min((own.x1 - own.x0) / 2 - 0.1, (longest * letterWide) / 2 + 0.2), y: Math.min((own.y1 - own.y0) / 2 - 0.1, nameHigh / 2) };
+  let best = booth.label;
+  let least = Infinity;
+  const steps = 12;
+  for (let i = 0; i <= steps; i++)
+    for (let j = 0; j <= steps; j++) {
+      const p = { x: own.x0 + half.x + ((own.x1 - own.x0 - 2 * half.x) * i) / steps, y: own.y0 + half.y + ((own.y1 - own.y0 - 2 * half.y) * j) / steps };
+      const covered = near.reduce((sum, c) => sum + Math.max(0, Math.min(c.x1, p.x + half.x) - Math.max(c.x0, p.x - half.x)) * Math.max(0, Math.min(c.y1, p.y + half.y) - Math.max(c.y0, p.y - half.y)), 0);
+      const cost = covered * 5 + Math.hypot(p.x - booth.label.x, p.y - booth.label.y);
+      if (cost < least) [best, least] = [p, cost];
     }
   return best;
 }

@@ -1,7 +1,8 @@
 // The time that hall, runs and facts show: live, or any time that the log still has. Below the views that can show the past.
-import { CircleAlert, Pause, Play, Radio, SkipBack, SkipForward } from "lucide-react";
+import { CircleAlert, Pause, Play, Radio, SkipBack, SkipForward, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
 import { useAsOf } from "../api/as_of";
+import { useConnection } from "../api/connection";
 import { query } from "../api/sparql";
 import { useCommands } from "../app/commands";
 import { serverNow, showTime, usePast } from "../api/past";
@@ -68,6 +69,7 @@ export default function TimeBar({ run }: { run: string }) {
     { title: playing ? "Hold the time" : "Play the past", group: "Time", icon: playing ? Pause : Play, keys: "Shift+L", words: "replay history", run: play },
     { title: "Back to live", group: "Time", icon: Radio, keys: "L", words: "now", run: () => go(null) },
   ]);
+  const away = useConnection().state === "away";
   const here = at === null ? undefined : marks.findLast((m) => m.ms <= at + 1);
   const there = useAsOf("there", at, (asOf, signal) => query("ASK {}", signal, asOf));
   const words = at === null ? "live" : `${clock(micros(at))}, ${duration(micros(at), micros(now))} ago`;
@@ -92,7 +94,7 @@ export default function TimeBar({ run }: { run: string }) {
       <span className="time-words number" role="status" title={at === null ? undefined : timeTitle(micros(at))}>{at === null ? "" : words}{there.error ? <span className="cut" title={there.error.detail}><CircleAlert size={12} /> {there.error.detail}</span> : here && <span className="faint cut">{here.words}</span>}</span>
       <select className="field small time-speed wide-only" aria-label="Speed of playing" value={speed} onChange={(e) => setSpeed(Number(e.target.value))}>{speeds.map((s) => <option key={s} value={s}>{s}×</option>)}</select>
       {!run && <select className="field small time-span wide-only" aria-label="How far back" value={span} onChange={(e) => (setSpan(Number(e.target.value)), setFrozen(null))}>{spans.map((s) => <option key={s.ms} value={s.ms}>{s.words}</option>)}</select>}
-      <button className={`button small time-live${at === null ? " on" : ""}`} aria-pressed={at === null} title="Back to live (L)" onClick={() => go(null)}><Radio size={13} />Live</button>
+      <button className={`button small time-live${at === null ? (away ? " away" : " on") : ""}`} aria-pressed={at === null} title={away ? "The server does not answer" : "Back to live (L)"} onClick={() => go(null)}>{away ? <Unplug size={13} /> : <Radio size={13} />}{away ? "Not live" : "Live"}</button>
     </section>
   );
 }

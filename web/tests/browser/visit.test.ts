@@ -105,7 +105,7 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
   it("a wish lasts as long as its page: a page that was left withdraws it when it is opened again and the run has ended; a second touch ends nothing", async () => {
     const page = await open("/visit?at=B07");
     const told: { lifetimeMs?: string; add?: { predicate: { iri: string } }[] }[] = [];
-    page.on("request", (request) => void (request.url().endsWith("/Context/Assert") && told.push(request.postDataJSON())));
+    page.on("request", (request) => void (request.url().endsWith("Context/Assert") && told.push(request.postDataJSON())));
     await page.getByRole("button", { name: /Booth guide/ }).click();
     await page.locator(".visit-card", { hasText: "B05" }).first().click();
     await page.getByRole("button", { name: "Call the robot" }).dblclick();
