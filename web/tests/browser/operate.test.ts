@@ -160,11 +160,104 @@ describe("operating", () => {
   });
   it("everything that waits is grouped by what lacks", async () => {
     const page = await open("/board");
-    await page.getByText("John selected booth").waitFor();
-    await page.getByText("or in one of 11 other ways").waitFor();
+    await page.getByText("John selected a booth").waitFor(); // any of twelve would do: they are one thing
     expect(await page.locator(".board-group").count()).toBe(2);
     expect(await page.locator(".board-group", { hasText: "A fact is missing" }).locator("li").count()).toBe(2);
+    expect(await page.getByText("other ways").count()).toBe(0);
     await stage.picture(page, "board");
+  });
+  it("what robots tell of themselves is not offered to be told; why none can come, and which hangs in mid-drive, is said", async () => {
+    const page = await open("/board");
+    const usual = answers();
+    const off = { robot: `${expo}R01`, label: "R01", state: "offline", address: "127.0.0.1:44367", lastSeenUs: "1795666891731000", operations: [], heldBy: "BoothGuide-1", heldFor: [{ run: "BoothGuide-1", node: "Move2Booth", operation: "moveToBooth" }] };
+    const status = { subject: iri("R01"), predicate: { iri: `${docent}status` }, object: { iri: `${docent}Standby` } };
+    const lostReason = "adapter at 127.0.0.1:44367 broke off the feedback of a command that has not ended: recvmsg:Connection reset by peer";
+    const hangs = { ...run("BoothGuide-1", "John", "running"), nodes: run("BoothGuide-1", "John", "running").nodes.map((n) => (n.name === "Move2Booth" ? { ...n, invocations: [{ operation: "moveToBooth", state: "running", robot: `${expo}R01`, step: "1/1 moveToBooth", reason: lostReason }] } : n)) };
+    stage.answers = {
+      ...usual, "Fleet/List": () => ({ robots: [off] }), "Workflows/ListRuns": () => ({ runs: [hangs, run("BoothGuide-2", "Ann")] }), "Workflows/Get": ({ run: id }) => (id === "BoothGuide-1" ? hangs : run("BoothGuide-2", "Ann")),
+      "Workflows/Explain": ({ run: id }) => ({ waits: [id === "BoothGuide-1" ? { node: "Move2Booth", kind: "command", robot: `${expo}R01`, detail: lostReason } : { node: "Move2Booth", kind: "fact", missing: `<${expo}R01> <${docent}status> <${docent}Standby> . <${expo}R01> <${docent}localised> true .` }] }),
+      "Context/Explain": () => ({ holds: false, sets: [{ missing: ["expo:R01 docent:status docent:Standby"], add: [status] }] }),
+    };
+    await page.goto(`${stage.url}/board`);
+    await page.locator(".board-group", { hasText: "A robot is offline in the middle of it" }).getByText(/R01 is offline since .*:31/).waitFor();
+    await page.locator(".board-group", { hasText: "A robot is needed" }).getByText(/No robot can come: R01 is offline since .*:31/).waitFor();
+    expect(await page.getByRole("button", { name: "Simulate or tell" }).count()).toBe(0);
+    await stage.picture(page, "board-robot-offline");
+    await page.goto(`${stage.url}/runs/BoothGuide-2`);
+    await page.locator(".lack", { hasText: "No robot can come" }).getByText("The robot tells this itself.").waitFor();
+    await stage.picture(page, "run-robot-offline");
+    await page.goto(`${stage.url}/runs/BoothGuide-1`);
+    await page.locator('[title*="recvmsg"]', { hasText: "the connection to R01 broke off" }).waitFor();
+    expect(await page.getByText("recvmsg").count()).toBe(0);
+    await stage.picture(page, "run-hangs");
+    await page.goto(`${stage.url}/desk`);
+    await page.locator(".desk-runs li", { hasText: "Move2Booth waits · No robot can come: R01 is offline since" }).waitFor();
+    await page.locator(".desk-runs li", { hasText: "user Ann" }).waitFor();
+    await stage.picture(page, "desk-robot-offline");
+    // Told by hand it would be a robot that nobody has: that is refused everywhere.
+    await page.keyboard.press("Control+k");
+    await page.keyboard.type("tell a fact");
+    await page.keyboard.press("Enter");
+    for (const [label, value] of [["Subject", "expo:R01"], ["Verb", "docent:status"], ["Object", "docent:Standby"]]) await page.locator(`dialog input[aria-label="${label}"]`).fill(value ?? "");
+    await page.locator("dialog").getByText("R01 tells this itself, and is offline").waitFor();
+    expect(await page.locator("dialog").getByRole("button", { name: "Tell it" }).isDisabled()).toBe(true);
+  });
+  it("a pause says that the robot goes on, and can stop it", async () => {
+    const page = await open("/runs");
+    const usual = answers();
+    const driving = { ...run("BoothGuide-1", "John", "running"), paused: false, nodes: run("BoothGuide-1", "John", "running").nodes.map((n) => (n.name === "Move2Booth" ? { ...n, invocations: [{ operation: "moveToBooth", state: "running", robot: `${expo}R01`, progress: 0.4 }] } : n)) };
+    stage.answers = { ...usual, "Workflows/ListRuns": () => ({ runs: [driving] }), "Workflows/Get": () => driving };
+    stage.calls = [];
+    await page.goto(`${stage.url}/runs/BoothGuide-1`);
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+    await page.locator("dialog").getByText("R01 still does Move2Booth (move to booth)").waitFor();
+    await stage.picture(page, "run-pause");
+    await page.getByRole("button", { name: "Let it finish" }).click();
+    await page.locator(".toast.good", { hasText: "The run is paused" }).waitFor();
+    driving.paused = true;
+    const bar = page.locator(".stale", { hasText: "Paused: R01 still does Move2Booth" });
+    await bar.waitFor();
+    await stage.picture(page, "run-paused");
+    await bar.getByRole("button", { name: "Stop it now" }).click();
+    await expect.poll(() => stage.calls.filter((c) => c.method === "Workflows/Pause").map((c) => c.request["cancelCommands"] ?? false)).toEqual([false, true]);
+    // Where nothing is under way, there is nothing to ask.
+    stage.answers = answers();
+    await page.goto(`${stage.url}/runs/BoothGuide-1`);
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+    await expect.poll(() => stage.calls.filter((c) => c.method === "Workflows/Pause").length).toBe(3);
+  });
+  it("what a robot says stays as it is, with its markup", async () => {
+    const page = await open("/runs");
+    const usual = answers();
+    stage.answers = { ...usual, "Workflows/Watch": () => [{ revision: "9", timeUs: "1795666887845000", run: "BoothGuide-1", node: "Move2User", kind: "command", to: "sent", detail: `BoothGuide-1/Move2User/0/0.1/1/1@17 to <${expo}R01>: say(text="See you <b>soon</b> & <http://x.org/y#z>"), guard as of 19` }] };
+    await page.goto(`${stage.url}/runs/BoothGuide-1`);
+    await page.getByRole("tab", { name: "History" }).click();
+    await page.getByText('say(text="See you <b>soon</b> & <http://x.org/y#z>")').waitFor();
+  });
+  it("a view can be printed: without the menu, in light colours, whole", async () => {
+    const page = await open("/runs", { dark: true });
+    await page.getByText("BoothGuide-3").waitFor();
+    await page.emulateMedia({ media: "print" });
+    expect(await page.locator(".rail").isVisible()).toBe(false);
+    expect(await page.locator(".time-bar").isVisible()).toBe(false);
+    expect(await page.locator("tbody tr").count()).toBe(3);
+    await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
+    await stage.picture(page, "runs-print");
+    await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
+    expect(await page.evaluate(() => document.documentElement.dataset["theme"])).toBe("dark");
+  });
+  it("without a server the hall says so in its middle, and nothing is called live", async () => {
+    const page = await open("/runs");
+    await page.getByText("BoothGuide-3").waitFor();
+    stage.answers = null;
+    await page.getByRole("link", { name: "Hall" }).click();
+    await page.getByRole("button", { name: "Not live" }).waitFor();
+    const message = page.locator(".hall-stage .nothing");
+    await message.waitFor();
+    await stage.picture(page, "hall-away");
+    const [box, pane] = [await message.boundingBox(), await page.locator(".hall-stage").boundingBox()];
+    expect(box!.width).toBeCloseTo(pane!.width, 0);
+    expect(await page.locator(".stale").innerText()).toMatch(/since \S.*\S\. What you see may be old/);
   });
   it("the hall shows robots, people and booths; markup stays text", async () => {
     const page = await open("/hall");
@@ -204,6 +297,11 @@ describe("for everybody", () => {
       });
   it("the views fit a small window", async () => {
     for (const [path, wait] of [["/runs", "tbody tr"], ["/hall", ".hall-robot"], ["/board", ".board-group"], ["/runs/BoothGuide-1", ".lack"]] as const) {
+      const narrow = await open(path, { width: 320, height: 700 });
+      await narrow.waitForSelector(wait);
+      await stage.picture(narrow, `narrow-${path.replace(/\W+/g, "-")}`);
+      await fitsTheWindow(narrow);
+      expect(await narrow.evaluate(() => [...document.querySelectorAll("td .tag")].filter((e) => e.getBoundingClientRect().width > 0 && e.getBoundingClientRect().right > window.innerWidth).length)).toBe(0);
       const page = await open(path, { width: 390, height: 780 });
       await page.waitForSelector(wait);
       await stage.picture(page, `small-${path.replace(/\W+/g, "-")}`);
