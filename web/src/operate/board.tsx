@@ -90,7 +90,7 @@ function GroupCard({ group, counted, runs, robots, names, again, onTell }: { gro
         <span className={`board-icon ${group.kind}`}><Icon size={16} /></span>
         <div className="grow">
           <p className="board-kind faint small">{words}</p>
-          <div className="board-title" title={group.detail || undefined}>{group.noRobot && <span className="board-fact">{group.noRobot}</span>}{group.title.map((t, i) => (group.kind === "fact" ? <span key={i} className="board-fact" title={t}>{factWords(t, names.prefixes)}</span> : group.kind === "robot" && group.noRobot ? null : <span key={i}>{i > 0 && " or "}{t}</span>))}{others > 0 && <span className="quiet small"> {othersWords(others)}</span>}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
+          <div className="board-title" title={group.detail || undefined}>{group.noRobot && <span className="board-fact">{group.noRobot}</span>}{group.title.map((t, i) => (group.kind === "fact" ? <span key={i} className="board-fact" title={t}>{factWords(t, names.prefixes)}</span> : <span key={i}>{i > 0 && " or "}{t}</span>))}{others > 0 && <span className="quiet small"> {othersWords(others)}</span>}{group.heldBy && <span className="quiet">, which <Link href={paths.run(group.heldBy)}>{runWords(group.heldBy)}</Link> has</span>}</div>
         </div>
         <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
         {group.ask && !past && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}

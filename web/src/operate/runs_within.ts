@@ -69,11 +69,11 @@ export interface UnderWay {
   node: string;
   operation: string;
 }
-// What robots do for a run now, in runs within it, too.
+// What robots do for a run now, in runs within it, too: those that have a command. One that was stopped by a pause has none.
 export function underWay(run: Run, runs: readonly Run[] = [], depth = 0): UnderWay[] {
   if (!isLive(run.state)) return [];
   return run.nodes.flatMap((n) => n.invocations.filter((i) => i.state === "running").flatMap((i): UnderWay[] => {
     const inner = i.robot === "" && depth < deepest ? innerRun(run, i, runs) : undefined;
-    return inner ? underWay(inner, runs, depth + 1) : i.robot ? [{ robot: i.robot, node: n.name, operation: i.operation }] : [];
+    return inner ? underWay(inner, runs, depth + 1) : i.robot && i.command ? [{ robot: i.robot, node: n.name, operation: i.operation }] : [];
   }));
 }

@@ -72,8 +72,8 @@ function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, R
       continue;
     }
     const same = kind === "robot" ? found.find((g) => g.kind === "robot" && g.place === wait.node) : undefined;
-    const { words, detail } = titleOf(wait, kind, names, clock);
-    if (!same) found.push({ ...at, kind, title: [words], detail, noRobot: kind === "robot" ? noRobotWords(robots.filter((r) => r.robot === wait.robot && r.state === "offline"), root.id) : "" });
+    const { words, detail } = titleOf(wait, kind, names, clock, robots);
+    if (!same) found.push({ ...at, kind, title: [words], detail });
     else if (!same.title.includes(words)) same.title.push(words);
   }
   return found;
@@ -91,10 +91,11 @@ function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefi
   const rest = noRobot === "" ? facts : facts.filter((f) => !ready.includes(f));
   return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, node?.waitsFor.split("\n# or\n")[0] ?? "")), noRobot, told: facts.some((f) => !f.own) };
 }
-function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string): { words: string; detail: string } {
+function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): { words: string; detail: string } {
   const plain = replaceIris(wait.detail, names.name);
   const as = (words: string) => ({ words, detail: "" });
-  if (kind === "robot" && wait.robot) return as(names.name(wait.robot));
+  const away = robots.find((r) => r.robot === wait.robot && r.state === "offline");
+  if (kind === "robot" && wait.robot) return as(`${names.name(wait.robot)}${away ? ` (offline${sinceWords(away)})` : ""}`);
   if (kind === "time" && wait.untilUs > 0n) return as(`until ${clock(wait.untilUs)}`);
   if (kind === "operator") return reasonWords(plain.replace(/^it failed: /, "").replace(/; settle it:[\s\S]*$/, ""));
   return as(plain.replace(/; docent runs[\s\S]*$/, ""));

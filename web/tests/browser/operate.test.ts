@@ -205,7 +205,7 @@ describe("operating", () => {
   it("a pause says that the robot goes on, and can stop it", async () => {
     const page = await open("/runs");
     const usual = answers();
-    const driving = { ...run("BoothGuide-1", "John", "running"), paused: false, nodes: run("BoothGuide-1", "John", "running").nodes.map((n) => (n.name === "Move2Booth" ? { ...n, invocations: [{ operation: "moveToBooth", state: "running", robot: `${expo}R01`, progress: 0.4 }] } : n)) };
+    const driving = { ...run("BoothGuide-1", "John", "running"), paused: false, nodes: run("BoothGuide-1", "John", "running").nodes.map((n) => (n.name === "Move2Booth" ? { ...n, invocations: [{ operation: "moveToBooth", state: "running", robot: `${expo}R01`, command: "c1", progress: 0.4 }] } : n)) };
     stage.answers = { ...usual, "Workflows/ListRuns": () => ({ runs: [driving] }), "Workflows/Get": () => driving };
     stage.calls = [];
     await page.goto(`${stage.url}/runs/BoothGuide-1`);

@@ -38,7 +38,7 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     stage = await RealStage.open(null);
     const standby = ["--fact", "status=https://w3id.org/docent#Standby"];
     adapter = await stage.processes.startAdapter(`${expo}R10`, ["fetch"], "--take-ms", "200", "--fail", ...standby);
-    await stage.processes.startAdapter(`${expo}R11`, ["bring"], "--take-ms", "2500", ...standby);
+    await stage.processes.startAdapter(`${expo}R11`, ["bring"], "--take-ms", "6000", ...standby);
     const file = join(stage.processes.folder, "errand.cawl.xml");
     writeFileSync(file, errand);
     stage.processes.load(file);
@@ -65,6 +65,8 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await page.getByRole("button", { name: "Count as done" }).click();
     await page.locator('.react-flow__node[data-id="Bring"] .state-chip.running').waitFor();
     await page.keyboard.press("Shift+P");
+    await page.locator("dialog").getByText("R11 still does Bring (bring)").waitFor();
+    await page.locator("dialog").getByRole("button", { name: "Let it finish" }).click();
     await state(page, "paused").waitFor();
     await stage.picture(page, "steering-paused");
     await page.getByRole("button", { name: "Go on" }).click();
@@ -72,6 +74,30 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await page.getByRole("tab", { name: "History" }).click();
     for (const words of ["needs you", "paused", "done"]) await page.locator(".timeline li", { hasText: words }).first().waitFor();
     await stage.picture(page, "steering-history");
+  });
+
+  it("a pause can stop the robot: also later, while it still ends its step", async () => {
+    const page = await begin();
+    await page.getByRole("button", { name: "Count as done" }).click();
+    await page.locator('.react-flow__node[data-id="Bring"] .state-chip.running').waitFor();
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+    await page.locator("dialog").getByRole("button", { name: "Stop it now" }).click();
+    await state(page, "paused").waitFor();
+    await page.getByText("cancelled: its run was paused").first().waitFor();
+    await page.locator(".stale", { hasText: "still does" }).waitFor({ state: "detached" });
+    await stage.picture(page, "steering-stopped");
+    await page.getByRole("button", { name: "Cancel", exact: true }).click();
+    await page.getByRole("button", { name: "Cancel the run" }).click();
+    await state(page, "cancelled").waitFor();
+  });
+
+  it("before a deployment it is said how many runs would start at once", async () => {
+    const text = errand.replaceAll("Errand", "Greeting").replace('  <flow name', '  <activator name="OnWish"><activate flow="Greeting"/><condition><context name="Wish"><rule name="wish"><constraint name="wish"><subject>?user</subject><verb>docent:chose</verb><object>?service</object></constraint></rule></context></condition></activator>\n  <flow name').replace("xmlns:ext", 'xmlns:docent="https://w3id.org/docent#" xmlns:ext');
+    for (const who of ["Ann", "Ben", "Cai"]) stage.processes.tell(`expo:${who} docent:chose expo:Greeting`);
+    const page = await stage.page("/compose/Greeting", { script: `if (!localStorage.getItem("docent.draft.Greeting")) localStorage.setItem("docent.draft.Greeting", ${JSON.stringify(JSON.stringify({ text, savedMs: 1, base: "" }))})` });
+    await page.getByRole("button", { name: "Deploy" }).first().click();
+    await page.locator("dialog .notice", { hasText: "3 fit now: Deploy starts 3 runs at once." }).waitFor();
+    await stage.picture(page, "steering-starts-now");
   });
 
   it("an incident is let fail, and the run says why", async () => {

@@ -49,7 +49,7 @@ describe("a run within a run", () => {
     expect(stateOf(outer, [outer])).toBe("running");
     expect(whereWords(outer, [outer, inner])).toBe("guide: b waits");
     expect(underWay(outer, [outer, inner])).toEqual([]);
-    const driving = create(RunSchema, { id: "BoothGuide-1", workflow: "BoothGuide", flow: "BoothGuide", state: "running", parent: "John-1", nodes: [{ name: "b", state: "running", invocations: [{ operation: "move", state: "running", robot: `${expo}R01` }] }] });
+    const driving = create(RunSchema, { id: "BoothGuide-1", workflow: "BoothGuide", flow: "BoothGuide", state: "running", parent: "John-1", nodes: [{ name: "b", state: "running", invocations: [{ operation: "move", state: "running", robot: `${expo}R01`, command: "c1" }] }] });
     expect(underWay(outer, [outer, driving])).toEqual([{ robot: `${expo}R01`, node: "b", operation: "move" }]);
   });
 });

@@ -28,6 +28,8 @@ describe("the board", () => {
   it("any of several robots will do: they are one thing", () => {
     const groups = group([run("a")], { a: [wait({ kind: "robot", robot: `${expo}R01`, heldBy: "b" }), wait({ kind: "robot", robot: `${expo}R02` })] });
     expect(groups).toMatchObject([{ kind: "robot", title: ["R01", "R02"], heldBy: "b" }]);
+    const waits = new Map([["a", [wait({ kind: "robot", robot: `${expo}R01` }), wait({ kind: "robot", robot: `${expo}R02` })]]]);
+    expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "offline" }), robot("R02", { state: "busy" })])).toMatchObject([{ title: ["R01 (offline)", "R02"], noRobot: "" }]);
   });
   it("what somebody has to decide is first; what is under way is not there", () => {
     const groups = group([run("a"), run("b")], { a: [wait({ kind: "fact", missing: "x" }), wait({ kind: "command" }), wait({ kind: "subflow" }), wait({ kind: "join" }), wait({ kind: "news of tomorrow" })], b: [wait({ kind: "operator", detail: "it failed: no way; settle it: docent runs retry b n" })] });
