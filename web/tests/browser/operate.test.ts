@@ -242,6 +242,7 @@ describe("operating", () => {
     expect(await page.locator(".time-bar").isVisible()).toBe(false);
     expect(await page.locator("tbody tr").count()).toBe(3);
     await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
+    expect((await page.locator(".runs").boundingBox())!.width).toBeGreaterThan(1200); // the whole paper
     await stage.picture(page, "runs-print");
     await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
     expect(await page.evaluate(() => document.documentElement.dataset["theme"])).toBe("dark");
