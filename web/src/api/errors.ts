@@ -11,7 +11,7 @@ const awayWords = "It is off, or the network is. This page goes on by itself whe
 
 // "has 300 bytes; the limit name_bytes is 256" is "has 300 bytes; at most 256 are allowed".
 export function limitWords(text: string): string {
-  return text.replace(/;? ?the limit (?:of \w+ )?\w+_\w+ (?:is|=) ([\d,]+)/g, "; at most $1 are allowed").replace(/^; a/, "A");
+  return text.replace(/; the limit (?:of an answer )?\w+_\w+ is ([\d,]+)/g, "; at most $1 are allowed").replace(/\bthe limit \w+_\w+ = ([\d,]+)/g, "the limit of $1");
 }
 
 export function plain(error: unknown): PlainError {

@@ -1,6 +1,7 @@
 // The board: what runs wait for, grouped by what lacks.
 import { fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
+import { limitWords } from "../../src/api/errors";
 import { replaceIris, splitFacts } from "../../src/api/iris";
 import { RobotStatusSchema } from "../../src/gen/docent/v1/fleet_pb";
 import { RunSchema, WaitSchema, type Wait } from "../../src/gen/docent/v1/workflows_pb";
@@ -85,6 +86,10 @@ describe("what is missing", () => {
   });
 });
 
+it("limits are said without their names in the program", () => {
+  expect(limitWords('the name "x" has 300 bytes; the limit name_bytes is 256')).toBe('the name "x" has 300 bytes; at most 256 are allowed');
+  expect(limitWords("the report is larger than half of the limit grpc_message_bytes = 4194304, ask for less")).toBe("the report is larger than half of the limit of 4194304, ask for less");
+});
 it("reasons are said without addresses of programs", () => {
   expect(reasonWords("adapter at 127.0.0.1:44367 broke off the feedback of a command that has not ended: recvmsg:Connection reset by peer", "R01")).toEqual({ words: "the connection to R01 broke off before its command had ended", detail: expect.stringContaining("recvmsg") });
   expect(reasonWords("adapter at [::1]:7 refused moveToBooth: no way", "R01").words).toBe("R01 refused moveToBooth: no way");
