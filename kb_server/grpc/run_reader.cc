@@ -87,12 +87,13 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, const std:
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
   ReadSteps(graph, iri, out);
   ReadValues(graph, graph.Objects(iri, DocentIri("forValue")), out->mutable_values());
-  std::string own = wanted;
+  if (out->state() != "pending") return;
+  std::string own = graph.Object(iri, DocentIri("wantedRobot"));
+  if (own.empty()) own = wanted;
   for (const v1::NamedTerm& value : out->values()) {
     if (value.name() == "robot") own = value.value().iri();
   }
-  if (out->state() == "pending")
-    ReadAwaited(graph, own, graph.Object(iri, DocentIri("wantedCapability")), out);
+  ReadAwaited(graph, own, graph.Object(iri, DocentIri("wantedCapability")), out);
 }
 
 // 0: it is no number.

@@ -35,6 +35,18 @@ bool IsFinal(const std::string& state) {
   return state == "done" || state == "failed" || state == "cancelled" || state == "skipped";
 }
 
+std::string OutermostOf(const GraphReader& graph, std::string run) {
+  for (int depth = 0; depth < kDeepest; ++depth) {
+    const auto outer = RunOfIri(graph.Object(RunIri(RunId(run)), DocentIri("parentRun")));
+    if (!outer) break;
+    run = outer->value();
+  }
+  return run;
+}
+
+// The robots of which a node or an invocation needs one, each with the run that holds it.
+using NeededRobots = std::vector<std::pair<std::string, std::string>>;
+
 class WaitCollector {
  public:
   WaitCollector(const WaitSources& sources, v1::ExplainRunReply* reply)
@@ -62,7 +74,43 @@ class WaitCollector {
     }
   }
 
+  // All that it waits for. A run that undoes what it did has no node under way, but a run for each step; before the first, what it
+  // began ends.
+  void AddRun(const v1::Run& run) {
+    Add(run, "", "", 0);
+    if (reply_.waits_size() > 0 || run.state() != "running") return;
+    for (const std::string& nested :
+         graph_.Subjects(DocentIri("parentRun"), Term::Iri(RunIri(RunId(run.id()))))) {
+      v1::Run inner;
+      const auto id = RunOfIri(nested);
+      if (!id || !ReadRun(graph_, id->value(), &inner) || inner.state() != "running") continue;
+      v1::Wait* wait = reply_.add_waits();
+      wait->set_kind("subflow");
+      wait->set_detail(absl::StrCat("it undoes what it did: run ", id->value()));
+      Add(inner, "", absl::StrCat(id->value(), "/"), 1);
+    }
+    if (reply_.waits_size() == 0) AddEndings(run);
+  }
+
+  // Of all that waits for robots.
+  const std::vector<NeededRobots>& needed() const { return needed_; }
+
  private:
+  // Commands of the run, and of runs that are nested in it, whose end is not known.
+  void AddEndings(const v1::Run& run) {
+    for (const std::string& robot : graph_.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+      for (const Term& command : graph_.Objects(robot, DocentIri("endingCommand"))) {
+        const std::string sender = command.lexical.substr(0, command.lexical.find('/'));
+        if (sender != run.id() && !IsNested(command.lexical, run)) continue;
+        v1::Wait* wait = reply_.add_waits();
+        wait->set_kind("command");
+        wait->set_robot(robot);
+        wait->set_detail(absl::StrCat("the end of command ", command.lexical, " of robot ", Angled(robot),
+                                      "; what it did is undone when that is known"));
+      }
+    }
+  }
+
   v1::Wait* New(const std::string& place, const v1::Node& node, const char* kind) {
     v1::Wait* wait = reply_.add_waits();
     wait->set_node(Concat(place, node.name()));
@@ -95,6 +143,7 @@ class WaitCollector {
       return;
     }
     const std::vector<std::string> asks = absl::StrSplit(node.waits_for(), "\n# or\n");
+    needed_.emplace_back();
     for (const std::string& ask : asks) {
       const ConditionAnswer answer = sources_.ask ? sources_.ask(ask) : ConditionAnswer();
       if (answer.holds && !answer.robot.empty()) {
@@ -161,13 +210,19 @@ class WaitCollector {
                 const std::string& why) {
     v1::Wait* wait = New(place, node, "robot");
     wait->set_robot(robot);
-    const std::string held_by = RunOfIri(graph_.Object(robot, DocentIri("heldBy"))).value_or(RunId()).value();
+    const std::string held_by = HolderOf(robot);
     wait->set_held_by(held_by);
+    if (!needed_.empty()) needed_.back().emplace_back(robot, held_by);
     const std::optional<std::string> out = OutOfServiceReason(graph_, robot);
     wait->set_detail(absl::StrCat(
         "robot ", Angled(robot), ", which is ", ToAbsl(ToString(RobotStateOf(graph_, robot))),
         out ? absl::StrCat(", out of service (", *out, ")") : "", held_by.empty() ? "" : ", held by run ",
         held_by, ReservedText(robot, why), why.empty() ? "" : absl::StrCat(": ", why)));
+  }
+
+  // The outermost run that holds it; empty: none.
+  std::string HolderOf(const std::string& robot) const {
+    return RunOfIri(graph_.Object(robot, DocentIri("heldBy"))).value_or(RunId()).value();
   }
 
   // Who the robot is kept for, unless `why` says so.
@@ -217,7 +272,7 @@ class WaitCollector {
       New(place, node, "resume")
           ->set_detail(absl::StrCat(invocation.operation(), " goes on when its run is resumed"));
     } else {
-      AddPending(node, invocation, place);
+      AddPending(run, node, invocation, place);
     }
   }
 
@@ -237,7 +292,12 @@ class WaitCollector {
   }
 
   bool IsOf(const std::string& command, const v1::Run& run, const v1::Node& node) const {
-    if (absl::StartsWith(command, absl::StrCat(run.id(), "/", IriSegment(node.name()), "/"))) return true;
+    return absl::StartsWith(command, absl::StrCat(run.id(), "/", IriSegment(node.name()), "/")) ||
+           IsNested(command, run);
+  }
+
+  // Whether it is of a run that is nested in this one.
+  bool IsNested(const std::string& command, const v1::Run& run) const {
     const std::string asked = RunIri(RunId(run.id()));
     std::string iri = RunIri(RunId(command.substr(0, command.find('/'))));
     for (int depth = 0; depth < kDeepest && !iri.empty(); ++depth) {
@@ -258,8 +318,10 @@ class WaitCollector {
                             answer.remarks.empty() ? "" : answer.remarks + "; ", reason, ")"));
   }
 
-  void AddPending(const v1::Node& node, const v1::Invocation& invocation, const std::string& place) {
+  void AddPending(const v1::Run& run, const v1::Node& node, const v1::Invocation& invocation,
+                  const std::string& place) {
     const std::string& reason = invocation.reason();
+    needed_.emplace_back();
     const auto says = [&reason](std::string_view text) { return absl::StrContains(reason, ToAbsl(text)); };
     if (says("has to hold") || says("ceased to hold")) {
       AddHold(node, reason, place);
@@ -277,10 +339,23 @@ class WaitCollector {
               "a robot that offers ", invocation.operation().starts_with("<") ? "an operation of class " : "",
               invocation.operation(), reason.empty() ? "" : absl::StrCat(": ", reason)));
     } else {
-      for (const v1::AwaitedRobot& robot : invocation.awaits()) {
-        AddRobot(place, node, robot.robot(), IsOfOne(invocation) ? "" : reason);
-      }
+      for (const std::string& robot : InTheWay(run, invocation))
+        AddRobot(place, node, robot, IsOfOne(invocation) ? "" : reason);
     }
+  }
+
+  // Of the robots that offer what it asks for. Where all that could do it serve other runs, those that this run holds itself, and
+  // those that are free, could not.
+  std::vector<std::string> InTheWay(const v1::Run& run, const v1::Invocation& invocation) const {
+    std::vector<std::string> all, of_others;
+    const std::string root = OutermostOf(graph_, run.id());
+    for (const v1::AwaitedRobot& robot : invocation.awaits()) {
+      all.push_back(robot.robot());
+      const std::string holder = HolderOf(robot.robot());
+      if (!holder.empty() && holder != root) of_others.push_back(robot.robot());
+    }
+    const bool serve_others = absl::StrContains(invocation.reason(), "serves another run");
+    return serve_others && !of_others.empty() ? of_others : all;
   }
 
   // Whether the reason is that of one of several robots: what keeps each is told with it.
@@ -311,6 +386,7 @@ class WaitCollector {
   const WaitSources& sources_;
   const GraphReader& graph_;
   v1::ExplainRunReply& reply_;
+  std::vector<NeededRobots> needed_;
 };
 
 // A robot that a run waits for, and the run that holds it.
@@ -321,29 +397,15 @@ struct Need {
 // Runs that are looked at to find a circle.
 constexpr size_t kRunsOfACircle = 16;
 
-std::string OutermostOf(const GraphReader& graph, std::string run) {
-  for (int depth = 0; depth < kDeepest; ++depth) {
-    const auto outer = RunOfIri(graph.Object(RunIri(RunId(run)), DocentIri("parentRun")));
-    if (!outer) break;
-    run = outer->value();
-  }
-  return run;
-}
-
-// What nodes of the run wait for that only robots of one other run could do.
-std::vector<Need> NeedsOf(const std::string& run, const v1::ExplainRunReply& waits) {
-  std::map<std::string, std::vector<const v1::Wait*>> by_node;
-  for (const v1::Wait& wait : waits.waits()) {
-    if (wait.kind() == "robot") by_node[wait.node()].push_back(&wait);
-  }
+// What the run waits for that only robots of one other run could do.
+std::vector<Need> NeedsOf(const std::string& run, const std::vector<NeededRobots>& needed) {
   std::vector<Need> needs;
-  for (const auto& [node, robots] : by_node) {
-    const v1::Wait& first = *robots.front();
-    const bool of_one = std::all_of(robots.begin(), robots.end(), [&](const v1::Wait* other) {
-      return other->held_by() == first.held_by();
-    });
-    if (of_one && !first.held_by().empty() && first.held_by() != run)
-      needs.push_back({run, first.robot(), first.held_by()});
+  for (const NeededRobots& robots : needed) {
+    if (robots.empty()) continue;
+    const auto& [first, holder] = robots.front();
+    const bool of_one = std::all_of(robots.begin(), robots.end(),
+                                    [&](const auto& other) { return other.second == robots.front().second; });
+    if (of_one && !holder.empty() && holder != run) needs.push_back({run, first, holder});
   }
   return needs;
 }
@@ -357,8 +419,9 @@ bool FindCircle(const WaitSources& sources, std::vector<Need>* way, std::set<std
       !ReadRun(*sources.graph, holder, &run) || run.state() != "running")
     return false;
   v1::ExplainRunReply waits;
-  WaitCollector(sources, &waits).Add(run, "", "", 0);
-  for (Need& need : NeedsOf(holder, waits)) {
+  WaitCollector collector(sources, &waits);
+  collector.AddRun(run);
+  for (Need& need : NeedsOf(holder, collector.needed())) {
     way->push_back(std::move(need));
     if (FindCircle(sources, way, seen)) return true;
     way->pop_back();
@@ -367,8 +430,9 @@ bool FindCircle(const WaitSources& sources, std::vector<Need>* way, std::set<std
 }
 
 // Runs that wait for each other over the robots that they hold: that does not end by itself.
-void AddCircle(const WaitSources& sources, const std::string& run, v1::ExplainRunReply* reply) {
-  for (Need& need : NeedsOf(OutermostOf(*sources.graph, run), *reply)) {
+void AddCircle(const WaitSources& sources, const std::string& run, const std::vector<NeededRobots>& needed,
+               v1::ExplainRunReply* reply) {
+  for (Need& need : NeedsOf(OutermostOf(*sources.graph, run), needed)) {
     std::vector<Need> way = {std::move(need)};
     std::set<std::string> seen;
     if (!FindCircle(sources, &way, &seen)) continue;
@@ -390,20 +454,10 @@ void AddCircle(const WaitSources& sources, const std::string& run, v1::ExplainRu
 
 void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
               v1::ExplainRunReply* reply) {
-  WaitCollector(sources, reply).Add(run, node, "", 0);
-  if (node.empty()) AddCircle(sources, run.id(), reply);
-  if (!node.empty() || reply->waits_size() > 0 || run.state() != "running") return;
-  // A run that undoes what it did has no node under way, but a run for each step.
-  for (const std::string& nested :
-       sources.graph->Subjects(DocentIri("parentRun"), Term::Iri(RunIri(RunId(run.id()))))) {
-    v1::Run inner;
-    const auto id = RunOfIri(nested);
-    if (!id || !ReadRun(*sources.graph, id->value(), &inner) || inner.state() != "running") continue;
-    v1::Wait* wait = reply->add_waits();
-    wait->set_kind("subflow");
-    wait->set_detail(absl::StrCat("it undoes what it did: run ", id->value()));
-    WaitCollector(sources, reply).Add(inner, "", absl::StrCat(id->value(), "/"), 1);
-  }
+  WaitCollector collector(sources, reply);
+  if (!node.empty()) return collector.Add(run, node, "", 0);
+  collector.AddRun(run);
+  AddCircle(sources, run.id(), collector.needed(), reply);
 }
 
 std::string TextOf(const v1::Run& run, const v1::ExplainRunReply& reply) {

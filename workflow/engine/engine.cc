@@ -278,8 +278,8 @@ bool IsFinal(CommandReport::Outcome outcome) {
          outcome == Outcome::kUnknown;
 }
 
-// The final report of a command that its run no longer waits for. What it did does not count; whether it may be done again
-// does.
+// The final report of a command that its run no longer waits for. What it did counts for what is undone, and for whether it may
+// be done again.
 void TakeEnd(Engine::Core* core, const CommandReport& report) {
   const std::optional<EndingCommand> ended = core->ledger.Ended(report.command);
   if (!ended) return;  // repeated, or of a server whose older backup was put back
@@ -287,9 +287,16 @@ void TakeEnd(Engine::Core* core, const CommandReport& report) {
   core->released.insert(robot);
   core->changed_robots.insert(robot);
   const bool unknown = report.outcome == CommandReport::Outcome::kUnknown;
+  const bool succeeded = report.outcome == CommandReport::Outcome::kSucceeded;
   core->Say(ended->invocation, "ending", "ended",
             absl::StrCat(ended->command.operation, " on ", ToDisplay(Term::Iri(robot.value())),
-                         unknown ? ": how it ended is unknown" : ""));
+                         unknown     ? ": how it ended is unknown"
+                         : succeeded ? ": it succeeded all the same"
+                                     : ""));
+  for (const CommandOwner& owner : ended->owners) {
+    Run* run = core->Mutable(owner.run);
+    if (run != nullptr && RunStepper(core, run).TakeLate(*ended, report)) break;
+  }
   for (const auto& [run, facts] : ended->kept) core->WithdrawWhenEnded(run, facts);
   for (const CommandOwner& owner : ended->owners) {
     Run* run = core->Mutable(owner.run);

@@ -62,6 +62,18 @@ class Numbers {
   std::vector<std::shared_ptr<const T>> objects_;
 };
 
+std::vector<PackedInvocation> Pack(std::vector<InvocationState> invocations, Numbers<rsel::Plan>* plans) {
+  std::vector<PackedInvocation> packed;
+  for (InvocationState& invocation : invocations) {
+    PackedInvocation& into = packed.emplace_back();
+    if (invocation.handler) {
+      into.handler.emplace(plans->Of(invocation.handler->shared_plan()), invocation.handler->Save());
+    }
+    into.state = std::move(invocation);
+  }
+  return packed;
+}
+
 // nullopt for a run in the middle of a turn.
 std::optional<PackedRun> Pack(const Run& run, Numbers<cawl::Document>* documents,
                               Numbers<rsel::Plan>* plans) {
@@ -71,16 +83,18 @@ std::optional<PackedRun> Pack(const Run& run, Numbers<cawl::Document>* documents
   for (NodeState& node : packed.run.nodes) {
     if (!node.pending_links.empty()) return std::nullopt;
     PackedNode& to = packed.nodes.emplace_back();
-    for (InvocationState& invocation : node.invocations) {
-      PackedInvocation& into = to.invocations.emplace_back();
-      if (invocation.handler) {
-        into.handler.emplace(plans->Of(invocation.handler->shared_plan()), invocation.handler->Save());
-      }
-      into.state = std::move(invocation);
-    }
+    to.invocations = Pack(std::move(node.invocations), plans);
     node.invocations.clear();
     to.state = std::move(node);
   }
+  for (LateStep& step : packed.run.late_steps) {
+    PackedLateStep& to = packed.late_steps.emplace_back();
+    to.document = documents->Of(step.document);
+    to.invocations = Pack(std::move(step.invocations), plans);
+    step.invocations.clear();
+    to.step = std::move(step);
+  }
+  packed.run.late_steps.clear();
   return packed;
 }
 
@@ -119,21 +133,43 @@ bool FitsDocument(const Run& run) {
   return true;
 }
 
+bool FitsDocument(const LateStep& step) {
+  if (step.flow >= step.document->flows.size()) return false;
+  const cawl::Flow& flow = step.document->flows[step.flow];
+  return step.node < flow.nodes.size() && !step.invocations.empty() &&
+         std::all_of(step.invocations.begin(), step.invocations.end(),
+                     [&](const InvocationState& invocation) {
+                       return invocation.invoke < flow.nodes[step.node].invokes.size();
+                     });
+}
+
+// False: they do not fit their plans.
+bool Unpack(std::vector<PackedInvocation> packed, const Shared& shared, std::vector<InvocationState>* to) {
+  for (PackedInvocation& invocation : packed) {
+    InvocationState& into = to->emplace_back(std::move(invocation.state));
+    if (!invocation.handler) continue;
+    auto& [plan, saved] = *invocation.handler;
+    if (plan >= shared.plans.size()) return false;
+    auto handler = rsel::InstructionHandler::Restore(shared.plans[plan], std::move(saved));
+    if (!handler.ok()) return false;
+    into.handler = *std::move(handler);
+  }
+  return true;
+}
+
 absl::StatusOr<Run> Unpack(PackedRun packed, const Shared& shared, RunTerms* terms) {
   Run run = std::move(packed.run);
   if (packed.document >= shared.documents.size()) return Damaged();
   run.document = shared.documents[packed.document];
   for (PackedNode& node : packed.nodes) {
     NodeState& to = run.nodes.emplace_back(std::move(node.state));
-    for (PackedInvocation& invocation : node.invocations) {
-      InvocationState& into = to.invocations.emplace_back(std::move(invocation.state));
-      if (!invocation.handler) continue;
-      auto& [plan, saved] = *invocation.handler;
-      if (plan >= shared.plans.size()) return Damaged();
-      auto handler = rsel::InstructionHandler::Restore(shared.plans[plan], std::move(saved));
-      if (!handler.ok()) return Damaged();
-      into.handler = *std::move(handler);
-    }
+    if (!Unpack(std::move(node.invocations), shared, &to.invocations)) return Damaged();
+  }
+  for (PackedLateStep& late : packed.late_steps) {
+    LateStep& to = run.late_steps.emplace_back(std::move(late.step));
+    if (late.document >= shared.documents.size()) return Damaged();
+    to.document = shared.documents[late.document];
+    if (!Unpack(std::move(late.invocations), shared, &to.invocations) || !FitsDocument(to)) return Damaged();
   }
   if (!FitsDocument(run)) return Damaged();
   run.facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, terms));
@@ -196,6 +232,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedIn9(writer, packed);
   writer(packed.last_used);  // since format 10
   AddedIn11(writer, packed);
+  AddedIn12(writer, packed);
   return writer.Take();
 }
 
@@ -217,6 +254,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) AddedIn9(reader, packed);
   if (!reader.AtEnd()) reader(packed.last_used);
   if (!reader.AtEnd()) AddedIn11(reader, packed);
+  if (!reader.AtEnd()) AddedIn12(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;

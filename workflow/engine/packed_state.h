@@ -76,6 +76,10 @@ void Fields(Archive& a, DoneStep& step) {
   a(step.place, step.operation, step.variables, step.done_us);
 }
 template <class Archive>
+void Fields(Archive& a, LateCommand& late) {
+  a(late.id, late.step);
+}
+template <class Archive>
 void Fields(Archive& a, Undoing& undoing) {
   a(undoing.outcome, undoing.reason, undoing.left, undoing.child, undoing.current, undoing.failed);
 }
@@ -113,14 +117,21 @@ struct PackedInvocation {
   InvocationState state;                                                        // its handler apart
   std::optional<std::pair<uint64_t, rsel::InstructionHandler::Saved>> handler;  // plan, progress
 };
+// Its invocations apart.
+struct PackedLateStep {
+  LateStep step;
+  uint64_t document = 0;
+  std::vector<PackedInvocation> invocations;
+};
 struct PackedNode {
   NodeState state;  // its invocations apart
   std::vector<PackedInvocation> invocations;
 };
 struct PackedRun {
-  Run run;  // its document and nodes apart
+  Run run;  // its document, nodes and late steps apart
   uint64_t document = 0;
   std::vector<PackedNode> nodes;
+  std::vector<PackedLateStep> late_steps;
 };
 struct PackedDeployment {
   uint64_t document = 0;
@@ -302,17 +313,19 @@ void AddedIn8(Archive& a, Packed& p) {
 
 // What format 9 added.
 template <class Archive>
+void AddedIn9(Archive& a, PackedInvocation& packed) {
+  a(packed.state.not_before_us, packed.state.failed_on);
+  for (std::vector<OpenCommand>* commands : {&packed.state.commands, &packed.state.lost}) {
+    for (OpenCommand& open : *commands) a(open.stopped);
+  }
+}
+template <class Archive>
 void AddedIn9(Archive& a, Packed& p) {
   for (PackedRun& run : p.runs) {
     a(run.run.pause, run.run.paused_since_us);
     for (PackedNode& node : run.nodes) {
       a(node.state.wanted_robot);
-      for (PackedInvocation& invocation : node.invocations) {
-        a(invocation.state.not_before_us, invocation.state.failed_on);
-        for (std::vector<OpenCommand>* commands : {&invocation.state.commands, &invocation.state.lost}) {
-          for (OpenCommand& open : *commands) a(open.stopped);
-        }
-      }
+      for (PackedInvocation& invocation : node.invocations) AddedIn9(a, invocation);
     }
   }
   for (PackedRun& run : p.runs) a(run.run.done_steps, run.run.undoing);
@@ -321,14 +334,49 @@ void AddedIn9(Archive& a, Packed& p) {
 
 // What format 11 added.
 template <class Archive>
+void AddedIn11(Archive& a, PackedInvocation& packed) {
+  a(packed.state.inputs, packed.state.results, packed.state.failure);
+}
+template <class Archive>
 void AddedIn11(Archive& a, Packed& p) {
   for (PackedRun& run : p.runs) {
     for (PackedNode& node : run.nodes) {
-      for (PackedInvocation& invocation : node.invocations)
-        a(invocation.state.inputs, invocation.state.results, invocation.state.failure);
+      for (PackedInvocation& invocation : node.invocations) AddedIn11(a, invocation);
     }
   }
   for (EndingCommand& ending : p.ending) a(ending.kept);
+}
+
+// What format 12 added: work that was cancelled while its commands were under way.
+template <class Archive>
+void AddedIn12(Archive& a, PackedInvocation& packed) {
+  a(packed.state.late, packed.state.partly_done, packed.state.unknown);
+}
+template <class Archive>
+void Fields(Archive& a, PackedLateStep& packed) {
+  LateStep& s = packed.step;
+  a(s.place, s.operation, s.variables, packed.document, s.flow, s.node);
+  List(a, packed.invocations);
+  for (PackedInvocation& invocation : packed.invocations) {
+    AddedFields(a, invocation);
+    AddedIn9(a, invocation);
+    AddedIn11(a, invocation);
+    AddedIn12(a, invocation);
+  }
+}
+template <class Archive>
+void AddedIn12(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    for (PackedNode& node : run.nodes) {
+      for (PackedInvocation& invocation : node.invocations) AddedIn12(a, invocation);
+    }
+    for (DoneStep& step : run.run.done_steps) a(step.stays);
+    if (run.run.undoing) {
+      for (DoneStep& step : run.run.undoing->left) a(step.stays);
+      a(run.run.undoing->undid);
+    }
+    List(a, run.late_steps);
+  }
 }
 
 }  // namespace docent::engine

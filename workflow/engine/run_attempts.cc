@@ -111,6 +111,8 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
   fresh.attempt = invocation.attempt + 1;
   fresh.retries = invocation.retries + 1;
   fresh.failure = reason;
+  fresh.partly_done = IsPartlyDone(invocation);
+  fresh.unknown = invocation.unknown;
   DelayAttempt(flow_.nodes[node].invokes[invocation.invoke].retry_policy, invocation.retries, invocation,
                &fresh);
   invocation = std::move(fresh);
@@ -118,6 +120,8 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
 
 std::optional<TimeMicros> RunStepper::NextDeadline() const {
   std::optional<TimeMicros> next;
+  TimeMicros until_us = 0;
+  if (run_.undoing && run_.undoing->child.empty() && AwaitsOutcomes(&until_us)) next = until_us;
   auto consider = [&next](const std::optional<TimeMicros>& deadline) {
     if (deadline && (!next || *deadline < *next)) next = deadline;
   };
@@ -207,7 +211,7 @@ void RunStepper::CommandOverdue(size_t node, size_t index, const CommandId& comm
   core_.Say(absl::StrCat(Subject(node, index), " ", label), "running", "failed", reason);
   const OpenCommand late = *open;
   invocation.commands.erase(open);
-  core_.LetEnd(late, {run_.id, node, index});
+  LetEnd(node, index, late);
   invocation.handler->Failed(late.step, late.attempt, reason, false);
   SendReady(node, index);
   SettleHandler(node, index);
@@ -218,14 +222,26 @@ void RunStepper::CancelInvocation(size_t node, size_t index, const std::string& 
   if (IsFinal(invocation.state)) return;
   if (invocation.handler) invocation.handler->Cancel(reason);
   LetCommandsEnd(node, index);
-  invocation.lost.clear();
+  ForgetLost(&invocation);
   if (!invocation.child.empty()) core_.Cancel(invocation.child, reason);
   SetInvocation(node, index, WorkState::kCancelled, reason);
 }
 
+// The command is cancelled, and the invocation does not wait for its end.
+void RunStepper::LetEnd(size_t node, size_t index, const OpenCommand& open) {
+  core_.LetEnd(open, {run_.id, node, index});
+  run_.nodes[node].invocations[index].late.push_back({open.command.id, open.step});
+}
+
 void RunStepper::LetCommandsEnd(size_t node, size_t index) {
   for (const OpenCommand& open : std::exchange(run_.nodes[node].invocations[index].commands, {}))
-    core_.LetEnd(open, {run_.id, node, index});
+    LetEnd(node, index, open);
+}
+
+// Commands that are not sent again, though it is not known of them how they ended.
+void RunStepper::ForgetLost(InvocationState* invocation) {
+  for (const OpenCommand& lost : std::exchange(invocation->lost, {}))
+    invocation->unknown = invocation->unknown || lost.stopped == Stopped::kNo;
 }
 
 // The robot is no longer occupied by this invocation; what it sent may still be ending.

@@ -87,6 +87,16 @@ void WriteSteps(const InvocationState& invocation, Writer* out) {
   }
 }
 
+// A variable of the run stands with the run.
+void WriteWantedRobot(const InvocationState& invocation, Writer* out) {
+  for (const TermBinding* given : {&invocation.inputs, &invocation.binding}) {
+    const auto robot = given->find("robot");
+    if (robot == given->end()) continue;
+    if (robot->second.IsIri()) out->SayTerm(RunTerm::kWantedRobot, robot->second);
+    return;
+  }
+}
+
 void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
                      TermId of_node, Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
@@ -101,6 +111,7 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   if (by_class)
     out->Say(RunTerm::kWantedCapability, out->Iri(std::string(*CapabilityOf(invoke.operation.value))));
   out->SayState(RunTerm::kInvocationState, invocation.state);
+  if (invocation.state == WorkState::kPending && invoke.subflow.empty()) WriteWantedRobot(invocation, out);
   if (!invocation.robot.empty()) out->Say(RunTerm::kRobot, out->Iri(invocation.robot.value()));
   if (!invocation.child.empty()) out->Say(RunTerm::kChildRun, out->Iri(RunIri(invocation.child)));
   for (const OpenCommand& open : invocation.commands)

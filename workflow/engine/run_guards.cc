@@ -234,7 +234,7 @@ void RunStepper::Interrupt(size_t index, const std::string& why) {
       if (!open.overdue_until_us) core_.output->cancels.push_back(open.command.id);
       open.overdue_until_us = until_us;
     }
-    invocation.lost.clear();
+    ForgetLost(&invocation);
     invocation.overdue = why;
     invocation.deadline_us = until_us;
     invocation.not_before_us.reset();
@@ -305,6 +305,7 @@ void RunStepper::WaitAgain(size_t index, const std::string& why, std::vector<Inv
     const bool sent = invocation.attempt > 1 || !invocation.robot.empty() || invocation.sent;
     node.first_attempt = std::max(node.first_attempt, invocation.attempt + (sent ? 1 : 0));
   }
+  NoteDone(index, !kept.empty());  // what is kept may be done with the rest
   node.invocations = std::move(kept);
   node.fired_because.clear();
   node.fired_us = 0;

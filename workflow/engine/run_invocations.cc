@@ -434,6 +434,7 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
   }
   OpenCommand done = *open;
   invocation.commands.erase(open);
+  if (report.outcome == Outcome::kUnknown) invocation.unknown = true;
   core_.commands.erase(report.command.value());
   core_.released.insert(done.command.robot);
   core_.changed_robots.insert(done.command.robot);

@@ -51,7 +51,15 @@ std::string RefuseNames(TermBinding* results) {
 // is not of the type that its variable declares is refused: the variable keeps its value. Of a named one that is not given, the
 // variable has no value (kNoValue). `*note`: what of it people should know, or nothing.
 TermBinding RunStepper::ResultsOf(size_t node, size_t index, const TermBinding& given, std::string* note) {
-  const cawl::Invoke& invoke = flow_.nodes[node].invokes[run_.nodes[node].invocations[index].invoke];
+  InvocationState& invocation = run_.nodes[node].invocations[index];
+  invocation.results =
+      ResultsAt({*run_.document, flow_, &flow_.nodes[node]}, invocation.invoke, given, note);
+  return invocation.results;
+}
+
+TermBinding RunStepper::ResultsAt(const VariablePlace& place, size_t invoke_index, const TermBinding& given,
+                                  std::string* note) const {
+  const cawl::Invoke& invoke = place.node->invokes[invoke_index];
   TermBinding results;
   std::vector<std::string> notes;
   if (invoke.outputs.empty()) results = given;
@@ -69,7 +77,6 @@ TermBinding RunStepper::ResultsOf(size_t node, size_t index, const TermBinding& 
   if (invoke.subflow.empty()) {
     if (std::string why = RefuseNames(&results); !why.empty()) notes.push_back(std::move(why));
   }
-  const VariablePlace place{*run_.document, flow_, &flow_.nodes[node]};
   std::erase_if(results, [&](const auto& result) {
     if (result.second == kNoValue) return false;
     const std::string fault = TypeFault(place, result.first, result.second);
@@ -83,7 +90,6 @@ TermBinding RunStepper::ResultsOf(size_t node, size_t index, const TermBinding& 
     notes.push_back(absl::StrCat("and so ", more, " more"));
   }
   *note = absl::StrJoin(notes, "; ");
-  run_.nodes[node].invocations[index].results = results;
   return results;
 }
 

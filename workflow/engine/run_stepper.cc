@@ -282,6 +282,12 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       fresh.sent = old.sent;
       fresh.attempt = old.attempt + 1;  // its own retries begin anew
       fresh.failure = old.state == WorkState::kFailed ? old.reason : old.failure;
+      fresh.partly_done = IsPartlyDone(old);
+      fresh.unknown = old.unknown;
+      if (old.state != WorkState::kDone && !old.late.empty()) {  // if it succeeds all the same, it is done
+        fresh.late = old.late;
+        fresh.handler = old.handler;
+      }
       DelayAttempt(syntax.retry_policy, node.attempt - 2, old, &fresh);
       old = std::move(fresh);
     }
@@ -324,6 +330,7 @@ void RunStepper::CancelNode(size_t index, const std::string& reason) {
   for (const PendingLink& pending : node.pending_links) core_.Disarm(pending.handle);
   node.pending_links.clear();
   for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, reason);
+  if (run_.state == WorkState::kRunning || !run_.parent.empty()) NoteDone(index);
   SetNode(index, WorkState::kCancelled, reason);
 }
 
@@ -448,6 +455,7 @@ void RunStepper::End(WorkState state, const std::string& why) {
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
     CancelNode(i, state == WorkState::kDone ? "the sink was reached" : reason);
   }
+  if (!run_.parent.empty()) GatherDoneSteps();  // for the run that it is nested in
   WithdrawUntilEnd();
   run_.reason = reason;
   run_.ended_us = core_.input->now_us;

@@ -11,6 +11,7 @@
 
 #include "graph/base/run_limits.h"
 #include "workflow/engine/engine_core.h"
+#include "workflow/engine/run_values.h"
 
 namespace docent::engine {
 
@@ -30,6 +31,9 @@ std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask, bool every);
 
 // Whether an operator may say what becomes of the node: it has an incident, or was retried after one and has begun nothing.
 bool MaySettle(const NodeState& node);
+
+// Whether something of the invocation was done, in this attempt or in one before.
+bool IsPartlyDone(const InvocationState& invocation);
 
 class RunStepper {
  public:
@@ -52,8 +56,8 @@ class RunStepper {
   // Ends the run; what is under way is cancelled.
   void End(WorkState state, const std::string& why);
 
-  // Ends the run when what its done nodes did is undone (run_compensation.cc).
-  void NoteDoneOfRunning();
+  // Compensation (run_compensation.cc). EndAndUndo ends the run when what its done nodes did is undone.
+  bool TakeLate(const EndingCommand& ended, const CommandReport& report);
   void EndAndUndo(WorkState outcome, const std::string& reason);
 
   // In the round after the node wrote at="open": a guard that this made fall is not asked again.
@@ -152,6 +156,8 @@ class RunStepper {
   absl::StatusOr<std::string> TextOf(const cawl::Text& text, const TermBinding* binding) const;
   // run_results.cc: results of what was invoked
   TermBinding ResultsOf(size_t node, size_t invocation, const TermBinding& given, std::string* note);
+  TermBinding ResultsAt(const VariablePlace& place, size_t invoke, const TermBinding& given,
+                        std::string* note) const;
   void KeepSolutions(const cawl::Action& action, std::vector<TermBinding> solutions);
   absl::Status MayWrite(size_t facts);
   absl::StatusOr<Term> ValueOf(const cawl::Word& word, const TermBinding* binding) const;
@@ -171,10 +177,12 @@ class RunStepper {
   absl::Status ReleaseReservation(size_t index, const cawl::Action& action);
   // run_compensation.cc: ext:compensate
   bool GoesOn() const { return run_.state == WorkState::kRunning && !run_.undoing; }
-  void NoteDone(size_t index);
+  void NoteDone(size_t index, bool late_only = false);
+  void SettleLate(std::vector<LateStep>::iterator late);
+  bool AwaitsOutcomes(TimeMicros* until_us) const;
   void TakeDoneSteps(const RunId& child);
   bool BeginUndo(WorkState outcome, const std::string& reason);
-  std::vector<DoneStep> DrainDoneSteps();
+  void GatherDoneSteps();
   void Undo();
   bool StepUndone(const Run& child);
   std::string EndUndoing(const std::string& reason);
@@ -257,7 +265,9 @@ class RunStepper {
   void CommandOverdue(size_t node, size_t invocation, const CommandId& command);
   void LeaveRobot(size_t node, size_t invocation);
   void CancelInvocation(size_t node, size_t invocation, const std::string& reason);
+  void LetEnd(size_t node, size_t invocation, const OpenCommand& open);
   void LetCommandsEnd(size_t node, size_t invocation);
+  static void ForgetLost(InvocationState* invocation);
   std::optional<Term> Value(const std::string& name, const TermBinding* overlay) const;
 
   Engine::Core& core_;

@@ -113,6 +113,23 @@ bool InstructionHandler::Failed(int step, int attempt, std::string reason, bool 
   return true;
 }
 
+bool InstructionHandler::SucceededLate(int step, const Arguments& results) {
+  if (step < 1 || step > static_cast<int>(steps_.size())) return false;
+  StepStatus& status = steps_[step - 1];
+  if (status.state == StepState::kDone) return false;
+  status.state = StepState::kDone;
+  status.reported = true;
+  for (const auto& [part, value] : results) values_[absl::StrCat(step, ".", part)] = value;
+  for (size_t i = 0; i < steps_.size(); ++i) {
+    const bool left_out =
+        steps_[i].state == StepState::kFailed && plan_->steps[i].on_failure == Invoke::OnFailure::kContinue;
+    if (steps_[i].state != StepState::kDone && !left_out) return true;
+  }
+  state_ = State::kDone;
+  reason_.clear();
+  return true;
+}
+
 void InstructionHandler::Cancel(std::string reason) {
   if (ended()) return;
   state_ = State::kCancelled;

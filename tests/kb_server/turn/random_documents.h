@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "tests/kb_server/test_world.h"
 #include "tests/kb_server/turn/robot_simulation.h"
@@ -104,6 +105,8 @@ class RandomDocuments {
   std::map<int, SimulatedActivator> activators;  // by workflow
   // Flow/node → of each invoke the class that it asks for, or "".
   std::map<std::string, std::vector<std::string>> classes;
+  // Those with ext:compensate that one command does.
+  std::set<std::string> compensated;
   std::map<std::string, int> priorities;  // by flow: the highest that a run of it may have
 
  private:
@@ -244,13 +247,15 @@ class RandomDocuments {
     holds.erase(place);
     holding_conditions.erase(place);
     classes.erase(place);
+    compensated.erase(place);
     const bool condition = dice_.OneIn(2, "condition");
     const bool each = condition && dice_.OneIn(4, "each");
     std::string text = absl::StrCat("<node name=\"N", n, "\"");
     if (dice_.OneIn(4, "timeout")) absl::StrAppend(&text, " ext:timeout=\"", 5 + dice_.Below(20), "s\"");
     if (dice_.OneIn(3, "retry")) absl::StrAppend(&text, " ext:retry=\"1\"", RetryPolicy());
     if (dice_.OneIn(5, "incident")) absl::StrAppend(&text, " ext:onFailure=\"incident\"");
-    if (dice_.OneIn(3, "compensate")) absl::StrAppend(&text, " ext:compensate=\"", Operation(), "\"");
+    const bool compensates = dice_.OneIn(3, "compensate");
+    if (compensates) absl::StrAppend(&text, " ext:compensate=\"", Operation(), "\"");
     if (each)
       absl::StrAppend(&text, " ext:forEach=\"?who\"", dice_.OneIn(2) ? " ext:sequential=\"true\"" : "");
     if (dice_.OneIn(4, "holds")) {
@@ -271,6 +276,9 @@ class RandomDocuments {
       absl::StrAppend(&text, Invoke(number, place));
       classes[place].resize(static_cast<size_t>(i) + 1);
     }
+    const bool one_command = invokes == 1 && !absl::StrContains(text, "subflow=") &&
+                             !absl::StrContains(text, "operation=\"service");
+    if (compensates && one_command) compensated.insert(place);
     return absl::StrCat(text, Actions(), Reservation(), "</node>");
   }
 

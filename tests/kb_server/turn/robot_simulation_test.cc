@@ -12,6 +12,7 @@
 //   - an activator fires once for each event and each occurrence of its time, and not without one;
 //   - what was told for as long as a run lives is gone when it has ended; a variable has only values of its type;
 //   - a notification is decided once, and kept until its answer comes;
+//   - what a run says that it has undone is undone, also what a robot did after it was to stop;
 //   - the log, replayed, comes to the same decisions and the same graph, whatever restarts there were.
 // DOCENT_SIMULATION_SEEDS=10000 plays more seeds, from DOCENT_SIMULATION_FIRST on; DOCENT_SIMULATION_SEED=17 plays one, and
 // tells its course. simulation_dice.h says how to leave parts of it out; `scripts/soak simulation` does that to a failing one.
@@ -44,6 +45,7 @@
 #include "tests/kb_server/turn/random_documents.h"
 #include "tests/kb_server/turn/robot_simulation.h"
 #include "tests/kb_server/turn/simulated_world.h"
+#include "tests/kb_server/turn/undo_model.h"
 
 namespace docent::server {
 namespace {
@@ -111,6 +113,7 @@ class Simulation {
   size_t by_class() const { return by_class_; }
   size_t fallen() const { return fallen_; }
   size_t timed_out() const { return timed_out_; }
+  size_t undone() const { return undoing_.checked(); }
 
  private:
   static constexpr int kSteps = 70;
@@ -382,6 +385,14 @@ class Simulation {
     }
     log_.push_back(result->record);
     firings_.Check(batch, result->record.transitions, documents_.activators);
+    for (const CommandReport& report : batch.reports) {
+      if (report.outcome != CommandReport::Outcome::kSucceeded || !under_way_.contains(report.command))
+        continue;
+      const IdParts id(report.command);
+      undoing_.Succeeded(id.run, id.node,
+                         documents_.compensated.contains(absl::StrCat(id.flow(), "/", id.node)));
+    }
+    undoing_.Take(result->record.transitions);
     for (const Transition& t : result->record.transitions)
       Note(absl::StrCat(t.subject, "  ", t.from, " → ", t.to, "  ", t.cause));
     for (const CommandReport& report : batch.reports) {
@@ -776,6 +787,7 @@ class Simulation {
   std::map<CommandId, UnderWay> under_way_;
   std::map<std::string, Attempt> attempts_;  // by RUN/NODE
   test::FiringModel firings_;
+  test::UndoModel undoing_;
   size_t commands_ = 0;
   size_t preempted_ = 0;
   size_t barred_ = 0;     // invocations that waited for the end of a reservation, when it was looked
@@ -789,7 +801,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
-  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0;
+  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0, undone = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
@@ -800,6 +812,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     by_class += simulation.by_class();
     fallen += simulation.fallen();
     timed_out += simulation.timed_out();
+    undone += simulation.undone();
     if (HasFailure()) break;
   }
   if (only < 0 && first == 0 && seeds >= 300) {
@@ -809,6 +822,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(by_class, static_cast<size_t>(seeds) / 3) << "of classes of operations";
     EXPECT_GT(fallen, static_cast<size_t>(seeds) / 30) << "of what has to hold and falls";
     EXPECT_GT(timed_out, static_cast<size_t>(seeds) / 30) << "of times of nodes";
+    EXPECT_GT(undone, static_cast<size_t>(seeds) / 30) << "of what is undone";
   }
 }
 

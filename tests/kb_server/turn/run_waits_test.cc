@@ -63,5 +63,74 @@ TEST_F(RunWaitsTest, RunsThatWaitForEachOtherAreNamed) {
   }
 }
 
+// Two invokes that name their robots, and a third robot that is free.
+TEST_F(RunWaitsTest, RunsThatWaitForRobotsOfTheirInvokesAreNamed) {
+  Turn(Tell(test::FreeRobots({"R3"}, "drive")));
+  const auto node = [](const std::string& name, const std::string& of) {
+    return absl::StrCat("<node name=\"", name,
+                        "\"><invoke operation=\"drive\"><ext:input part=\"robot\" variable=\"", of,
+                        "\"/></invoke></node>");
+  };
+  Turn(Put(Document::Kind::kCawl, "t.xml",
+           absl::StrCat("<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F\">"
+                        "<variable name=\"first\"/><variable name=\"second\"/><source name=\"s\"/>",
+                        node("A", "first"), node("B", "second"),
+                        "<sink name=\"e\"/><link from=\"s\" to=\"A\"/><link from=\"A\" to=\"B\"/>"
+                        "<link from=\"B\" to=\"e\"/></flow></CAWL>")));
+  const CommandId one = Begin("R1", "R2"), two = Begin("R2", "R1");
+  Turn(test::Report(one, CommandReport::Outcome::kSucceeded));
+  Turn(test::Report(two, CommandReport::Outcome::kSucceeded));
+  const std::string waits = Waits("F-1");
+  EXPECT_THAT(waits, HasSubstr("runs wait for each other"));
+  EXPECT_THAT(waits, AllOf(HasSubstr("R2>, which is"), HasSubstr("held by run F-2")));
+  EXPECT_THAT(waits, Not(HasSubstr("R3")));
+  EXPECT_THAT(waits, Not(HasSubstr("held by run F-1:")));
+}
+
+// A node of two invokes, each of which waits for a robot of another run: one of these waits for the first.
+TEST_F(RunWaitsTest, EachInvocationThatWaitsMayBeOfACircle) {
+  Turn(Tell(test::FreeRobots({"R3"}, "drive")));
+  const auto drive = [](const std::string& of) {
+    return absl::StrCat("<invoke operation=\"drive\"><ext:input part=\"robot\" variable=\"", of,
+                        "\"/></invoke>");
+  };
+  Turn(Put(Document::Kind::kCawl, "t.xml",
+           absl::StrCat("<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F\">"
+                        "<variable name=\"first\"/><variable name=\"second\"/><variable name=\"third\"/>"
+                        "<source name=\"s\"/><node name=\"A\">",
+                        drive("first"), "</node><node name=\"B\">", drive("third"), drive("second"),
+                        "</node><sink name=\"e\"/><link from=\"s\" to=\"A\"/><link from=\"A\" to=\"B\"/>"
+                        "<link from=\"B\" to=\"e\"/></flow></CAWL>")));
+  const auto begin = [this](const char* first, const char* second, const char* third) {
+    return Turn(test::Start("T/F", {{"first", test::Iri(first)},
+                                    {"second", test::Iri(second)},
+                                    {"third", test::Iri(third)}}))
+        .record.commands.at(0)
+        .id;
+  };
+  const CommandId one = begin("R1", "R2", "R3"), two = begin("R2", "R1", "R1");
+  begin("R3", "R3", "R3");
+  Turn(test::Report(one, CommandReport::Outcome::kSucceeded));
+  Turn(test::Report(two, CommandReport::Outcome::kSucceeded));
+  EXPECT_THAT(Waits("F-1"), HasSubstr("runs wait for each other"));
+}
+
+TEST_F(RunWaitsTest, ARunThatIsToUndoWhatItDidWaitsForTheEndOfIt) {
+  Turn(Put(Document::Kind::kCawl, "t.xml",
+           "<CAWL name=\"T\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><flow name=\"F\">"
+           "<variable name=\"first\"/><variable name=\"second\"/><source name=\"s\"/>"
+           "<node name=\"A\" ext:compensate=\"drive\"><invoke operation=\"drive\"/></node>"
+           "<sink name=\"e\"/><link from=\"s\" to=\"A\"/><link from=\"A\" to=\"e\"/></flow></CAWL>"));
+  const CommandId one = Begin("R1", "R2");
+  WriteBatch cancel;
+  RunRequest request;
+  request.kind = RunRequest::Kind::kCancel;
+  request.target = "F-1";
+  request.compensates = true;
+  cancel.run_requests.push_back(request);
+  Turn(cancel);
+  EXPECT_THAT(Waits("F-1"), HasSubstr("the end of command " + one.value()));
+}
+
 }  // namespace
 }  // namespace docent::server

@@ -10,7 +10,7 @@
 
 namespace docent::engine::test {
 
-// Formats 4 to 11 (docs/reference/file_formats.md).
+// Formats 4 to 12 (docs/reference/file_formats.md).
 inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   const std::string bytes = *EncodeEngineState(state);
   Packed packed;
@@ -23,6 +23,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   AddedIn9(reader, packed);
   reader(packed.last_used);
   AddedIn11(reader, packed);
+  AddedIn12(reader, packed);
   EXPECT_TRUE(reader.AtEnd()) << "a newer format: leave out here what it added";
   ByteWriter writer;
   Fields(writer, packed);
@@ -33,6 +34,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   if (format >= 9) AddedIn9(writer, packed);
   if (format >= 10) writer(packed.last_used);
   if (format >= 11) AddedIn11(writer, packed);
+  if (format >= 12) AddedIn12(writer, packed);
   return writer.Take();
 }
 

@@ -70,10 +70,16 @@ struct OpenCommand {
   }
 };
 
-// One invoke of a node, for one binding of forEach.
+// A command that its invocation no longer waits for, and that has no final report. What succeeds all the same is done.
+struct LateCommand {
+  CommandId id;
+  int step = 0;  // of the RSEL plan, from 1
+};
+
 // In a binding: the variable has no value, also where the run has one.
 inline const Term kNoValue = {};
 
+// One invoke of a node, for one binding of forEach.
 struct InvocationState {
   size_t invoke = 0;    // index in cawl::Node::invokes
   TermBinding binding;  // forEach: the variables of this invocation, in front of the run's
@@ -107,6 +113,10 @@ struct InvocationState {
   bool queued = false;      // pending: it waits for a robot in the waiting room (waiting_room.h)
   bool once =
       false;  // an outcome is unknown and the operation is not idempotent: there is no further attempt
+  std::vector<LateCommand> late;
+  // Of this attempt and those before, where it is not done: something of it was done; how a command ended is not known.
+  bool partly_done = false;
+  bool unknown = false;
 };
 
 // What an invocation has values of its own for, in front of the run's variables.
@@ -173,9 +183,22 @@ struct KeptRun {
 // A node that is done and has ext:compensate, for one binding of its forEach.
 struct DoneStep {
   std::string place;      // "Deliver"; of a sub-flow "Visit-3/Deliver"
-  std::string operation;  // that undoes it
+  std::string operation;  // that undoes it; empty: it cannot be undone
   TermBinding variables;  // when it was done, with the robot that did it
   TimeMicros done_us = 0;
+  std::string stays;  // why it cannot be undone
+};
+
+// The same of a node that has come to an end while commands of it were under way: whether it is done is known when all of these
+// have their final report.
+struct LateStep {
+  std::string place, operation;
+  TermBinding variables;                     // of the run, when the node came to its end
+  std::vector<InvocationState> invocations;  // of the binding: one for each invoke
+  // What these are of. The run may have ended since.
+  cawl::DocumentPtr document;
+  size_t flow = 0;
+  size_t node = 0;
 };
 
 // A run that undoes what it did, then ends.
@@ -186,6 +209,7 @@ struct Undoing {
   RunId child;                      // that undoes a step now
   std::string current;              // this step, for people
   std::vector<std::string> failed;  // steps that could not be undone, and why
+  bool undid = false;               // some step
 };
 
 // The timer of a run that had more to do than its turn allows: it goes on with the next turn of the clock. That one may be
@@ -212,7 +236,8 @@ struct Run {
   TimeMicros paused_since_us = 0;    // by that or by a pause of a run that it is nested in; 0: it goes on
 
   std::vector<DoneStep> done_steps;  // in order of completion
-  std::optional<Undoing> undoing;    // no node of its flow goes on any more
+  std::vector<LateStep> late_steps;
+  std::optional<Undoing> undoing;  // no node of its flow goes on any more
 
   FlowGraphPtr graph;  // of its flow; null until it is first needed
   size_t counted = 0;  // its part of the engine's nodes_live

@@ -57,6 +57,7 @@ constexpr std::array kNames = {
     Name{kDocentNs, "pauseReason"},
     Name{kDocentNs, "notBefore"},
     Name{kDocentNs, "wantedCapability"},
+    Name{kDocentNs, "wantedRobot"},
     Name{kDocentNs, "forValue"},
     Name{kDocentNs, "load"},
     Name{kDocentNs, "lastUsed"},

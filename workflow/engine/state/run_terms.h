@@ -57,6 +57,7 @@ enum class RunTerm : uint8_t {
   kPauseReason,
   kNotBefore,
   kWantedCapability,
+  kWantedRobot,
   kForValue,
   kLoad,
   kLastUsed,
