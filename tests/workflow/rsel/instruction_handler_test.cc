@@ -162,6 +162,32 @@ TEST(InstructionHandler, CancelTellsWhatStillRuns) {
   EXPECT_THAT(h.TakeReady(), IsEmpty());
 }
 
+TEST(InstructionHandler, WhatSucceedsThoughItWasCancelledIsDone) {
+  InstructionHandler handler = Started("<invoke operation=\"a\"/><invoke operation=\"b\"/>");
+  ASSERT_THAT(handler.TakeReady(), SizeIs(1));
+  ASSERT_TRUE(handler.Succeeded(1, 1, {}));
+  ASSERT_THAT(handler.TakeReady(), SizeIs(1));
+  handler.Cancel("fire");
+  InstructionHandler other = handler;
+  EXPECT_FALSE(handler.Succeeded(2, 1, {})) << "it no longer waits for it";
+  EXPECT_FALSE(handler.SucceededLate(1, {})) << "it is done";
+  EXPECT_EQ(handler.state(), State::kCancelled);
+  EXPECT_TRUE(handler.SucceededLate(2, {{"booth", kBooth}}));
+  EXPECT_EQ(handler.state(), State::kDone);
+  EXPECT_EQ(handler.reason(), "");
+  EXPECT_FALSE(other.SucceededLate(3, {})) << "there is no such step";
+  EXPECT_EQ(other.state(), State::kCancelled);
+}
+
+TEST(InstructionHandler, OneStepThatSucceedsLateIsNotAll) {
+  InstructionHandler handler = Started("<invoke operation=\"a\"/><invoke operation=\"b\"/>");
+  ASSERT_THAT(handler.TakeReady(), SizeIs(1));
+  handler.Cancel("fire");
+  EXPECT_TRUE(handler.SucceededLate(1, {}));
+  EXPECT_EQ(handler.state(), State::kCancelled);
+  EXPECT_EQ(handler.step_state(1), InstructionHandler::StepState::kDone);
+}
+
 TEST(InstructionHandler, ReportsOfWhatNeverRanAreIgnored) {
   InstructionHandler h = Started("<invoke operation=\"a\"/><invoke operation=\"b\"/>");
   EXPECT_FALSE(h.Succeeded(1, 1, {}));
