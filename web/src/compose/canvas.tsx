@@ -207,7 +207,7 @@ function Flow(props: CanvasProps) {
         const bad = badLinks.has(link.key);
         return [{
           id: link.key, source, target, type: "link", selected: props.selectedLinks.has(link.key), ariaLabel: `Link from ${link.from} to ${link.to}`,
-          className: `${link.kind}${link.stale ? " stale" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
+          className: `${link.kind}${link.stale ? " unmended" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
           data: { link, onInsert: (key: string) => props.onQuickAdd({ link: key }) },
           markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" },
         }];

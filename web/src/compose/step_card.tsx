@@ -23,7 +23,7 @@ export const StepCard = memo(function StepCard({ data, selected, isConnectable }
   const { step } = data;
   // Not "source" and "sink": the canvas takes what has the class "source" for a handle.
   const shape = step.kind === "node" ? "node" : step.kind === "source" ? "begin" : "end";
-  const classes = `step ${shape}${selected ? " selected" : ""}${step.stale ? " stale" : ""}${data.state ? ` run-${data.state}` : ""}`;
+  const classes = `step ${shape}${selected ? " selected" : ""}${step.stale ? " unmended" : ""}${data.state ? ` run-${data.state}` : ""}`;
   const handles = (
     <>
       {step.kind !== "source" && <Handle type="target" position={Position.Top} isConnectable={isConnectable && !step.stale} />}
