@@ -249,7 +249,7 @@ function Flow(props: CanvasProps) {
 
   return (
     <div
-      className={`canvas${calm ? " calm" : ""}`} ref={pane}
+      className={`canvas${calm ? " calm" : ""}`} ref={pane} tabIndex={-1} // a click beside the steps gives it the keys
       onPointerDownCapture={() => document.getSelection()?.removeAllRanges()} // text that is selected elsewhere is no longer meant
       onDragOver={(e) => {
         if (!dragged.what) return;
