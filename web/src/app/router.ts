@@ -1,6 +1,7 @@
 // Addresses of views: every view is a URL that restores it. Paths only; what a view keeps beside its name is in the query.
 // The time that a view shows is in the query as well, and the paths of those that can show the past take it along (past.ts).
 import { useSyncExternalStore } from "react";
+import { leaveField } from "../ui/typed";
 import { followAddress, timeInAddress } from "../api/past";
 
 export type Route =
@@ -65,7 +66,14 @@ function changed() {
 }
 // To be called once, at the start.
 export function startRouter() {
-  window.addEventListener("popstate", changed);
+  window.addEventListener("popstate", () => {
+    const { href } = window.location;
+    leaveField(); // in the view that is left
+    if (window.location.href !== href) window.history.replaceState(null, "", href); // that view may have written its new address here
+    changed();
+  });
+  // Before anything keeps what is written: a reload, or another site.
+  for (const event of ["beforeunload", "pagehide"]) window.addEventListener(event, leaveField, { capture: true });
   followAddress();
 }
 
