@@ -132,19 +132,26 @@ function Flow(props: CanvasProps) {
   const active = isIn("running") ?? isIn("waiting") ?? "";
   const latestNodes = useRef(fromModel);
   latestNodes.current = fromModel;
+  const bring = (key: string) => {
+    const node = latestNodes.current.find((n) => n.id === key);
+    const box = pane.current?.getBoundingClientRect();
+    if (!node || !box || box.width === 0) return;
+    const { x, y, zoom } = flow.getViewport();
+    const middle = { x: node.position.x + (node.width ?? 0) / 2, y: node.position.y + (node.height ?? 0) / 2 };
+    const within = (at: number, size: number, room: number) => at >= size / 2 && at <= room - size / 2;
+    if (within(middle.x * zoom + x, (node.width ?? 0) * zoom, box.width) && within(middle.y * zoom + y, (node.height ?? 0) * zoom, box.height)) return;
+    void flow.setViewport({ x: box.width / 2 - middle.x * zoom, y: box.height / 2 - middle.y * zoom, zoom }, { duration: lessMotion() ? 0 : 190 });
+  };
   useEffect(() => {
-    const t = window.setTimeout(() => {
-      const node = latestNodes.current.find((n) => n.id === active);
-      const box = pane.current?.getBoundingClientRect();
-      if (!node || !box) return;
-      const { x, y, zoom } = flow.getViewport();
-      const middle = { x: node.position.x + (node.width ?? 0) / 2, y: node.position.y + (node.height ?? 0) / 2 };
-      const within = (at: number, size: number, room: number) => at >= size / 2 && at <= room - size / 2;
-      if (within(middle.x * zoom + x, (node.width ?? 0) * zoom, box.width) && within(middle.y * zoom + y, (node.height ?? 0) * zoom, box.height)) return;
-      void flow.setViewport({ x: box.width / 2 - middle.x * zoom, y: box.height / 2 - middle.y * zoom, zoom }, { duration: lessMotion() ? 0 : 190 });
-    }, 120); // after the whole flow was shown
+    const t = window.setTimeout(() => bring(active), 120); // after the whole flow was shown
     return () => window.clearTimeout(t);
   }, [flow, active]);
+  // So does the step of the address, once.
+  const [asked] = useState(() => (props.selected.size === 1 ? ([...props.selected][0] ?? "") : ""));
+  useEffect(() => {
+    const t = window.setTimeout(() => bring(asked), 340); // when the whole flow stands
+    return () => window.clearTimeout(t);
+  }, [flow, asked]);
   const count = shown.steps.length;
   const placedByHand = placed(shown.steps);
   useEffect(() => {

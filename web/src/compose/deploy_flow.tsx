@@ -14,7 +14,16 @@ const nodeTypes = { step: StepCard };
 const edgeTypes = { link: LinkEdge };
 const words: Record<Change, string> = { new: "new", changed: "changed", gone: "goes" };
 const readable = 0.6; // of a card's full size
+const smallest = 0.45;
 const nobody: ReadonlySet<string> = new Set();
+
+// Where not all of it can be read at once: its beginning, with whole steps at the left.
+export function beginning(bounds: { x: number; y: number; width: number }, room: number): { x: number; y: number; zoom: number } {
+  const margin = 16;
+  const zoom = Math.max(smallest, Math.min(readable, (room - 2 * margin) / bounds.width));
+  const x = bounds.width * zoom <= room - 2 * margin ? room / 2 - (bounds.x + bounds.width / 2) * zoom : margin - bounds.x * zoom;
+  return { x, y: margin - bounds.y * zoom, zoom };
+}
 
 export function DeployFlow(props: DeployFlowProps) {
   return (
@@ -56,8 +65,7 @@ function Drawing(props: DeployFlowProps) {
       const top = Math.min(...shown.map((n) => n.position.y));
       const bounds = { x: left, y: top, width: Math.max(...shown.map((n) => n.position.x + stepWidth)) - left, height: Math.max(...shown.map((n) => n.position.y + (n.height ?? 0))) - top };
       const fitting = getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.12);
-      // Where not all of it can be read at once, its beginning.
-      if (box.clientWidth > 0) void view.setViewport(fitting.zoom >= readable ? fitting : { x: box.clientWidth / 2 - (bounds.x + bounds.width / 2) * readable, y: 16 - bounds.y * readable, zoom: readable });
+      if (box.clientWidth > 0) void view.setViewport(fitting.zoom >= readable ? fitting : beginning(bounds, box.clientWidth));
     });
     observer.observe(box);
     return () => observer.disconnect();
