@@ -26,7 +26,7 @@ export function PalettePanel(props: { palette: PaletteData; name: string; onAdd:
       <div className="palette-list">
         {typed === "" && (
           <section>
-            <h3>Basics</h3>
+            <h2>Basics</h2>
             <PaletteItem what={{ kind: "empty", title: "Step" }} title="Empty step" detail="waits for a situation" onAdd={props.onAdd} />
           </section>
         )}
@@ -38,7 +38,7 @@ export function PalettePanel(props: { palette: PaletteData; name: string; onAdd:
           if (entries.length === 0 && (typed !== "" || props.palette.error || props.palette.loading)) return null;
           return (
             <section key={group.kind}>
-              <h3>{group.title}</h3>
+              <h2>{group.title}</h2>
               {entries.length > 0 && typed === "" && <p className="faint small palette-hint">{group.says}</p>}
               {entries.length === 0 && <p className="faint small palette-hint">{group.hint}</p>}
               {entries.map((e) => <PaletteItem key={e.id} what={e} title={e.title} detail={e.detail} onAdd={props.onAdd} />)}

@@ -78,7 +78,7 @@ function Section(props: { title: string; children: ReactNode; folded?: boolean }
   const [open, setOpen] = useState(!props.folded);
   return (
     <section className="property-section">
-      <h3><button aria-expanded={open} onClick={() => setOpen(!open)}><ChevronDown size={13} />{props.title}</button></h3>
+      <h2><button aria-expanded={open} onClick={() => setOpen(!open)}><ChevronDown size={13} />{props.title}</button></h2>
       {open && <div className="property-body">{props.children}</div>}
     </section>
   );

@@ -87,7 +87,7 @@ export function SimulatePanel(props: SimulatePanelProps) {
                 {result.reply.stopped && <p className="notice wait"><CircleAlert size={14} />{noteWords(result.reply.stopped)}</p>}
                 {result.reply.poses.length > 0 && <SimulateHall poses={result.reply.poses} atS={head.afterS} />}
                 <section className="simulate-part" aria-label="Tell a fact">
-                  <h3>Tell a fact</h3>
+                  <h2>Tell a fact</h2>
                   <p className="faint">It is known in the simulation alone; nothing reaches the real graph.</p>
                   <TellForm atS={head.afterS} names={names} onTell={simulation.tell} />
                 </section>
@@ -138,7 +138,7 @@ function Notes({ simulation, names }: { simulation: Simulations; names: Names })
   const lacks = reply.waits.filter((w) => w.node === activatorNode).flatMap((w) => lacksOf(w.missing, names)).filter((lack) => lack.row);
   return (
     <section className="simulate-part" aria-label="What was assumed">
-      <h3>What was assumed</h3>
+      <h2>What was assumed</h2>
       <ul className="faint">
         {reply.notes.map((note) => <li key={note}>{noteWords(note)}</li>)}
         {lacks.length > 0 && <li>To start it waits for {lacks.map((lack) => <code key={lack.text}>{lack.text} </code>)}</li>}

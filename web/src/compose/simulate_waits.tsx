@@ -20,7 +20,7 @@ export function SimulateWaits({ reply, ...props }: TellProps & { reply: Simulate
   if (waits.length === 0 && !reply.pending) return null;
   return (
     <section className="simulate-part" aria-label="What is missing">
-      <h3 className="row"><Hourglass size={13} />It ends waiting</h3>
+      <h2 className="row"><Hourglass size={13} />It ends waiting</h2>
       {waits.map((wait) => <Wait key={wait.node} wait={wait} {...props} />)}
       {reply.pending && <p>{plainIris(reply.pending)}</p>}
     </section>
