@@ -6,13 +6,14 @@ import { plain } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { clockMinutes, timeTitle } from "../api/times";
 import { type DraftSync, versionWords } from "./draft_sync";
-import { liveOf, type LiveVersion } from "./load_document";
+import { isDeployed, liveOf, type LiveVersion } from "./load_document";
 
 const lookMs = 3000;
 
 // Undefined: the server does not say. Texts are asked for only where another version is live.
 export async function askLive(name: string, known: LiveVersion | null, signal?: AbortSignal): Promise<LiveVersion | null> {
   const options = signal ? { signal } : {};
+  if (!known && !(await isDeployed(name, signal))) return null; // to ask for versions of what has none is an error
   const { versions } = await workflows.listVersions({ workflow: name }, options);
   const now = versions.find((v) => v.live) ?? versions.at(-1);
   if (!now || (known && now.number === known.number && now.timeUs === known.timeUs)) return null;
@@ -22,6 +23,7 @@ export async function askLive(name: string, known: LiveVersion | null, signal?: 
 // The number of the version that new runs start with; 0: none does. Undefined: the server does not say.
 export async function liveNumber(name: string): Promise<number | undefined> {
   try {
+    if (!(await isDeployed(name))) return 0;
     return (await workflows.listVersions({ workflow: name })).versions.find((v) => v.live)?.number ?? 0;
   } catch (failure) {
     return plain(failure).kind === "missing" ? 0 : undefined;

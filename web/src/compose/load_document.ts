@@ -25,11 +25,12 @@ export async function loadDocument(name: string): Promise<Loaded> {
   let hidden = false;
   let error: PlainError | null = null;
   try {
-    versions = (await workflows.listVersions({ workflow: name, withTexts: true })).versions;
+    // Of what was never deployed, the server has no versions to tell.
+    if (!draft || draft.base !== "" || (await isDeployed(name))) versions = (await workflows.listVersions({ workflow: name, withTexts: true })).versions;
     live = liveOf(versions);
   } catch (failure) {
     const words = plain(failure);
-    if (words.kind === "unable") hidden = await isDeployed(name);
+    if (words.kind === "unable") hidden = await isDeployed(name).catch(() => false);
     else if (words.kind !== "missing") error = words;
   }
   const kept = draft ? null : await readServerDraft(name).catch(() => null);
@@ -48,10 +49,7 @@ export function baseAt(versions: readonly LiveVersion[], ms: number): string | n
   return versions.findLast((v) => Number(v.timeUs) / 1000 <= ms)?.text ?? null;
 }
 
-async function isDeployed(name: string): Promise<boolean> {
-  try {
-    return (await workflows.list({})).workflows.some((w) => w.name === name);
-  } catch {
-    return false;
-  }
+// Throws what is wrong with the call.
+export async function isDeployed(name: string, signal?: AbortSignal): Promise<boolean> {
+  return (await workflows.list({}, signal ? { signal } : {})).workflows.some((w) => w.name === name);
 }
