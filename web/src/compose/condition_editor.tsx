@@ -13,7 +13,7 @@ import { TellDialog } from "../operate/tell";
 import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
 import type { Lack, NearestMiss } from "./nearest_miss";
 import { patternWords, termName, valuesWords } from "./term_name";
-import { ofClass, type Vocabulary, type Word } from "./vocabulary";
+import { ofClass, useVerbsOfClasses, verbsFor, verbWordsToFind, type Vocabulary, type Word } from "./vocabulary";
 import "./condition.css";
 
 export interface ConditionProps {
@@ -37,6 +37,8 @@ export function ConditionEditor(props: ConditionProps) {
   const kinds = new Map(props.variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const live = useLive(props.document, asks.map((a) => ({ ...a, ask: ofKinds(props.document, a.ask, rowsOf(a.id, rows), kinds) })));
   const choices = useChoices(props);
+  const prefixes = useMemo(() => prefixesOf(props.document), [props.document]);
+  const used = useVerbsOfClasses(rows.map(({ constraint }) => classOf(constraint.subject, props)).filter(Boolean), prefixes);
   if (!condition)
     return (
       <div className="condition-none">
@@ -50,7 +52,7 @@ export function ConditionEditor(props: ConditionProps) {
       {condition.contexts.map((context, c) => (
         <div key={c}>
           {c > 0 && <div className="condition-or">or</div>}
-          <ContextCard {...props} condition={condition} context={context} index={c} live={live} choices={choices} />
+          <ContextCard {...props} condition={condition} context={context} index={c} live={live} choices={choices} used={used} />
         </div>
       ))}
       <button className="button plain small" onClick={() => props.edit((e) => e.addContext(condition, props.firstWords))}><Plus size={13} />Or another situation</button>
@@ -70,7 +72,6 @@ export function rowsOf(id: string, rows: readonly { id: string; constraint: Cons
 
 interface Choices {
   subjects: Choice[];
-  verbs: Choice[];
   objects: Choice[];
   classes: Choice[];
 }
@@ -83,16 +84,25 @@ function useChoices(props: ConditionProps): Choices {
     const things = vocabulary.things.map(thingChoice);
     return {
       subjects: [...own, ...free, ...things],
-      verbs: [{ value: "a", label: "is a" }, ...vocabulary.verbs.map((w) => ({ value: w.term, label: w.label, use: w.use }))],
       objects: [...own, ...free, { value: "true", group: "Values" }, { value: "> 0", label: "more than", group: "Values" }, ...things],
       classes: vocabulary.classes.map((w) => ({ value: w.term, label: w.label, use: w.use })),
     };
   }, [vocabulary, variables]);
 }
 
+// Of which class a subject is, as far as the document or the graph says; empty: not known.
+function classOf(slot: { text: string; type: string }, props: Pick<ConditionProps, "part" | "variables" | "vocabulary">): string {
+  if (slot.type) return slot.type;
+  const text = slot.text.trim();
+  if (!/^[?$]/.test(text)) return props.vocabulary.things.find((t) => t.term === text)?.classes?.[0] ?? "";
+  const same = (other: string) => other.trim().slice(1) === text.slice(1) && /^[?$]/.test(other.trim());
+  const told = props.part.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject, k.object]))).find((s) => s.type && same(s.text))?.type;
+  return told ?? props.variables.find((v) => v.name === text.slice(1))?.type ?? "";
+}
+
 const thingChoice = (w: Word): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" });
 
-type CardProps = ConditionProps & { condition: Condition; context: Context; index: number; live: ReadonlyMap<string, Live>; choices: Choices };
+type CardProps = ConditionProps & { condition: Condition; context: Context; index: number; live: ReadonlyMap<string, Live>; choices: Choices; used: ReadonlyMap<string, ReadonlyMap<string, number>> };
 
 function ContextCard(props: CardProps) {
   const { condition, context, index, live, edit } = props;
@@ -140,11 +150,14 @@ function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; 
   const typed = constraint.subject.type || constraint.object.type;
   // Of the kind that the row says, where it says one.
   const offered = (which: "subject" | "object", all: readonly Choice[]) => (constraint[which].type ? [...all.filter((c) => c.group !== "In the graph now"), ...ofClass(props.vocabulary, constraint[which].type).map(thingChoice)] : all);
+  const type = classOf(constraint.subject, props);
+  const used = props.used.get(type);
+  const verbs = useMemo(() => [{ value: "a", label: "is a" }, ...verbsFor(props.vocabulary, type, used).map((w): Choice => ({ value: w.term, label: w.label, use: w.use, words: verbWordsToFind(w) }))], [props.vocabulary, type, used]);
   return (
     <div className="constraint">
       <div className="constraint-words">
         <Combo label="Subject" placeholder="who or what" value={constraint.subject.text} choices={offered("subject", choices.subjects)} onChange={set("subject")} />
-        <Combo label="Verb" placeholder="is or has" value={constraint.verb.text} choices={choices.verbs} onChange={set("verb")} className="verb" />
+        <Combo label="Verb" placeholder="is or has" value={constraint.verb.text} choices={verbs} onChange={set("verb")} className="verb" />
         <Combo label="Object" placeholder="what" value={constraint.object.text} choices={constraint.verb.text === "a" ? choices.classes : offered("object", choices.objects)} onChange={set("object")} />
         <button className="button plain icon small" aria-label="Remove this row" title="Remove this row" onClick={() => edit((e) => e.removeConstraint(props.condition, props.context, props.rule, constraint))}><X size={13} /></button>
       </div>
