@@ -34,18 +34,21 @@ function kindWords(v: StartVariable): string {
 function needWords(v: StartVariable): string {
   return v.need === "set" ? shownValue(v.initial) : { needed: "needed", found: "found by a condition", made: "made by its steps", any: "one that is free" }[v.need];
 }
+function isText(v: StartVariable): boolean {
+  return v.type === "xsd:string" || (v.type === "" && v.name === "text");
+}
 // "user and booth"
 function listed(variables: readonly StartVariable[]): string {
   const all = variables.map((v) => words(v.name).toLowerCase());
   return all.length < 2 ? all.join("") : `${all.slice(0, -1).join(", ")} and ${all.at(-1)}`;
 }
 
-// One field a variable; things of its class are offered.
-export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; onChange: (values: Record<string, string>) => void }) {
+// One field a variable; things of its class are offered. `live`: each key counts, so that what is missing is known while somebody types.
+export function StartFields(props: { variables: readonly StartVariable[]; values: Readonly<Record<string, string>>; vocabulary: Vocabulary; live?: boolean; onChange: (values: Record<string, string>) => void }) {
   return props.variables.map((v) => (
     <div key={v.name} className="property-pair" style={{ alignItems: "center" }}>
       <span>{words(v.name)} <span className="faint small">{kindWords(v)}</span></span>
-      <Combo label={v.name} placeholder={needWords(v)} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
+      <Combo label={v.name} placeholder={needWords(v)} text={isText(v)} live={props.live ?? false} value={props.values[v.name] ?? ""} onChange={(value) => props.onChange({ ...props.values, [v.name]: value })} choices={ofClass(props.vocabulary, v.type).map((t) => ({ value: t.term, label: t.label, use: t.use }))} />
     </div>
   ));
 }
@@ -77,7 +80,7 @@ export function StartDialog(props: {
       <div className="sheet-head"><h2 className="grow">Start {props.workflow}</h2><button className="button plain icon small" aria-label="Close" onClick={props.onClose}><X size={15} /></button></div>
       <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
         <p className="quiet">{needed.length > 0 ? `It needs ${listed(needed)}.` : "It needs no values."}{found.length > 0 && ` ${listed(found).replace(/^./, (c) => c.toUpperCase())} ${found.length === 1 ? "is" : "are"} found by its conditions, where nothing is given.`}</p>
-        <StartFields variables={variables} values={values} vocabulary={props.vocabulary} onChange={setValues} />
+        <StartFields variables={variables} values={values} vocabulary={props.vocabulary} live onChange={setValues} />
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
       </div>
       <div className="sheet-foot">
