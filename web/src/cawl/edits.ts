@@ -212,6 +212,21 @@ export class Edits {
     this.push(last ? this.layout.insertAfter(last.element, content) : this.layout.insertFirst(flow.element, content));
   }
 
+  // The value that a variable of the flow begins with, where nothing gives it another; empty: none. Declares it where it is not.
+  setInitial(flow: Flow, name: string, expression: string, type = "") {
+    const found = flow.variables.find((v) => v.name === name);
+    const initialize = found?.element.children.find((c) => c.local === "initialize");
+    const from = initialize?.children.find((c) => c.local === "from");
+    if (expression === "") return initialize && found ? this.push(this.layout.removeAndClose(initialize)) : undefined;
+    if (from) return this.set(from, "expression", expression);
+    const begins: Piece = { name: "initialize", children: [{ name: "from", attributes: [["expression", expression]] }] };
+    if (found) return this.push(this.layout.insertFirst(found.element, (indent) => this.layout.render(begins, indent)));
+    const piece: Piece = { name: "variable", attributes: type ? [["name", name], ["type", type]] : [["name", name]], children: [begins] };
+    const last = flow.variables.at(-1);
+    const content = (indent: string) => this.layout.render(piece, indent);
+    this.push(last ? this.layout.insertAfter(last.element, content) : this.layout.insertFirst(flow.element, content));
+  }
+
   // The same as XML, of another document.
   addVariableText(flow: Flow, written: string) {
     const content = (indent: string) => written.split("\n").map((line, i) => (i === 0 || line.trim() === "" ? line : indent + line)).join(this.layout.newline);

@@ -17,6 +17,7 @@ import { toast } from "../ui/toasts";
 import { Actions, type AddWhere, type NewKind } from "./actions";
 import { useBreakpoints } from "./breakpoints";
 import { Canvas } from "./canvas";
+import { unsetFindings, useCalledFlows } from "./called_flows";
 import { Crumbs } from "./crumbs";
 import { DeployDialog } from "./deploy_dialog";
 import { DraftSync } from "./draft_sync";
@@ -95,9 +96,9 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const serverDraft = useServerDraft(name, session, sync);
   const panels = usePanels();
   const palette = usePalette();
-  const findings = useFindings(session);
+  const checked = useFindings(session);
   const names = useNames();
-  const trials = useTrials(document.name, session.shown.text, findings);
+  const trials = useTrials(document.name, session.shown.text, checked);
   const [panel, setPanel] = useState<"trials" | "simulate" | "">(props.trial === "" ? "" : "trials"); // that is open below the canvas
   const toggle = (which: "trials" | "simulate") => setPanel(panel === which ? "" : which);
   const [tried, setTried] = useState(props.trial); // the run whose trial the canvas shows
@@ -115,6 +116,9 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const prefixes = useMemo(() => prefixesOf(document), [document]);
   const prefixKey = JSON.stringify([...prefixes]);
   const vocabulary = useVocabulary(useMemo(() => new Map(JSON.parse(prefixKey) as [string, string][]), [prefixKey]));
+  const called = useCalledFlows(document, palette.entries);
+  const unset = useMemo(() => unsetFindings(document, called, palette.entries, vocabulary), [document, called, palette.entries, vocabulary]);
+  const findings = useMemo(() => (unset.length > 0 ? { ...checked, list: [...checked.list, ...unset] } : checked), [checked, unset]);
   const serviceKey = palette.entries.filter((e) => e.kind === "service").map((e) => e.id).join("\n");
   const serviceNames = useMemo(() => new Set(serviceKey.split("\n")), [serviceKey]);
 
@@ -160,7 +164,7 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const quickAdd = useCallback((where: AddWhere) => setOpen({ what: "add", where }), []);
   const addFrom = (what: NewKind) => actions.add(what, chosenLinks[0] && !only ? { link: chosenLinks[0].key } : only && only.kind !== "sink" ? { after: only.key } : where(shown));
   const onFix = useCallback((finding: Finding) => {
-    if (session.text !== findingsText.current) return toast("bad", "The text has changed since", "The check runs again; then the remedy fits.");
+    if (session.text !== (finding.of ?? findingsText.current)) return toast("bad", "The text has changed since", "The check runs again; then the remedy fits.");
     session.change(finding.fix);
     toast("good", "Mended", finding.message);
   }, [session]);
@@ -272,7 +276,7 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
         <aside className="dock" style={{ width: panels.width }} aria-label="Properties and text">
           <div className="dock-grip" role="separator" aria-orientation="vertical" aria-label="Width of the text" aria-valuenow={panels.width} aria-valuemin={320} aria-valuemax={Math.max(320, window.innerWidth - 420)} tabIndex={0} onPointerDown={panels.grip} onKeyDown={panels.gripKeys} />
           <div className="dock-properties">
-            {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} runs={trials.list} />}
+            {shown && document.root && <Properties session={session} document={document} flow={shown.flow} steps={chosenSteps} links={chosenLinks} actions={actions} findings={findings.list} compiled={findings.conditions} palette={palette.entries} called={called} vocabulary={vocabulary} onFix={onFix} onJump={onJump} onCopy={() => copy()} runs={trials.list} />}
           </div>
           <TextPane session={session} findings={findings.list} onFix={onFix} onCaret={(offset) => {
             const part = partAt(session.shown, offset);

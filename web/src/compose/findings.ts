@@ -19,6 +19,8 @@ export interface Finding {
   step: string;
   link: string;
   fix: { from: number; to: number; insert: string }[];
+  remedy?: string; // what the fix does, in words
+  of?: string; // the text that it was found in; absent: the one that was checked
 }
 export interface Findings {
   list: Finding[];

@@ -11,11 +11,11 @@ export function FindingRow(props: { finding: Finding; onFix: (finding: Finding) 
         {finding.error ? <CircleAlert size={14} aria-label="error" /> : <TriangleAlert size={14} aria-label="warning" />}
         <span>
           {finding.message}
-          {finding.hint && <span className="faint"> {finding.hint}</span>}
+          {finding.hint && <span className="finding-hint faint">{finding.hint.replace(/^[a-z](?=[a-z]*[ ,])/, (c) => c.toUpperCase())}</span>}
         </span>
         {props.place && <span className="finding-place faint">{props.place}</span>}
       </button>
-      {finding.fix.length > 0 && <button className="button small" onClick={() => props.onFix(finding)}><WandSparkles size={13} />Mend it</button>}
+      {finding.fix.length > 0 && <button className="button small" onClick={() => props.onFix(finding)}><WandSparkles size={13} />{finding.remedy ?? "Mend it"}</button>}
     </li>
   );
 }

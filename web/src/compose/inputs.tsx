@@ -1,6 +1,8 @@
 // What a step gives to the operation, service or workflow that it invokes: for each input a value of the run, or one of its own.
+import type { Source } from "../cawl/called";
 import type { Invoke, Variable } from "../cawl/document";
 import { words } from "../cawl/names";
+import { termWords } from "../cawl/phrases";
 import { isText, shownValue, writtenValue } from "../cawl/values";
 import { Combo, type Choice } from "../ui/combo";
 import { toast } from "../ui/toasts";
@@ -9,7 +11,8 @@ import { ofClass, type Vocabulary } from "./vocabulary";
 
 type Input = PaletteEntry["inputs"][number];
 
-export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string; onSet: (input: Input, expression: string) => void }) {
+// `source`: where the variable of an input's name has its value from, where that is known.
+export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string; source?: (input: Input) => Source; onSet: (input: Input, expression: string) => void }) {
   const { entry, invoke, variables } = props;
   return (
     <div className="invoke-inputs">
@@ -24,17 +27,35 @@ export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: 
             toast("bad", `${words(input.name)} stays as it was`, error instanceof Error ? error.message : "");
           }
         };
+        const source = own === undefined ? props.source?.(input) : undefined;
+        const lacks = source?.from === "none" && !input.optional;
         const label = input.name === "text" ? `Text to ${words(entry.id).toLowerCase()}` : words(input.name);
         return (
           <label key={input.name} className="property">
             <span>{label}</span>
-            <Combo label={label} value={own === undefined ? (known && !isText(input) ? `$${input.name}` : "") : shownValue(own)} choices={choicesOf(input, props)} onChange={set}
-              placeholder={known?.initial ? shownValue(known.initial) : known ? `$${input.name}, as the run has it` : input.optional ? "any" : isText(input) ? "write the text" : "choose one"} />
+            <Combo label={label} value={own === undefined ? (known && !lacks && !isText(input) ? `$${input.name}` : "") : shownValue(own)} choices={choicesOf(input, props)} onChange={set} text={isText(input)}
+              placeholder={lacks ? "nothing gives it a value" : known?.initial ? shownValue(known.initial) : known ? `$${input.name}, as the run has it` : input.optional ? "any" : isText(input) ? "write the text" : "choose one"} />
+            {source && <small className={lacks ? "input-lacks" : "faint"}>{sourceWords(source, input)}</small>}
           </label>
         );
       })}
     </div>
   );
+}
+
+function sourceWords(source: Source, input: Input): string {
+  switch (source.from) {
+    case "initial":
+      return `The run begins with ${termWords(source.value)}`;
+    case "activator":
+      return "Found by the situation that starts the run";
+    case "start":
+      return "Given at the start of the run";
+    case "step":
+      return `Found at ${source.step}`;
+    case "none":
+      return input.optional ? "One that is free" : input.matched ? "Any that fits is taken" : "It has none";
+  }
 }
 
 function choicesOf(input: Input, props: { variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string }): Choice[] {

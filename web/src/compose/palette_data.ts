@@ -6,9 +6,9 @@ import { nameOf } from "../api/labels";
 import { usePoll } from "../api/poll";
 import { query } from "../api/sparql";
 import { kept } from "../api/storage";
-import { prefixesOf, readCawl } from "../cawl/document";
+import { calledFlow, type Taken } from "../cawl/called";
+import { readCawl } from "../cawl/document";
 import { words } from "../cawl/names";
-import { needOf, startFlow } from "../cawl/start_values";
 import { loadDraft } from "./drafts";
 
 export interface PaletteEntry {
@@ -16,8 +16,10 @@ export interface PaletteEntry {
   id: string; // what an invoke names
   title: string;
   detail: string;
-  inputs: { name: string; type: string; optional?: boolean }[]; // types are IRIs
+  inputs: Taken[]; // types are IRIs
+  outputs?: readonly string[]; // names of its results; absent: not known
   uses?: readonly string[]; // operations and services that a service is made of
+  deployed?: number; // of a workflow: the number of the version that new runs begin with
 }
 export interface PaletteData {
   entries: PaletteEntry[];
@@ -44,18 +46,14 @@ export function keepImported(entries: readonly PaletteEntry[]) {
 // A workflow with the values that it begins with, so that the flow that reuses it has them, too.
 export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
   if (entry.kind !== "workflow" || entry.inputs.length > 0) return entry;
-  const text = await workflows.listVersions({ workflow: entry.id, withTexts: true }).then((r) => (r.versions.find((v) => v.live) ?? r.versions.at(-1))?.text, () => undefined) ?? loadDraft(entry.id)?.text;
-  if (!text) return entry;
-  const document = readCawl(text);
-  const flow = startFlow(document);
-  const prefixes = prefixesOf(document);
-  return {
-    ...entry,
-    inputs: (flow?.variables ?? []).filter((v) => v.name && ["needed", "any"].includes(needOf(v, flow, text))).map((v) => {
-      const colon = v.type.indexOf(":");
-      return { name: v.name, type: colon > 0 ? (prefixes.get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "", ...(needOf(v, flow, text) === "any" && { optional: true }) };
-    }),
-  };
+  const text = await liveText(entry.id).catch(() => undefined) ?? loadDraft(entry.id)?.text;
+  const called = text ? calledFlow(readCawl(text), "", () => []) : undefined;
+  return called ? { ...entry, inputs: called.takes } : entry;
+}
+// The text that new runs of a workflow begin with.
+export async function liveText(workflow: string, signal?: AbortSignal): Promise<string | undefined> {
+  const { versions } = await workflows.listVersions({ workflow, withTexts: true }, signal ? { signal } : {});
+  return (versions.find((v) => v.live) ?? versions.at(-1))?.text;
 }
 
 // What robots say that their operations take, by the operation's name.
@@ -71,6 +69,15 @@ async function operationInputs(signal: AbortSignal): Promise<Map<string, Palette
   }
   return found;
 }
+const outputsQuery = `PREFIX docent: <https://w3id.org/docent#> SELECT DISTINCT ?operation ?name { GRAPH ?g { ?operation docent:inputsKnown true OPTIONAL { ?operation docent:output ?name } } } ORDER BY ?operation ?name LIMIT 2000`;
+async function operationOutputs(signal: AbortSignal): Promise<Map<string, string[]>> {
+  const found = new Map<string, string[]>();
+  for (const row of (await query(outputsQuery, signal)).rows) {
+    const operation = decodeURIComponent((row["operation"]?.text ?? "").slice(operationPrefix.length));
+    found.set(operation, [...(found.get(operation) ?? []), ...(row["name"]?.text ? [row["name"].text] : [])]);
+  }
+  return found;
+}
 
 // "takes user, booth"
 function takes(inputs: PaletteEntry["inputs"]): string {
@@ -79,6 +86,7 @@ function takes(inputs: PaletteEntry["inputs"]): string {
 
 export function usePalette(): PaletteData {
   const operations = usePoll("operation inputs", operationInputs, 6000);
+  const outputs = usePoll("operation outputs", operationOutputs, 30_000);
   const polled = usePoll("palette", async (signal) => {
     const [robots, registered, deployed] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal })]);
     const taken = new Set(registered.services.map((s) => s.name));
@@ -87,19 +95,20 @@ export function usePalette(): PaletteData {
     const entries: PaletteEntry[] = [];
     for (const s of registered.services) {
       const inputs = s.inputParts.length > 0 ? s.inputParts.map((p) => ({ name: p.name, type: p.type })) : s.inputs.map((name) => ({ name, type: "" }));
-      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs), uses: s.steps.flatMap((step) => [step.operation, step.service]).filter(Boolean) });
+      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs), outputs: s.outputParts.map((p) => p.name), uses: s.steps.flatMap((step) => [step.operation, step.service]).filter(Boolean) });
     }
     for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
       if (taken.has(operation)) continue;
       entries.push({ kind: "operation", id: operation, title: words(operation), inputs: [], detail: by.length > 2 ? `${by.length} robots` : by.join(", ") });
     }
     for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
-    for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [] });
+    for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [], deployed: w.deployedVersion });
     return entries;
   }, 6000);
   const entries = useMemo(() => (polled.data ?? []).map((e): PaletteEntry => {
     const inputs = e.kind === "operation" ? (operations.data?.get(e.id) ?? []) : [];
-    return inputs.length > 0 ? { ...e, inputs, detail: [takes(inputs), e.detail].filter(Boolean).join(" · ") } : e;
-  }), [polled.data, operations.data]);
+    const gives = e.kind === "operation" ? outputs.data?.get(e.id) : undefined;
+    return { ...e, ...(inputs.length > 0 && { inputs, detail: [takes(inputs), e.detail].filter(Boolean).join(" · ") }), ...(gives && { outputs: gives }) };
+  }), [polled.data, operations.data, outputs.data]);
   return { entries, error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error, again: polled.again };
 }

@@ -2,12 +2,16 @@
 import { ChevronDown, Copy, Plus, Trash2, X } from "lucide-react";
 import { useEffect, useRef, useState, type ReactNode } from "react";
 import { shorten } from "../api/sparql";
-import { type CawlDocument, type Flow, type Link, prefixesOf, type Step } from "../cawl/document";
+import { type CawlDocument, type Flow, type Invoke, type Link, prefixesOf, type Step, type Variable } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
 import { words } from "../cawl/names";
+import { sourceOf } from "../cawl/called";
+import { shownValue, writtenValue } from "../cawl/values";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { Combo, type Choice } from "../ui/combo";
+import { toast } from "../ui/toasts";
 import type { Actions } from "./actions";
+import { type CalledFlows, givesOf } from "./called_flows";
 import { ConditionEditor } from "./condition_editor";
 import type { Finding } from "./findings";
 import { FindingRow } from "./findings_panel";
@@ -17,7 +21,7 @@ import type { Session } from "./session";
 import { KindIcon } from "./step_card";
 import type { Trial } from "./trials";
 import { TryStep } from "./try_step";
-import type { Vocabulary } from "./vocabulary";
+import { ofClass, type Vocabulary } from "./vocabulary";
 import "./properties.css";
 
 export interface PropertiesProps {
@@ -30,6 +34,7 @@ export interface PropertiesProps {
   findings: readonly Finding[];
   compiled: readonly CompiledCondition[];
   palette: readonly PaletteEntry[];
+  called: CalledFlows; // that steps of the document run
   vocabulary: Vocabulary;
   onFix: (finding: Finding) => void;
   onJump: (finding: Finding) => void;
@@ -86,7 +91,7 @@ function Section(props: { title: string; children: ReactNode; folded?: boolean }
 
 function Mine({ findings, onFix, onJump }: { findings: readonly Finding[] } & Pick<PropertiesProps, "onFix" | "onJump">) {
   if (findings.length === 0) return null;
-  return <ul className="property-findings">{findings.map((f) => <FindingRow key={f.id} finding={f} onFix={onFix} onJump={onJump} />)}</ul>;
+  return <ul className="property-findings">{findings.map((f) => <FindingRow key={f.id} finding={f} onFix={onFix} onJump={onJump} />)}</ul>; // below: what stands above keeps its place when one comes
 }
 
 function StepProperties(props: PropertiesProps & { step: Step }) {
@@ -109,7 +114,6 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
         {step.kind === "node" && <button className="button plain icon small" title="Copy" aria-label="Copy" onClick={props.onCopy}><Copy size={14} /></button>}
         <button className="button plain icon small" title="Remove" aria-label="Remove" onClick={() => actions.remove([step.key], [])}><Trash2 size={14} /></button>
       </header>
-      <Mine findings={props.findings.filter((f) => f.flow === flow.key && f.step === step.key)} onFix={props.onFix} onJump={props.onJump} />
       {step.kind === "node" && (
         <>
           <Section title="Opens when">
@@ -121,13 +125,14 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
           <Section title="Does">
             {step.invokes.length === 0 && <p className="faint small">Nothing yet: it is done as soon as it opens.</p>}
             {step.invokes.map((invoke, i) => {
-              const entry = props.palette.find((p) => p.id === invoke.target && (p.kind === "workflow") === (invoke.kind === "subflow"));
+              const entry = entryOf(props, invoke);
+              const source = (input: { name: string }) => sourceOf(document, flow, step, input.name, givesOf(props.palette, props.called));
               return (
                 <div key={i} className="invoke">
                   <KindIcon kind={invoke.kind === "subflow" ? "workflow" : (entry?.kind ?? "operation")} />
                   <Combo label="What it does" value={invoke.target} choices={what} onChange={(value) => edit((e) => (value ? e.setInvoke(invoke, props.palette.find((p) => p.id === value)?.kind === "workflow" ? "subflow" : "operation", value) : e.removeElement(invoke.element)))} />
                   <button className="button plain icon small" aria-label={`Remove ${invoke.target}`} title="Remove" onClick={() => edit((e) => e.removeElement(invoke.element))}><X size={13} /></button>
-                  {entry && entry.inputs.length > 0 && <Inputs entry={entry} invoke={invoke} variables={variables} vocabulary={props.vocabulary} short={(iri) => shorten(iri, prefixes)} onSet={(input, expression) => actions.setInput(invoke, input, expression)} />}
+                  {entry && entry.inputs.length > 0 && <Inputs entry={entry} invoke={invoke} variables={variables} vocabulary={props.vocabulary} short={(iri) => shorten(iri, prefixes)} {...(invoke.kind === "subflow" && { source })} onSet={(input, expression) => actions.setInput(invoke, input, expression)} />}
                 </div>
               );
             })}
@@ -149,9 +154,18 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
           </Section>
         </>
       )}
+      <Mine findings={props.findings.filter((f) => f.flow === flow.key && f.step === step.key)} onFix={props.onFix} onJump={props.onJump} />
       {step.kind !== "node" && <p className="property-note faint small">{step.kind === "source" ? "The run begins here." : "The run is done when it comes here."}</p>}
     </div>
   );
+}
+
+// What an invoke does; a flow with the values that it takes.
+function entryOf({ palette, called }: Pick<PropertiesProps, "palette" | "called">, invoke: Invoke): PaletteEntry | undefined {
+  const entry = palette.find((p) => p.id === invoke.target && (p.kind === "workflow") === (invoke.kind === "subflow"));
+  if (invoke.kind !== "subflow") return entry;
+  const takes = called.get(invoke.target)?.takes;
+  return takes ? { kind: "workflow", id: invoke.target, title: entry?.title ?? words(invoke.target), detail: "", inputs: takes } : entry;
 }
 
 const kinds: { kind: LinkKind; title: string; hint: string }[] = [
@@ -171,7 +185,6 @@ function LinkProperties(props: PropertiesProps & { link: Link }) {
         <span className="grow cut">{link.from} → {link.to}</span>
         <button className="button plain icon small" title="Remove" aria-label="Remove" onClick={() => actions.remove([], [link.key])}><Trash2 size={14} /></button>
       </header>
-      <Mine findings={props.findings.filter((f) => f.flow === flow.key && f.link === link.key)} onFix={props.onFix} onJump={props.onJump} />
       <Section title="Followed">
         <div className="segments" role="radiogroup" aria-label="When the link is followed">
           {kinds.map((k) => <button key={k.kind} role="radio" aria-checked={link.kind === k.kind} onClick={() => edit((e) => e.setLinkKind(link, k.kind, link.whileText || "?user docent:isAt ?place"))}>{k.title}</button>)}
@@ -179,6 +192,7 @@ function LinkProperties(props: PropertiesProps & { link: Link }) {
         <p className="faint small">{kinds.find((k) => k.kind === link.kind)?.hint}</p>
         {link.kind === "while" && <Field label="Subject, verb, object" value={link.whileText} onDone={(text) => edit((e) => e.setExt(link.element, "while", text.trim()))} />}
       </Section>
+      <Mine findings={props.findings.filter((f) => f.flow === flow.key && f.link === link.key)} onFix={props.onFix} onJump={props.onJump} />
     </div>
   );
 }
@@ -204,10 +218,18 @@ function FlowProperties(props: PropertiesProps) {
   const starts = activator?.flow === flow.name;
   const variables = [...document.variables, ...flow.variables];
   const classes: Choice[] = props.vocabulary.classes.map((w) => ({ value: w.term, label: w.label, use: w.use }));
+  const begin = (v: Variable, typed: string) => {
+    try {
+      const colon = v.type.indexOf(":");
+      const value = writtenValue(typed, colon > 0 ? (prefixesOf(document).get(v.type.slice(0, colon)) ?? "") + v.type.slice(colon + 1) : "");
+      edit((e) => e.setInitial(flow, v.name, value));
+    } catch (error) {
+      toast("bad", `${words(v.name)} stays as it was`, error instanceof Error ? error.message : "");
+    }
+  };
   return (
     <div className="properties" aria-label={`Properties of ${flow.name}`}>
       <header className="properties-head"><span className="tag accent">Workflow</span><span className="grow cut" style={{ fontWeight: 600 }}>{document.name}</span></header>
-      <Mine findings={props.findings.filter((f) => !f.step && !f.link).slice(0, 4)} onFix={props.onFix} onJump={props.onJump} />
       <Section title="Starts by itself when">
         {starts && activator ? (
           <ConditionEditor
@@ -228,6 +250,9 @@ function FlowProperties(props: PropertiesProps) {
             <code className="cut">${v.name}</code>
             <Combo label={`Kind of ${v.name}`} placeholder="any kind" value={v.type} choices={classes} onChange={(type) => edit((e) => e.set(v.element, "type", type || null))} />
             <button className="button plain icon small" aria-label={`Remove ${v.name}`} title="Remove" onClick={() => edit((e) => e.removeElement(v.element))}><X size={13} /></button>
+            {v.initial && flow.variables.includes(v) && (
+              <label className="variable-initial"><span className="faint">begins as</span><Combo label={`First value of ${v.name}`} value={shownValue(v.initial)} text={v.type === "xsd:string"} choices={v.type.startsWith("xsd:") ? [] : ofClass(props.vocabulary, v.type).map((w) => ({ value: w.term, label: w.label, use: w.use }))} onChange={(typed) => begin(v, typed)} /></label>
+            )}
           </div>
         ))}
         <form className="variable" onSubmit={(e) => {
@@ -245,6 +270,7 @@ function FlowProperties(props: PropertiesProps) {
         </div>
         <p className="faint small">{flow.steps.filter((s) => s.kind === "node").length} steps, {flow.links.length} links. {words(document.name)} is deployed under the name {document.name}.</p>
       </Section>
+      <Mine findings={props.findings.filter((f) => (!f.step && !f.link) || (starts && f.rule === "unset-input" && f.flow === flow.key)).slice(0, 4)} onFix={props.onFix} onJump={props.onJump} />
     </div>
   );
 }

@@ -98,7 +98,7 @@ export function showFindings(view: EditorView, findings: readonly Finding[], onF
   const length = view.state.doc.length;
   const diagnostics = findings.map((f): Diagnostic => ({
     from: Math.min(f.from, length), to: Math.min(Math.max(f.to, f.from), length), severity: f.error ? "error" : "warning", message: f.hint ? `${f.message}\n${f.hint}` : f.message,
-    ...(f.fix.length > 0 && { actions: [{ name: "Mend it", apply: () => onFix(f) }] }),
+    ...(f.fix.length > 0 && { actions: [{ name: f.remedy ?? "Mend it", apply: () => onFix(f) }] }),
   }));
   view.dispatch(setDiagnostics(view.state, diagnostics));
 }
