@@ -166,7 +166,7 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const onFix = useCallback((finding: Finding) => {
     if (session.text !== (finding.of ?? findingsText.current)) return toast("bad", "The text has changed since", "The check runs again; then the remedy fits.");
     session.change(finding.fix);
-    toast("good", "Mended", finding.message);
+    toast("good", "Mended", finding.remedy ?? finding.message);
   }, [session]);
   const findingsText = useRef("");
   findingsText.current = findings.of;

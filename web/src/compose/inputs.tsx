@@ -50,7 +50,7 @@ function sourceWords(source: Source, input: Input): string {
     case "activator":
       return "Found by the situation that starts the run";
     case "start":
-      return "Given at the start of the run";
+      return input.optional ? "One that is free, where the start gives none" : "Given at the start of the run";
     case "step":
       return `Found at ${source.step}`;
     case "none":
