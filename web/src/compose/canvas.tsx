@@ -13,7 +13,7 @@ import type { Finding } from "./findings";
 import { LinkEdge, type LinkEdgeType } from "./link_edge";
 import { look } from "../operate/states";
 import { lessMotion } from "./playing";
-import { useRefit } from "./refit";
+import { useRefit, withPiece } from "./refit";
 import { StepCard, stepWords, type StepNode } from "./step_card";
 import type { StepTrial } from "./trials";
 import "./canvas.css";
@@ -107,6 +107,7 @@ function Flow(props: CanvasProps) {
     const t = window.setTimeout(() => setCalm(false), 260);
     return () => window.clearTimeout(t);
   }, [signature, props.refreshed]);
+  const [asked] = useState(() => (props.selected.size === 1 ? ([...props.selected][0] ?? "") : "")); // the step of the address
   // The whole flow in view, by the places that the model has: the canvas may not have drawn them yet.
   const show = (largest: number) => {
     const box = pane.current?.getBoundingClientRect();
@@ -117,7 +118,9 @@ function Flow(props: CanvasProps) {
     const view = getViewportForBounds(bounds, box.width, box.height, 0.15, largest, 0.14);
     // A long flow begins at its top in a size that can be read.
     const zoom = Math.min(largest, readable);
-    void flow.setViewport(view.zoom >= smallest ? view : { x: box.width / 2 - (bounds.x + bounds.width / 2) * zoom, y: 28 - bounds.y * zoom, zoom }, { duration: 190 });
+    const whole = view.zoom >= smallest ? view : { x: box.width / 2 - (bounds.x + bounds.width / 2) * zoom, y: 28 - bounds.y * zoom, zoom };
+    const wanted = props.selected.has(asked) ? fromModel.find((n) => n.id === asked) : undefined;
+    void flow.setViewport(wanted ? withPiece(wanted, whole, box) : whole, { duration: lessMotion() ? 0 : 190 });
   };
   const latestShow = useRef(show);
   latestShow.current = show;
@@ -132,26 +135,16 @@ function Flow(props: CanvasProps) {
   const active = isIn("running") ?? isIn("waiting") ?? "";
   const latestNodes = useRef(fromModel);
   latestNodes.current = fromModel;
-  const bring = (key: string) => {
-    const node = latestNodes.current.find((n) => n.id === key);
-    const box = pane.current?.getBoundingClientRect();
-    if (!node || !box || box.width === 0) return;
-    const { x, y, zoom } = flow.getViewport();
-    const middle = { x: node.position.x + (node.width ?? 0) / 2, y: node.position.y + (node.height ?? 0) / 2 };
-    const within = (at: number, size: number, room: number) => at >= size / 2 && at <= room - size / 2;
-    if (within(middle.x * zoom + x, (node.width ?? 0) * zoom, box.width) && within(middle.y * zoom + y, (node.height ?? 0) * zoom, box.height)) return;
-    void flow.setViewport({ x: box.width / 2 - middle.x * zoom, y: box.height / 2 - middle.y * zoom, zoom }, { duration: lessMotion() ? 0 : 190 });
-  };
   useEffect(() => {
-    const t = window.setTimeout(() => bring(active), 120); // after the whole flow was shown
+    const t = window.setTimeout(() => {
+      const node = latestNodes.current.find((n) => n.id === active);
+      const box = pane.current?.getBoundingClientRect();
+      const before = flow.getViewport();
+      const view = node && box ? withPiece(node, before, box) : before;
+      if (view !== before) void flow.setViewport(view, { duration: lessMotion() ? 0 : 190 });
+    }, 120); // after the whole flow was shown
     return () => window.clearTimeout(t);
   }, [flow, active]);
-  // So does the step of the address, once.
-  const [asked] = useState(() => (props.selected.size === 1 ? ([...props.selected][0] ?? "") : ""));
-  useEffect(() => {
-    const t = window.setTimeout(() => bring(asked), 340); // when the whole flow stands
-    return () => window.clearTimeout(t);
-  }, [flow, asked]);
   const count = shown.steps.length;
   const placedByHand = placed(shown.steps);
   useEffect(() => {

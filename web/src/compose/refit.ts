@@ -14,6 +14,13 @@ export function isAnySeen(pieces: readonly Piece[], view: Viewport, pane: { widt
   return pieces.some((p) => within(p.position.x * view.zoom + view.x, (p.width ?? 0) * view.zoom, pane.width) && within(p.position.y * view.zoom + view.y, (p.height ?? 0) * view.zoom, pane.height));
 }
 
+// The view with the piece in it: as it is where it is wholly seen there, else with the piece in the middle.
+export function withPiece(piece: Piece, view: Viewport, pane: { width: number; height: number }): Viewport {
+  if (isAnySeen([piece], view, pane)) return view;
+  const middle = { x: piece.position.x + (piece.width ?? 0) / 2, y: piece.position.y + (piece.height ?? 0) / 2 };
+  return { x: pane.width / 2 - middle.x * view.zoom, y: pane.height / 2 - middle.y * view.zoom, zoom: view.zoom };
+}
+
 export function useRefit(pane: RefObject<HTMLElement | null>, pieces: readonly Piece[], viewport: () => Viewport, fit: () => void) {
   const latest = useRef({ pieces, viewport, fit });
   latest.current = { pieces, viewport, fit };

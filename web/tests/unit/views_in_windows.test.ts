@@ -1,6 +1,6 @@
 // What is seen of drawings in windows of other shapes, and how large their letters are.
 import { describe, expect, it } from "vitest";
-import { isAnySeen } from "../../src/compose/refit";
+import { isAnySeen, withPiece } from "../../src/compose/refit";
 import { broughtIntoView, lettersAt, linesOf } from "../../src/operate/hall_drawing";
 import type { Shape } from "../../src/operate/layout";
 
@@ -11,6 +11,12 @@ describe("a flow in a window", () => {
     expect(isAnySeen(steps, { x: 360, y: 20, zoom: 1 }, { width: 390, height: 300 })).toBe(false); // the phone was turned
     expect(isAnySeen(steps, { x: -40, y: 20, zoom: 2 }, { width: 390, height: 300 })).toBe(true);
     expect(isAnySeen(steps, { x: -400, y: 20, zoom: 2 }, { width: 390, height: 300 })).toBe(false);
+  });
+  it("has the step that is asked for in view, and stays where it has it already", () => {
+    const last = { position: { x: 0, y: 700 }, width: 240, height: 120 };
+    const view = { x: 100, y: 28, zoom: 0.5 };
+    expect(withPiece(last, view, { width: 700, height: 600 })).toBe(view);
+    expect(withPiece(last, view, { width: 700, height: 190 })).toEqual({ x: 290, y: 95 - 380, zoom: 0.5 });
   });
 });
 
