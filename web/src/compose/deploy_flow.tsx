@@ -5,6 +5,7 @@ import { useEffect, useMemo, useRef } from "react";
 import type { Flow, Step } from "../cawl/document";
 import { bothFlows, type Change } from "../cawl/flow_diff";
 import { placeSteps, stepHeight, stepWidth } from "../cawl/placing";
+import { beginning } from "./refit";
 import { LinkEdge, type LinkEdgeType } from "./link_edge";
 import { StepCard, stepWords, type StepNode } from "./step_card";
 import "./canvas.css";
@@ -14,16 +15,8 @@ const nodeTypes = { step: StepCard };
 const edgeTypes = { link: LinkEdge };
 const words: Record<Change, string> = { new: "new", changed: "changed", gone: "goes" };
 const readable = 0.6; // of a card's full size
-const smallest = 0.45;
+const smallest = 0.45; // where steps beside each other have no room else
 const nobody: ReadonlySet<string> = new Set();
-
-// Where not all of it can be read at once: its beginning, with whole steps at the left.
-export function beginning(bounds: { x: number; y: number; width: number }, room: number): { x: number; y: number; zoom: number } {
-  const margin = 16;
-  const zoom = Math.max(smallest, Math.min(readable, (room - 2 * margin) / bounds.width));
-  const x = bounds.width * zoom <= room - 2 * margin ? room / 2 - (bounds.x + bounds.width / 2) * zoom : margin - bounds.x * zoom;
-  return { x, y: margin - bounds.y * zoom, zoom };
-}
 
 export function DeployFlow(props: DeployFlowProps) {
   return (
@@ -65,7 +58,7 @@ function Drawing(props: DeployFlowProps) {
       const top = Math.min(...shown.map((n) => n.position.y));
       const bounds = { x: left, y: top, width: Math.max(...shown.map((n) => n.position.x + stepWidth)) - left, height: Math.max(...shown.map((n) => n.position.y + (n.height ?? 0))) - top };
       const fitting = getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.12);
-      if (box.clientWidth > 0) void view.setViewport(fitting.zoom >= readable ? fitting : beginning(bounds, box.clientWidth));
+      if (box.clientWidth > 0) void view.setViewport(fitting.zoom >= readable ? fitting : beginning(bounds, box.clientWidth, readable, smallest));
     });
     observer.observe(box);
     return () => observer.disconnect();

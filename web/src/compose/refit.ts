@@ -21,6 +21,14 @@ export function withPiece(piece: Piece, view: Viewport, pane: { width: number; h
   return { x: pane.width / 2 - middle.x * view.zoom, y: pane.height / 2 - middle.y * view.zoom, zoom: view.zoom };
 }
 
+// The view where not all of a drawing can be read at once: its beginning, with whole steps at the left.
+export function beginning(bounds: { x: number; y: number; width: number }, room: number, readable: number, smallest: number): Viewport {
+  const margin = 16;
+  const zoom = Math.max(smallest, Math.min(readable, (room - 2 * margin) / bounds.width));
+  const x = bounds.width * zoom <= room - 2 * margin ? room / 2 - (bounds.x + bounds.width / 2) * zoom : margin - bounds.x * zoom;
+  return { x, y: margin - bounds.y * zoom, zoom };
+}
+
 export function useRefit(pane: RefObject<HTMLElement | null>, pieces: readonly Piece[], viewport: () => Viewport, fit: () => void) {
   const latest = useRef({ pieces, viewport, fit });
   latest.current = { pieces, viewport, fit };

@@ -1,6 +1,6 @@
 // What is seen of drawings in windows of other shapes, and how large their letters are.
 import { describe, expect, it } from "vitest";
-import { isAnySeen, withPiece } from "../../src/compose/refit";
+import { beginning, isAnySeen, withPiece } from "../../src/compose/refit";
 import { broughtIntoView, lettersAt, linesOf } from "../../src/operate/hall_drawing";
 import type { Shape } from "../../src/operate/layout";
 
@@ -17,6 +17,17 @@ describe("a flow in a window", () => {
     const view = { x: 100, y: 28, zoom: 0.5 };
     expect(withPiece(last, view, { width: 700, height: 600 })).toBe(view);
     expect(withPiece(last, view, { width: 700, height: 190 })).toEqual({ x: 290, y: 95 - 380, zoom: 0.5 });
+  });
+});
+
+describe("a drawing that has no room", () => {
+  it("begins with whole steps, smaller where that shows all that stand beside each other", () => {
+    expect(beginning({ x: 0, y: 100, width: 240 }, 600, 0.6, 0.45)).toEqual({ x: 300 - 72, y: 16 - 60, zoom: 0.6 });
+    const wide = beginning({ x: -240, y: 0, width: 1100 }, 600, 0.6, 0.45);
+    expect(wide.zoom).toBeCloseTo(568 / 1100);
+    expect(wide.x - 240 * wide.zoom).toBeCloseTo(16);
+    const wider = beginning({ x: -240, y: 0, width: 3000 }, 600, 0.6, 0.45);
+    expect([wider.zoom, wider.x - 240 * wider.zoom]).toEqual([0.45, 16]);
   });
 });
 
