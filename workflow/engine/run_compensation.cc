@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/text.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/service_workflow.h"
 
@@ -142,9 +143,11 @@ bool RunStepper::TakeLate(const EndingCommand& ended, const CommandReport& repor
   if (!IsLive(node.state) || !invocation.overdue.empty() || !is_done(invocation)) return true;
   invocation.robot = ended.command.robot;
   const rsel::Arguments given = invocation.handler->Results();
+  std::string note;
   const TermBinding results =
-      ResultsOf(sender.node, sender.invocation, TermBinding(given.begin(), given.end()));
-  SetInvocation(sender.node, sender.invocation, WorkState::kDone, "it succeeded all the same");
+      ResultsOf(sender.node, sender.invocation, TermBinding(given.begin(), given.end()), &note);
+  SetInvocation(sender.node, sender.invocation, WorkState::kDone,
+                Concat("it succeeded all the same", note.empty() ? "" : "; ", note));
   if (node.state == WorkState::kRunning) SetVariables(results);  // last: it may end the run
   return true;
 }
