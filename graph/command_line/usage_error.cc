@@ -25,7 +25,10 @@ bool TakesFreeText(const CLI::Option& option) {
 
 // "FILES...", "--run ID"
 std::string Written(const CLI::Option& option) {
-  if (!option.get_positional()) return absl::StrCat(option.get_name(), " ", option.get_type_name());
+  const std::string type = option.get_type_name();  // of words to choose from: "TEXT:{union,strict}"
+  const size_t words = type.find(":{");
+  if (!option.get_positional())
+    return absl::StrCat(option.get_name(), " ", words == std::string::npos ? type : type.substr(words + 1));
   return absl::StrCat(absl::AsciiStrToUpper(option.get_name(true)),
                       option.get_expected_max() > 1 ? "..." : "");
 }
@@ -46,9 +49,7 @@ std::string OfConversion(CLI::Option* option) {
   const std::vector<std::string> given = option->results();
   const std::string value = given.empty() ? "" : given.front();
   const std::string name = option->get_name();
-  if (IsFlag(*option)) {
-    return absl::StrCat(name, ": give true or false, not ", value, "; ", name, " alone is true");
-  }
+  if (IsFlag(*option)) return absl::StrCat(name, ": give true or false, not ", value);
   std::string wrong = value;
   for (const std::string& each : given) {
     if (!Takes(option, each)) {

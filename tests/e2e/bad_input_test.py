@@ -44,7 +44,7 @@ class Documents(StageTest):
     def test_an_address_with_a_port_that_is_none(self):
         for address, words in (("127.0.0.1:99999", "the port 99999 is not between 1 and 65535"), ("localhost:0", "the port 0"),
                                ("http://127.0.0.1:7400", "without http://"), ("127.0.0.1", "write HOST:PORT"),
-                               ("127.0.0.1:7400x", "write HOST:PORT"), (":7400", "write HOST:PORT"), ("", "--server: it is empty")):
+                               ("127.0.0.1:7400x", "write HOST:PORT"), (":7400", "write HOST:PORT"), ("", "write HOST:PORT")):
             self.assert_refused(self.docent("query", "--server", address, "ASK {}"), 2, words)
 
     def test_sparql_over_http(self):
@@ -309,7 +309,7 @@ class Starting(StageTest):
                           ["update", "--request-id", "", "INSERT DATA { <http://example.org/a> <http://example.org/bad> 1 }"],
                           ["runs", "--workflow", ""], ["robots", "out", ""], ["query", "--as-of", "", "ASK {}"], ["query", "--file", ""]):
             with self.subTest(arguments):
-                self.assert_refused(self.server.run(*arguments), 2, "it is empty")
+                self.assert_refused(self.docent(*arguments), 2, "it is empty")
         for arguments in (["--data", ""], ["--http-name", ""]):
             self.assert_refused(self.docent("serve", *arguments), 2, f"{arguments[0]}: it is empty")
         self.assert_refused(self.docent("serve", "--data", self.stage.folder / "names", "--http-name", "http://x/", "--grpc", "127.0.0.1:0",

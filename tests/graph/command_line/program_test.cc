@@ -119,6 +119,7 @@ TEST(ProgramTest, WhatIsMissingIsTold) {
               HasSubstr("docent ontology: a command is missing; there are list, load; "));
   EXPECT_THAT(Program().Fails({"query", "x", "--count"}),
               HasSubstr("--count has no value; write --count N; "));
+  EXPECT_THAT(Program().Fails({"query", "x", "--format"}), HasSubstr("write --format {json,csv}; "));
 }
 
 TEST(ProgramTest, AWrongValueIsToldWithWhatTheOptionTakes) {
