@@ -7,6 +7,7 @@ const kinds: readonly (readonly [RegExp, (robot: string) => string])[] = [
   [new RegExp(`adapter at ${address} cannot tell what became of it(?:: [^;]*)?`), (robot) => `${robot} cannot tell what became of the command`],
   [new RegExp(`feedback of the adapter at ${address} is refused`), (robot) => `what ${robot} reports is refused`],
   [new RegExp(`adapter at ${address}`), (robot) => robot],
+  [/\bit is not idempotent\b/, () => "it must not be repeated unasked"],
 ];
 
 // `detail`: as the server said it, where that says more.

@@ -20,9 +20,10 @@ export function attempt(what: string, call: () => Promise<unknown>, then: () => 
   );
 }
 
-// "R01 still does Move2User: move to user."
+// "R01 still does Move2User (move to user)."
 export function busyWords(busy: readonly UnderWay[]): string {
-  return `${busy.map((b) => `${nameOf(b.robot)} still does ${b.node} (${words(b.operation).toLowerCase()})`).join("; ")}.`;
+  const what = (b: UnderWay) => (words(b.operation).toLowerCase() === b.node.toLowerCase() ? "" : ` (${words(b.operation).toLowerCase()})`);
+  return `${busy.map((b) => `${nameOf(b.robot)} still does ${b.node}${what(b)}`).join("; ")}.`;
 }
 // Of a run that is paused: its robot is not.
 export function StillBusy({ run, runs, again }: { run: Run; runs: readonly Run[]; again: () => void }) {
@@ -62,7 +63,7 @@ export function RunActions({ run, runs, again, keys }: { run: Run; runs: readonl
           <div className="sheet-head"><h2 className="grow">Pause {runWords(run.id)}?</h2><button className="button plain icon small" aria-label="Close" onClick={() => setPausing(false)}><X size={15} /></button></div>
           <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
             <p>{busyWords(busy)}</p>
-            <p className="quiet">A pause lets it do so, and nothing new begins. A step that is stopped begins again when the run goes on.</p>
+            <p className="quiet">A pause lets it do so, and nothing new begins. A step that is stopped begins again when the run goes on, or asks you where it must not be repeated.</p>
           </div>
           <div className="sheet-foot">
             <button className="button danger" onClick={() => (setPausing(false), pauseNow(true))}><OctagonX size={13} />Stop it now</button>
