@@ -272,12 +272,6 @@ void TakeRequests(Engine::Core* core) {
   }
 }
 
-bool IsFinal(CommandReport::Outcome outcome) {
-  using Outcome = CommandReport::Outcome;
-  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
-         outcome == Outcome::kUnknown;
-}
-
 // The final report of a command that its run no longer waits for. What it did counts for what is undone, and for whether it may
 // be done again.
 void TakeEnd(Engine::Core* core, const CommandReport& report) {
