@@ -62,7 +62,7 @@ class Check(StageTest):
             done = self.docent("check", tour, guide, "--ontology", words)
             self.assertEqual(done.returncode, code, done.stderr)
             if code:
-                self.assertIn(f"there is no flow or application service {name}", done.stderr)
+                self.assertIn(f"there is no flow or deployed workflow {name}", done.stderr)
         self.assertEqual(self.docent("check", tour, "--ontology", words).returncode, 1)
 
     def test_the_project_s_own_files_have_no_errors(self):
