@@ -65,6 +65,12 @@ size_t SizeOf(const Run& run);
 // Bytes of a text that is evaluated, or made a condition of, that take about as long as a change of a node.
 inline constexpr size_t kTextOfAChange = 256;
 
+inline bool IsFinal(CommandReport::Outcome outcome) {
+  using Outcome = CommandReport::Outcome;
+  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
+         outcome == Outcome::kUnknown;
+}
+
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 // Or those that could do it now are at another step of the same run.

@@ -45,11 +45,6 @@ std::string_view ToString(WorkState state);
 inline bool IsFinal(WorkState state) {
   return state >= WorkState::kDone && state != WorkState::kIncident;
 }
-inline bool IsFinal(CommandReport::Outcome outcome) {
-  using Outcome = CommandReport::Outcome;
-  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
-         outcome == Outcome::kUnknown;
-}
 // Of a node: its run does not end before it.
 inline bool IsLive(WorkState state) {
   return state == WorkState::kWaiting || state == WorkState::kRunning || state == WorkState::kIncident;
