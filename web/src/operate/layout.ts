@@ -98,7 +98,9 @@ function clearOf(booth: Shape, counters: readonly Shape[]): Point {
   const own = edges(booth.rings[0] ?? []);
   const near = counters.flatMap((c) => (c.rings[0] ? [edges(c.rings[0])] : [])).filter((c) => c.x1 > own.x0 && c.x0 < own.x1 && c.y1 > own.y0 && c.y0 < own.y1);
   if (near.length === 0) return booth.label;
-  const longest = Math.max(booth.name.length * 1.4, ...booth.detail.split(" ").map((word) => word.length));
+  const oneLine = booth.detail.length * letterWide <= own.x1 - own.x0;
+  const longest = Math.max(booth.name.length * 1.4, ...(oneLine ? [booth.detail] : booth.detail.split(" ")).map((word) => word.length));
+  const above = booth.detail ? 0.4 : 0; // of the middle of name and exhibitor: there the name stands
   const half = { x: Math.min((own.x1 - own.x0) / 2 - 0.1, (longest * letterWide) / 2 + 0.2), y: Math.min((own.y1 - own.y0) / 2 - 0.1, nameHigh / 2) };
   let best = booth.label;
   let least = Infinity;
@@ -107,8 +109,8 @@ function clearOf(booth: Shape, counters: readonly Shape[]): Point {
     for (let j = 0; j <= steps; j++) {
       const p = { x: own.x0 + half.x + ((own.x1 - own.x0 - 2 * half.x) * i) / steps, y: own.y0 + half.y + ((own.y1 - own.y0 - 2 * half.y) * j) / steps };
       const covered = near.reduce((sum, c) => sum + Math.max(0, Math.min(c.x1, p.x + half.x) - Math.max(c.x0, p.x - half.x)) * Math.max(0, Math.min(c.y1, p.y + half.y) - Math.max(c.y0, p.y - half.y)), 0);
-      const cost = covered * 5 + Math.hypot(p.x - booth.label.x, p.y - booth.label.y);
-      if (cost < least) [best, least] = [p, cost];
+      const cost = covered * 5 + Math.hypot(p.x - booth.label.x, p.y + above - booth.label.y);
+      if (cost < least) [best, least] = [{ x: p.x, y: p.y + above }, cost];
     }
   return best;
 }
