@@ -38,7 +38,7 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     stage = await RealStage.open(null);
     const standby = ["--fact", "status=https://w3id.org/docent#Standby"];
     adapter = await stage.processes.startAdapter(`${expo}R10`, ["fetch"], "--take-ms", "200", "--fail", ...standby);
-    await stage.processes.startAdapter(`${expo}R11`, ["bring"], "--take-ms", "6000", ...standby);
+    await stage.processes.startAdapter(`${expo}R11`, ["bring"], "--take-ms", "15000", ...standby);
     const file = join(stage.processes.folder, "errand.cawl.xml");
     writeFileSync(file, errand);
     stage.processes.load(file);
