@@ -52,8 +52,7 @@ std::string RefuseNames(TermBinding* results) {
 // variable has no value (kNoValue). `*note`: what of it people should know, or nothing.
 TermBinding RunStepper::ResultsOf(size_t node, size_t index, const TermBinding& given, std::string* note) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
-  invocation.results =
-      ResultsAt({*run_.document, flow_, &flow_.nodes[node]}, invocation.invoke, given, note);
+  invocation.results = ResultsAt({*run_.document, flow_, &flow_.nodes[node]}, invocation.invoke, given, note);
   return invocation.results;
 }
 
