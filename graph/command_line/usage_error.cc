@@ -1,7 +1,7 @@
 #include "graph/command_line/usage_error.h"
 
 #include <CLI/CLI.hpp>
-#include <regex>
+#include <string_view>
 #include <vector>
 
 #include "absl/strings/ascii.h"
@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "graph/base/text.h"
+#include "graph/base/cut_text.h"
 
 namespace docent {
 namespace {
@@ -21,6 +21,11 @@ bool IsFlag(const CLI::Option& option) {
 bool TakesFreeText(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   return !option.get_positional() && (type == "TEXT" || type == "TURTLE");
+}
+
+// A value in a message.
+std::string Shown(std::string_view value) {
+  return CutText(value, 200);
 }
 
 // "FILES...", "--run ID"
@@ -49,7 +54,7 @@ std::string OfConversion(CLI::Option* option) {
   const std::vector<std::string> given = option->results();
   const std::string value = given.empty() ? "" : given.front();
   const std::string name = option->get_name();
-  if (IsFlag(*option)) return absl::StrCat(name, ": give true or false, not ", value);
+  if (IsFlag(*option)) return absl::StrCat(name, ": give true or false, not ", Shown(value));
   std::string wrong = value;
   for (const std::string& each : given) {
     if (!Takes(option, each)) {
@@ -61,7 +66,7 @@ std::string OfConversion(CLI::Option* option) {
                      : Takes(option, "-1") ? "give a whole number, not "
                      : Takes(option, "0")  ? "give a whole number, 0 or more, not "
                                            : "it cannot be ";
-  return absl::StrCat(name, ": ", kind, wrong);
+  return absl::StrCat(name, ": ", kind, Shown(wrong));
 }
 
 // "0.100000" as "0.1".
@@ -72,40 +77,44 @@ std::string ShortNumber(std::string number) {
   return number;
 }
 
+// CLI11's "NAME: Value VALUE not in range A to B" and "NAME: VALUE not in {A,B}". Texts of any length: the parts are found, not
+// matched by a pattern.
 std::string OfValue(const std::string& text) {
-  static const std::regex* const kRange =
-      new std::regex("^(.*): Value ([^]*) not in range (\\S+) to (\\S+)$", std::regex::ECMAScript);
-  static const std::regex* const kMember = new std::regex("^([^:]*): ([^]*) not in \\{([^{}]*)\\}$");
-  std::smatch found;
-  if (std::regex_match(text, found, *kRange)) {
-    return absl::StrCat(found[1].str(), ": give a number from ", ShortNumber(found[3]), " to ",
-                        ShortNumber(found[4]), ", not ", found[2].str());
+  constexpr std::string_view kValue = ": Value ", kRange = " not in range ", kTo = " to ",
+                             kWords = " not in {";
+  const size_t value = text.find(kValue), range = text.rfind(kRange), to = text.rfind(kTo);
+  if (value < range && range < to && to != std::string::npos) {
+    const size_t begin = value + kValue.size(), least = range + kRange.size();
+    return absl::StrCat(
+        text.substr(0, value), ": give a number from ", ShortNumber(text.substr(least, to - least)), " to ",
+        ShortNumber(text.substr(to + kTo.size())), ", not ", Shown(text.substr(begin, range - begin)));
   }
-  if (std::regex_match(text, found, *kMember)) {
-    const std::vector<std::string> words = absl::StrSplit(found[3].str(), ',');
-    return absl::StrCat(found[1].str(), ": give one of ", absl::StrJoin(words, ", "), ", not ",
-                        found[2].str());
+  const size_t colon = text.find(": "), words = text.rfind(kWords);
+  if (colon < words && words != std::string::npos && text.ends_with('}')) {
+    const size_t first = words + kWords.size();
+    const std::vector<std::string> known = absl::StrSplit(text.substr(first, text.size() - 1 - first), ',');
+    return absl::StrCat(text.substr(0, colon), ": give one of ", absl::StrJoin(known, ", "), ", not ",
+                        Shown(text.substr(colon + 2, words - colon - 2)));
   }
   return text;
 }
 
+// CLI11's "NAME: At Most N required but received M", "NAME: At least N …" and "NAME: N required TYPE missing".
 std::string OfCount(const std::string& text, const CLI::App& command) {
-  static const std::regex* const kMost =
-      new std::regex("^(.*): At Most (\\d+) required but received (\\d+)$");
-  static const std::regex* const kLeast =
-      new std::regex("^(.*): At least (\\d+) required but received (\\d+)$");
-  static const std::regex* const kNone = new std::regex("^(.*): \\d+ required .* missing$");
-  std::smatch found;
-  if (std::regex_match(text, found, *kMost)) {
-    if (found[2].str() == "1")
-      return absl::StrCat(found[1].str(), " is given ", found[3].str(), " times; give it once");
-    return absl::StrCat(found[1].str(), " takes at most ", found[2].str(), " values, not ", found[3].str());
+  const size_t colon = text.find(": ");
+  if (colon == std::string::npos) return text;
+  const std::string name = text.substr(0, colon);
+  const std::vector<std::string> words = absl::StrSplit(text.substr(colon + 2), ' ');
+  if (words.size() == 7 && words[0] == "At") {
+    const std::string &bound = words[2], &given = words[6];
+    if (words[1] == "Most" && bound == "1")
+      return absl::StrCat(name, " is given ", given, " times; give it once");
+    return absl::StrCat(name, " takes at ", words[1] == "Most" ? "most " : "least ", bound, " values, not ",
+                        given);
   }
-  if (std::regex_match(text, found, *kLeast))
-    return absl::StrCat(found[1].str(), " takes at least ", found[2].str(), " values, not ", found[3].str());
-  if (std::regex_match(text, found, *kNone)) {
-    const CLI::Option* option = command.get_option_no_throw(found[1].str());
-    return absl::StrCat(found[1].str(), " has no value",
+  if (words.size() > 2 && words[1] == "required" && words.back() == "missing") {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    return absl::StrCat(name, " has no value",
                         option == nullptr ? "" : absl::StrCat("; write ", Written(*option)));
   }
   return text;
@@ -147,7 +156,7 @@ CLI::Validator AtLeast(uint64_t least) {
   const auto check = [least](const std::string& text) {
     uint64_t number = 0;
     if (absl::SimpleAtoi(text, &number) && number >= least) return std::string();
-    return absl::StrCat("give a whole number, ", least, " or more, not ", text);
+    return absl::StrCat("give a whole number, ", least, " or more, not ", Shown(text));
   };
   return CLI::Validator(check, "");
 }

@@ -140,6 +140,23 @@ TEST(ProgramTest, AWrongValueIsToldWithWhatTheOptionTakes) {
 }
 
 // An unset variable of a shell: "$GRAPH" is not the same as no graph.
+// As long as the system lets an argument be; patterns of std::regex take the stack for each character.
+TEST(ProgramTest, AWrongValueOfAnyLengthIsToldAndCut) {
+  const std::string digits(120000, '9');
+  for (const std::string& value : {"x" + digits, "x" + std::string(120000, '\n'),
+                                   ": Value " + digits + " not in {a} not in range 1 to 2"}) {
+    for (const char* option :
+         {"--format", "--count", "--rows", "--change", "--speed", "--height", "--all="}) {
+      const bool joined = std::string_view(option).ends_with('=');
+      const std::string text = joined ? Program().Fails({"query", "q", option + value})
+                                      : Program().Fails({"query", "q", option, value});
+      EXPECT_LT(text.size(), 1000u) << option;
+      EXPECT_THAT(text, HasSubstr(joined ? "--all" : option));
+    }
+  }
+  EXPECT_LT(Program().Fails({"query", "q", "--height", digits}).size(), 1000u);
+}
+
 TEST(ProgramTest, AnEmptyValueIsNoOptionLeftOut) {
   EXPECT_THAT(Program().Fails({"query", "x", "--ontology", ""}),
               HasSubstr("docent query: --ontology: it is empty; "));
