@@ -1,6 +1,7 @@
 // What a flow takes from the run that runs it as a step, and what of that has a value before. Pure functions.
 import { type CawlDocument, type Condition, type Flow, type Invoke, prefixesOf, type Step } from "./document";
-import { needOf, startFlow } from "./start_values";
+import { literally } from "./names";
+import { assigns, needOf, startFlow } from "./start_values";
 
 export interface Taken {
   name: string;
@@ -47,7 +48,7 @@ function attributeOf(tag: string): string {
   return (/\bpart=["']([^"']*)["']/.exec(tag) ?? /\bvariable=["']([^"']*)["']/.exec(tag))?.[1] ?? "";
 }
 function uses(body: string, name: string): boolean {
-  return new RegExp(`\\$${name.replace(/\W/g, "\\$&")}(?![\\w-])`).test(body);
+  return new RegExp(`\\$${literally(name)}(?![\\w-])`).test(body);
 }
 function iriOf(type: string, prefixes: ReadonlyMap<string, string>): string {
   const colon = type.indexOf(":");
@@ -93,9 +94,7 @@ function stepsBefore(flow: Flow, step: Step): Step[] {
 }
 function sets(document: CawlDocument, step: Step, name: string, gives: Gives): boolean {
   if (binds(step.condition, name)) return true;
-  const body = document.text.slice(step.element.from, step.element.to);
-  if ((body.match(/<(?:[\w-]+:)?(?:assign|output)\b[^>]*>/g) ?? []).some((tag) => new RegExp(`\\bvariable=["']${name}["']`).test(tag))) return true;
-  if ([...body.matchAll(/<(?:[\w-]+:)?assign\b[^>]*>([^<]*)</g)].some(([, query = ""]) => new RegExp(`\\?${name}\\b`).test(query))) return true;
+  if (assigns(document.text.slice(step.element.from, step.element.to), name)) return true;
   return step.invokes.some((invoke) => !invoke.element.children.some((c) => c.local === "output") && (gives(invoke)?.includes(name) ?? true));
 }
 

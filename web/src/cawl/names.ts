@@ -18,6 +18,11 @@ export function words(name: string): string {
   return spaced === "" ? name : spaced.charAt(0).toUpperCase() + spaced.slice(1).replace(/ [A-Z](?=[a-z])/g, (c) => c.toLowerCase());
 }
 
+// The text as a part of a pattern that matches just it.
+export function literally(text: string): string {
+  return text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+}
+
 const token = /'(?:\\.|[^'\\])*'|[()]|[^\s()']+|\s+/g;
 const keywords = new Set(["and", "or", "not"]);
 

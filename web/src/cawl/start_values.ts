@@ -1,5 +1,6 @@
 // The values that a run begins with: which have to be given, and which it finds by itself. Pure functions.
 import type { CawlDocument, Flow, Variable } from "./document";
+import { literally } from "./names";
 
 // needed: without it the run can't go on as it is meant. found: by a condition of a step. made: by a step, which assigns it, gets it
 // as a result, or gives what is invoked an input of its own in its place. set: it begins with a value of its own. any: the run takes
@@ -16,11 +17,15 @@ function boundBy(flow: Flow | undefined): ReadonlySet<string> {
   const terms = flow?.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject.text, k.object.text]))) ?? []) ?? [];
   return new Set(terms.map((t) => t.trim()).filter((t) => t.startsWith("?")).map((t) => t.slice(1)));
 }
+// Whether the text of a step, or of a flow, assigns the variable or has it as a result of what it invokes.
+export function assigns(body: string, name: string): boolean {
+  const tags = body.match(/<(?:[\w-]+:)?(?:assign|output)\b[^>]*>/g) ?? [];
+  if (tags.some((tag) => new RegExp(`\\bvariable=["']${literally(name)}["']`).test(tag))) return true;
+  return [...body.matchAll(/<(?:[\w-]+:)?assign\b[^>]*>([^<]*)</g)].some(([, query = ""]) => new RegExp(`\\?${literally(name)}\\b`).test(query));
+}
 function isMade(name: string, flow: Flow, text: string): boolean {
   const body = text.slice(flow.element.from, flow.element.to);
-  const tags = body.match(/<(?:[\w-]+:)?(?:assign|output)\b[^>]*>/g) ?? [];
-  if (tags.some((tag) => new RegExp(`\\bvariable=["']${name}["']`).test(tag))) return true;
-  if ([...body.matchAll(/<(?:[\w-]+:)?assign\b[^>]*>([^<]*)</g)].some(([, query = ""]) => new RegExp(`\\?${name}\\b`).test(query))) return true;
+  if (assigns(body, name)) return true;
   return !new RegExp(`\\$${name}\\b`).test(body) && flow.steps.some((s) => s.invokes.some((i) => i.inputs.some((input) => input.part === name)));
 }
 export function needOf({ name, initial }: Pick<Variable, "name" | "initial">, flow: Flow | undefined, text: string): Need {

@@ -3,7 +3,7 @@ import { shorten } from "../api/sparql";
 import { flowOf, prefixesOf, type CawlDocument, type Flow, type Invoke, type Link, readCawl, type Step, viewNamespace } from "../cawl/document";
 import { Edits, type LinkKind } from "../cawl/edits";
 import { applyChanges } from "../cawl/layout_of_text";
-import { uniqueName } from "../cawl/names";
+import { literally, uniqueName } from "../cawl/names";
 import { leadsTo } from "../cawl/shown";
 import { freePlace, placed, placeSteps, stepHeight } from "../cawl/placing";
 import { toast } from "../ui/toasts";
@@ -212,8 +212,7 @@ export class Actions {
 
 // "$user", or variable="user", in the text of steps.
 function uses(xml: string, name: string): boolean {
-  const escaped = name.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
-  return new RegExp(`[$?]${escaped}(?![\\w-])|\\bvariable=["']${escaped}["']`).test(xml);
+  return new RegExp(`[$?]${literally(name)}(?![\\w-])|\\bvariable=["']${literally(name)}["']`).test(xml);
 }
 function scoped(source: Flow, content: string): string {
   const scope = [...source.element.scope].filter(([prefix]) => prefix !== "" && prefix !== "xml").map(([prefix, iri]) => ` xmlns:${prefix}="${iri}"`).join("");

@@ -1,7 +1,7 @@
 // Facts that lack, in words: by the class of what is meant where the condition leaves it open. Pure functions.
 import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
-import { words } from "../cawl/names";
+import { literally, words } from "../cawl/names";
 import { patternWords } from "../compose/term_name";
 
 // "<s> <p> ?o . <s2> …" as patterns with prefixes, one a fact.
@@ -28,7 +28,7 @@ export function asMeant(fact: string, ask: string): string {
     if (isType(pattern[1]) || pattern[1] !== found[1]) continue;
     const open = [0, 2].filter((i) => isVariable(pattern[i] ?? "") && pattern[i] !== found[i]);
     if (open.length === 0 || [0, 2].some((i) => !open.includes(i) && pattern[i] !== found[i])) continue;
-    const free = (variable: string) => pieces.filter((piece) => new RegExp(`\\${variable}\\b`).test(piece)).every((piece) => {
+    const free = (variable: string) => pieces.filter((piece) => new RegExp(`${literally(variable)}(?!\\w)`).test(piece)).every((piece) => {
       const p = patternOf(piece);
       return p && (p.join(" ") === pattern.join(" ") || (isType(p[1]) && p[0] === variable));
     });

@@ -9,7 +9,7 @@ const readiness = new Set(["status", "localised"].map((name) => docent + name));
 
 export type Known = Pick<RobotStatus, "robot" | "label" | "state" | "address" | "lastSeenUs" | "heldBy" | "endingCommands" | "outOfService" | "outOfServiceReason" | "hasPose">;
 
-// It has an adapter, or would be there if its adapter ran: nobody else knows how it is. A robot that people play has neither.
+// It has an adapter, or had one. Only the adapter knows how such a robot is. A robot that people play has no adapter and is never offline.
 export function tellsItself(robot: Known | undefined): boolean {
   return robot !== undefined && (robot.address !== "" || robot.state === "offline");
 }

@@ -58,7 +58,7 @@ export function useMyRun(): MyRun {
       document.removeEventListener("visibilitychange", renewWish);
     };
   }, [ended, id]);
-  // A wish that has lapsed, and that no run has begun of.
+  // The lifetime of the wish has ended, and it has started no run.
   useEffect(() => void (found.data === "" && lapsed(visitor, Date.now()) && outbox.state.kind === "empty" && withdraw()), [found.data, visitor]);
   const last = useLast(id, run.data, robots.data);
   return { run: last.run, waits: waits.data?.waits ?? [], robots: last.robots?.robots ?? [], before: queue.data?.before ?? 0, tookS: queue.data?.tookS ?? [] };

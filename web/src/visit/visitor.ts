@@ -91,7 +91,7 @@ export function call(service: string, booth: string) {
   ]);
   wish(service); // after what its run may need
 }
-// As long as the page is open. A wish that has lapsed with the page closed is not told anew, which would start another run.
+// While the page is open, the wish is told again before its lifetime ends. One whose lifetime has ended is not: that would start another run.
 export function renewWish() {
   const { asked, service, toldMs } = visitor;
   const now = Date.now();

@@ -194,7 +194,7 @@ describe("operating", () => {
     await page.locator(".desk-runs li", { hasText: "Move2Booth waits · No robot can come: R01 is offline since" }).waitFor();
     await page.locator(".desk-runs li", { hasText: "user Ann" }).waitFor();
     await stage.picture(page, "desk-robot-offline");
-    // Told by hand it would be a robot that nobody has: that is refused everywhere.
+    // The status of a robot is refused in the dialog, too.
     await page.keyboard.press("Control+k");
     await page.keyboard.type("tell a fact");
     await page.keyboard.press("Enter");

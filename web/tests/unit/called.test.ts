@@ -34,6 +34,13 @@ describe("a flow that is a step", () => {
     const inner = readCawl(`<CAWL name="I"><activator name="A"><variable name="who"/><variable name="other"/><activate flow="I"/></activator><flow name="I"><node name="n"><condition>${row("$who")}</condition></node></flow></CAWL>`);
     expect(calledFlow(inner, "", () => [])?.takes.map((t) => t.name)).toEqual(["who"]);
   });
+  it("may have variables of any name while it is written", () => {
+    const draft = readCawl(`<CAWL name="D"><flow name="D"><source name="s"/><node name="n"><assign variable="b">SELECT ?b { }</assign><invoke subflow="E"/></node><node name="m"><invoke subflow="E"/></node><link from="s" to="n"/><link from="n" to="m"/></flow><flow name="E"><variable name="a("/></flow></CAWL>`);
+    const [d, e] = draft.flows;
+    const own = new Map([["E", calledFlow(draft, "E", () => []) ?? { takes: [], gives: [] }]]);
+    expect(e && own.get("E")?.takes.map((t) => t.name)).toEqual(["a("]);
+    expect(unsetInputs(draft, own, () => [], () => false).map((u) => [u.flow, u.step.name, u.input.name])).toEqual([[d, "n", "a("], [d, "m", "a("]]);
+  });
   it("lacks a value that the situation names instead of finding", () => {
     expect(unset(service(row("?user")))).toEqual([]);
     expect(unset(service(row("expo:John")))).toEqual(["user"]);

@@ -78,6 +78,7 @@ describe("what is missing", () => {
     expect(asMeant("expo:John docent:isAt expo:B01", ask)).toBe("expo:John docent:isAt expo:B01"); // both have to be there
     expect(asMeant("expo:Ann docent:selected expo:B01", ask)).toBe("expo:Ann docent:selected expo:B01");
     expect(asMeant("expo:John docent:selected expo:B01", "")).toBe("expo:John docent:selected expo:B01");
+    expect(asMeant("expo:John docent:selected expo:B01", "ASK { expo:John docent:selected ?b( . ?b( a docent:Booth }")).toBe("expo:John docent:selected ?booth"); // no pattern of a regular expression
     expect(factWords("?_operator docent:isAt expo:B01", prefixes)).toBe("an operator is at B01");
   });
   it("texts with markup, dots and quotes stay whole", () => {
