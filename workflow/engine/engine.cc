@@ -281,20 +281,16 @@ void TakeEnd(Engine::Core* core, const CommandReport& report) {
   core->released.insert(robot);
   core->changed_robots.insert(robot);
   const bool unknown = report.outcome == CommandReport::Outcome::kUnknown;
-  const bool succeeded = report.outcome == CommandReport::Outcome::kSucceeded;
+  std::string how = unknown ? ": how it ended is unknown" : "";
+  if (report.outcome == CommandReport::Outcome::kSucceeded) how = ": it succeeded all the same";
   core->Say(ended->invocation, "ending", "ended",
-            absl::StrCat(ended->command.operation, " on ", ToDisplay(Term::Iri(robot.value())),
-                         unknown     ? ": how it ended is unknown"
-                         : succeeded ? ": it succeeded all the same"
-                                     : ""));
-  for (const CommandOwner& owner : ended->owners) {
-    Run* run = core->Mutable(owner.run);
-    if (run != nullptr && RunStepper(core, run).TakeLate(*ended, report)) break;
-  }
+            absl::StrCat(ended->command.operation, " on ", ToDisplay(Term::Iri(robot.value())), how));
   for (const auto& [run, facts] : ended->kept) core->WithdrawWhenEnded(run, facts);
+  bool taken = false;
   for (const CommandOwner& owner : ended->owners) {
     Run* run = core->Mutable(owner.run);
     if (run == nullptr) continue;
+    taken = taken || RunStepper(core, run).TakeLate(*ended, report);
     if (unknown && !ended->command.idempotent) RunStepper(core, run).OutcomeUnknown(owner);
     core->touched.insert(owner.run);
   }

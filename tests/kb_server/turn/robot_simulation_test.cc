@@ -18,7 +18,6 @@
 // tells its course. simulation_dice.h says how to leave parts of it out; `scripts/soak simulation` does that to a failing one.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -41,6 +40,7 @@
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/random_world.h"
+#include "tests/kb_server/turn/attempt_model.h"
 #include "tests/kb_server/turn/firing_model.h"
 #include "tests/kb_server/turn/random_documents.h"
 #include "tests/kb_server/turn/robot_simulation.h"
@@ -112,15 +112,11 @@ class Simulation {
   size_t barred() const { return barred_; }
   size_t by_class() const { return by_class_; }
   size_t fallen() const { return fallen_; }
-  size_t timed_out() const { return timed_out_; }
+  size_t timed_out() const { return attempts_.timed_out(); }
   size_t undone() const { return undoing_.checked(); }
 
  private:
   static constexpr int kSteps = 70;
-  struct Attempt {  // of a node
-    TimeMicros since_us = 0;
-    std::set<CommandId> awaited;  // commands of the attempt before
-  };
   struct UnderWay {
     RobotCommand command;
     std::string root;
@@ -399,11 +395,11 @@ class Simulation {
       Note(absl::StrCat("report ", report.command.value(), " ", static_cast<int>(report.outcome)));
       if (!IsFinal(report.outcome)) continue;
       under_way_.erase(report.command);
-      for (auto& [node, attempt] : attempts_) {
-        if (attempt.awaited.erase(report.command) > 0) attempt.since_us = now_us_;
-      }
+      attempts_.Ended(report.command, now_us_);
     }
-    for (const Transition& t : result->record.transitions) CheckTime(t);
+    std::vector<CommandId> under_way;
+    for (const auto& [id, command] : under_way_) under_way.push_back(id);
+    attempts_.Take(result->record.transitions, under_way, now_us_);
     GraphReader* graph = Graph();
     Remember(*graph, result->record.transitions);
     reservations_ = ReadReservations(dictionary_, *version_);
@@ -433,28 +429,6 @@ class Simulation {
     commands_ += result->record.commands.size();
     for (const Transition& transition : result->record.transitions)
       preempted_ += transition.cause.starts_with("pre-empted") ? 1 : 0;
-  }
-
-  // The time of a node is that of each attempt, from when it began: all commands of the attempt before had ended.
-  void CheckTime(const Transition& t) {
-    const std::vector<std::string> parts = absl::StrSplit(t.subject, '/');
-    if (parts.size() != 2) return;
-    const size_t within = t.cause.find("it was not done within ");
-    const auto attempt = attempts_.find(t.subject);
-    int seconds = 0;
-    if (within != std::string::npos && attempt != attempts_.end() &&
-        std::sscanf(t.cause.c_str() + within, "it was not done within %d s", &seconds) == 1 &&
-        (t.to == "failed" || t.to == "incident" || t.from == t.to)) {
-      ++timed_out_;
-      EXPECT_GE(now_us_ - attempt->second.since_us, seconds * TimeMicros{1'000'000})
-          << t.subject << ": " << t.cause;
-    }
-    if (t.to != "running" || (t.from == t.to && !t.cause.starts_with("attempt "))) return;
-    Attempt& next = attempts_[t.subject];
-    next = {now_us_, {}};
-    for (const auto& [id, other] : under_way_) {
-      if (id.value().starts_with(t.subject + "/")) next.awaited.insert(id);
-    }
   }
 
   // What is wanted after the turn, and who wrote in it: RUN/NODE, or a RUN that ended.
@@ -785,15 +759,14 @@ class Simulation {
   std::set<std::string> begun_;                                  // RUN/NODE: it has begun something
   std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
-  std::map<std::string, Attempt> attempts_;  // by RUN/NODE
+  test::AttemptModel attempts_;
   test::FiringModel firings_;
   test::UndoModel undoing_;
   size_t commands_ = 0;
   size_t preempted_ = 0;
-  size_t barred_ = 0;     // invocations that waited for the end of a reservation, when it was looked
-  size_t by_class_ = 0;   // commands of those that asked for a class
-  size_t timed_out_ = 0;  // nodes
-  size_t fallen_ = 0;     // nodes that were interrupted, and waited for the end of their commands
+  size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
+  size_t by_class_ = 0;  // commands of those that asked for a class
+  size_t fallen_ = 0;    // nodes that were interrupted, and waited for the end of their commands
   std::vector<engine::Reservation> reservations_;
 };
 

@@ -43,6 +43,11 @@ class EngineCompensationTest : public EngineTest {
     for (int i = 0; i < done; ++i) Turn({Done(commands_[0].id)});
     return commands_[0].id;
   }
+  // The turn sent one command, which succeeds.
+  void Does(const std::string& operation) {
+    ASSERT_THAT(Operations(), ElementsAre(operation));
+    Turn({Done(commands_[0].id)});
+  }
   std::vector<std::string> Operations() const {
     std::vector<std::string> operations;
     for (const RobotCommand& command : commands_) operations.push_back(command.operation);
@@ -249,10 +254,8 @@ TEST_F(EngineCompensationTest, WhatSucceedsThoughItWasCancelledIsUndoneInItsPlac
   EXPECT_THAT(commands_, IsEmpty()) << "how B ends is not known";
   EXPECT_EQ(Run("runState"), "running");
   Turn({Done(second)});
-  ASSERT_THAT(Operations(), ElementsAre("undoB"));
-  Turn({Done(commands_[0].id)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoB");
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; what it did was undone");
 }
 
@@ -273,8 +276,7 @@ TEST_F(EngineCompensationTest, AnUnknownOutcomeIsSaidNotUndone) {
   const CommandId second = RunAfter(1);
   Cancel(true);
   Turn({Report(second, Outcome::kUnknown)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; not undone: B: how it ended is unknown");
 }
 
@@ -283,8 +285,7 @@ TEST_F(EngineCompensationTest, AnUnknownOutcomeThatFailsTheRunIsSaidToo) {
               Link("B", "t")));
   const CommandId second = RunAfter(1);
   Turn({Report(second, Outcome::kUnknown)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_THAT(Run("reason"), HasSubstr("not undone: B: how it ended is unknown"));
 }
 
@@ -300,8 +301,7 @@ TEST_F(EngineCompensationTest, ARobotThatIsOutOfReachIsNotWaitedFor) {
   EXPECT_THAT(commands_, IsEmpty());
   for (RobotOffer& offer : robots_.offers) offer.offline = offer.robot == both[1].robot;
   Turn();
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("runState"), "cancelled");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; not undone: B (undoB): how it ends is not known yet");
 }
@@ -389,8 +389,7 @@ TEST_F(EngineCompensationTest, WhatWasDoneAfterItsTimeIsUndone) {
   EXPECT_THAT(cancels_, ElementsAre(first));
   EXPECT_EQ(Run("runState"), "running");
   Turn({Done(first)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("runState"), "failed");
   EXPECT_THAT(Run("reason"), HasSubstr("; what it did was undone"));
 }
@@ -404,10 +403,8 @@ TEST_F(EngineCompensationTest, WhatALiveSubflowDoesAfterAllIsUndoneToo) {
   Cancel(true);
   EXPECT_THAT(commands_, IsEmpty());
   Turn({Done(inner)});
-  ASSERT_THAT(Operations(), ElementsAre("undoB"));
-  Turn({Done(commands_[0].id)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoB");
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; what it did was undone");
 }
 
@@ -427,8 +424,7 @@ TEST_F(EngineCompensationTest, WhatASubflowThatWasEndedDoesAfterAllIsUndoneWithI
   Turn({Done(inner)});
   ASSERT_THAT(Operations(), ElementsAre("doL"));
   Turn({Failed(commands_[0].id, "stuck")});
-  ASSERT_THAT(Operations(), ElementsAre("undoB"));
-  Turn({Done(commands_[0].id)});
+  Does("undoB");
   EXPECT_EQ(Run("reason"), "node L: 1/1 doL: stuck; what it did was undone");
 }
 
@@ -466,8 +462,7 @@ TEST_F(EngineCompensationTest, WhatAnIncidentEndedAndSucceedsIsDone) {
   Turn({Done(first)});
   EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "invocationState"), "done");
   Cancel(true);
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; what it did was undone");
 }
 
@@ -484,8 +479,7 @@ TEST_F(EngineCompensationTest, WhatSucceedsThoughItsNodeFailedIsNotDoneAgain) {
   Turn({Done(first)});
   ASSERT_THAT(Operations(), ElementsAre("doL"));
   Turn({Failed(commands_[0].id, "stuck")});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "node L: 1/1 doL: stuck; what it did was undone");
 }
 
@@ -506,8 +500,7 @@ TEST_F(EngineCompensationTest, WhatAnInterruptedNodeDidIsUndone) {
   Turn({Report(second, Outcome::kCancelled)});
   EXPECT_EQ(Fact("urn:docent:run:F-1/A", "nodeState"), "waiting");
   Cancel(true);
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_EQ(Run("reason"), "cancelled on request: fire; what it did was undone");
 }
 
@@ -552,8 +545,7 @@ TEST_F(EngineCompensationTest, TheUndoingOfASubflowGoesOnInItsParent) {
   Cancel(true);
   EXPECT_THAT(cancels_, ElementsAre(undo));
   Turn({Report(undo, Outcome::kCancelled)});
-  ASSERT_THAT(Operations(), ElementsAre("undoA"));
-  Turn({Done(commands_[0].id)});
+  Does("undoA");
   EXPECT_THAT(Run("reason"), HasSubstr("B (undoB): it was cancelled"));
 }
 
