@@ -38,7 +38,7 @@ std::string Written(const CLI::Option& option) {
                       option.get_expected_max() > 1 ? "..." : "");
 }
 
-// Whether the option takes the value. Only for options that nobody uses afterwards.
+// Whether the option takes the value. It is left with that value, so its command must not run afterwards.
 bool Takes(CLI::Option* option, const std::string& value) {
   try {
     option->clear();

@@ -102,7 +102,7 @@ void RunStepper::BeginAgain(size_t node, size_t index) {
   core_.Say(Subject(node, index), ToString(invocation.state), "pending",
             absl::StrCat("attempt ", invocation.attempt + 1, " after: ", reason));
   LeaveRobot(node, index);
-  core_.waiting.Leave({run_.id, node, index});  // for any robot, or, pre-empted, for its own: it asks anew
+  core_.waiting.Leave({run_.id, node, index});  // the next attempt asks for a robot again
   InvocationState fresh;
   fresh.invoke = invocation.invoke;
   fresh.binding = invocation.binding;

@@ -152,7 +152,7 @@ bool RunStepper::TakeLate(const EndingCommand& ended, const CommandReport& repor
   return true;
 }
 
-// If all its commands have ended, it is known what there is to undo.
+// When all commands of the step have ended, it becomes a done step, or nothing of it was done.
 void RunStepper::SettleLate(std::vector<LateStep>::iterator late) {
   if (std::any_of(late->invocations.begin(), late->invocations.end(), IsLate)) return;
   auto step = StepOf(late->place, late->operation, late->variables, late->invocations);

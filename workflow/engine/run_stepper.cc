@@ -365,7 +365,8 @@ bool RunStepper::CheckDeadlines(size_t index) {
   return false;
 }
 
-// Late in a turn only runs that came to be late in it go on, for once: others have had, and will have, turns of their own.
+// In the second half of a turn, only runs that this turn started go on, and only until they have done something. All others go on in
+// the next turn.
 bool RunStepper::HasToGoOnLater() const {
   const bool late = core_.turn_round >= core_.limits.engine_rounds_per_turn / 2;
   return late && (core_.gone_on.contains(run_.id) || core_.undo_runs.at(run_.id).has_value());

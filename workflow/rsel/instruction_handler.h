@@ -62,8 +62,8 @@ class InstructionHandler {
   // not idempotent). When a step fails for good and the process with it, the steps still running count as cancelled:
   // RunningSteps() tells them until they are reported, so that the caller can cancel them.
   bool Failed(int step, int attempt, std::string reason, bool may_retry = true);
-  // Of a process that nothing more is begun of: a step that failed, was cancelled or was not waited for has succeeded all the
-  // same. The process is done when that is so of all its steps. False, and nothing changed, for a step that is done.
+  // A step that failed, was cancelled or was not waited for has succeeded all the same. Call it when no further step of the process
+  // will begin. The process is done when all its steps are. False for a step that is done already; then nothing changes.
   bool SucceededLate(int step, const Arguments& results);
   // Ends in kCancelled unless it has ended.
   void Cancel(std::string reason);
