@@ -116,14 +116,19 @@ describe.skipIf(why !== "")("simulation", () => {
     const began = Date.now();
     await page.getByRole("button", { name: "Play", exact: true }).click();
     await expect.poll(clock, { interval: 50, timeout: 60_000 }).toBeGreaterThanOrEqual(4);
-    const seconds = (Date.now() - began) / 1000;
-    await step("Move2User").locator(".state-chip.running").waitFor();
-    await page.getByRole("button", { name: "Pause" }).click();
     const at = await clock();
-    expect(at).toBeLessThanOrEqual(10 * seconds + 11);
+    expect(at).toBeLessThanOrEqual((10 * (Date.now() - began)) / 1000 + 11);
+    // A machine that is busy elsewhere may have played to the end by now: the moment to look at is chosen.
+    await page.getByRole("slider", { name: "Simulated time" }).fill("40");
+    await step("Move2User").locator(".state-chip.running").waitFor();
     await happened("R01 gets moveToUser(John)").waitFor();
     await stage.picture(page, "simulate-playing");
-    await page.getByRole("combobox", { name: "Speed of playing" }).selectOption("60");
+    const speed = page.getByRole("combobox", { name: "Speed of playing" });
+    await speed.selectOption("1");
+    await page.getByRole("button", { name: "Play", exact: true }).click();
+    await page.getByRole("button", { name: "Pause" }).click();
+    expect(await clock()).toBeGreaterThanOrEqual(4);
+    await speed.selectOption("60");
     await page.getByRole("button", { name: "Play", exact: true }).click();
     await happened("the run is done").waitFor();
     await page.getByRole("button", { name: "Play", exact: true }).waitFor(); // it has come to its end
