@@ -114,10 +114,13 @@ TEST_F(EngineGuardsTest, AnInvocationThatWaitsBesideOthersGoesOutWhenItsConditio
   Turn({Done(commands_[0].id)});
   EXPECT_THAT(commands_, IsEmpty());
   EXPECT_EQ(Fact("urn:docent:run:F-1/A", "nodeState"), "running");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A/1", "reason"), "condition near ceased to hold");
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A", "waitsFor"), HasSubstr("urn:near"));
   conditions_.Set("urn:near", {Match("urn:john")});
   Turn();
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_EQ(commands_[0].operation, "c");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "waitsFor"), "");
 }
 
 TEST_F(EngineGuardsTest, AnEventThatLeftDoesNotTakeBackWhatItOpened) {
