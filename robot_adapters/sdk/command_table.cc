@@ -218,10 +218,7 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::Begin(const v1::In
     return absl::ResourceExhaustedError(
         absl::StrCat("the robot already runs commands_running = ", running_limit_, " commands"));
   }
-  v1::Feedback feedback;
-  feedback.set_command_id(id.value());
-  feedback.set_incarnation(incarnation());
-  auto command = std::make_shared<RunningCommand>(std::move(feedback));
+  auto command = std::make_shared<RunningCommand>(v1::Feedback());  // Run tells the first
   if (observer_ != nullptr) command->Watch(observer_);
   Live& live = live_[id.value()];
   live.command = command;
