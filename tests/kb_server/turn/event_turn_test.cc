@@ -316,6 +316,20 @@ TEST_F(EventTurnTest, EventsThatAreNeededTogetherWaitForEachOther) {
   EXPECT_THAT(Started(Turn(BlankEvent("knock"))), IsEmpty()) << "the bell is used";
 }
 
+TEST_F(EventTurnTest, AnEventThatWaitsLeavesWithTheWorkflowThatNeedsIt) {
+  Turn(Put(Document::Kind::kCawl, "bell",
+           OnCase("<condition><case><event operation=\"doorbell\"/><event "
+                  "operation=\"knock\"/></case></condition>")));
+  Turn(BlankEvent("doorbell"));
+  Settle();
+  EXPECT_EQ(Events(), 1u);
+  WriteBatch remove;
+  remove.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Bell", ""});
+  Turn(remove);
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+}
+
 TEST_F(EventTurnTest, ThoseThatWaitAreBounded) {
   Turn(Put(Document::Kind::kCawl, "bell",
            OnCase("<condition><case><event operation=\"doorbell\"/><event "

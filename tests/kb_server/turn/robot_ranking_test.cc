@@ -103,6 +103,21 @@ TEST_F(RobotRankingTest, RobotsThatAConditionMatchesTakeTurns) {
   EXPECT_EQ(Chosen(), "urn:w:R3");
 }
 
+TEST_F(RobotRankingTest, AValueThatEachRobotsMatchHasForItselfIsNoGoal) {
+  std::string condition = kAnyRobot;
+  condition.replace(condition.find("docent:offers"), 13, "w:stands");
+  condition.replace(condition.find("&lt;urn:docent:operation:drive&gt;"), 34, "?place");
+  Deploy("", condition);
+  Turn(Tell({Fact("R1", "stands", "A"), Fact("R2", "stands", "B"), Fact("A", "docent:x", Number("0")),
+             Fact("A", "docent:y", Number("0")), Fact("R1", "docent:x", Number("0")),
+             Fact("R1", "docent:y", Number("0")), Fact("R2", "docent:x", Number("9")),
+             Fact("R2", "docent:y", Number("0")), Fact("R2", "docent:battery", Number("90")),
+             Fact("R1", "docent:battery", Number("20"))}));
+  const TurnResult turn = Turn(test::Start("T/F"));
+  ASSERT_EQ(turn.record.commands.size(), 1u);
+  EXPECT_EQ(turn.record.commands[0].robot.value(), "urn:w:R2") << "and not the one that stands at A";
+}
+
 TEST_F(RobotRankingTest, OneThatDoesNotOfferTheOperationIsPassedOver) {
   std::string condition = kAnyRobot;
   condition.replace(condition.find("docent:offers"), 13, "a");

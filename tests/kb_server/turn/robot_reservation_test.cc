@@ -194,6 +194,20 @@ TEST_F(RobotReservationTest, ARunReleasesWhatItReserved) {
   EXPECT_EQ(Commands(Go("Tour")), "W-2 urn:w:R1");
 }
 
+TEST_F(RobotReservationTest, WhatIsReservedInTheSameTurnIsReleasedToo) {
+  Deploy("Tour", {"<ext:reserve robots=\"w:R1\"/>", WhenTold("Tour", "<ext:reserve robots=\"w:R2\"/>"),
+                  "<ext:release/>", "<ext:reserve robots=\"w:R1\"/>", WhenTold("End", "<ext:release/>"),
+                  WhenTold("End", "<ext:reserve robots=\"w:R2\"/>"), WhenTold("Never", "")});
+  Start("Tour");
+  ASSERT_EQ(Reservations().size(), 1u);
+  Go("Tour");
+  ASSERT_EQ(Reservations().size(), 1u);
+  EXPECT_EQ(Reservations()[0].robots, std::set<RobotId>{RobotId("urn:w:R1")});
+  Go("End");
+  ASSERT_EQ(Reservations().size(), 1u);
+  EXPECT_EQ(Reservations()[0].robots, std::set<RobotId>{RobotId("urn:w:R2")});
+}
+
 TEST_F(RobotReservationTest, WhatIsNoRobotCannotBeReserved) {
   Deploy("Tour", {"<ext:reserve robots=\"w:R1 w:Chair\"/>"});
   Start("Tour");

@@ -112,6 +112,19 @@ TEST_F(RunWrites, NorWhereItWaitsForItsRobot) {
   EXPECT_EQ(Must(Tell({Fact("R1", "docent:status", "docent:Standby")})).record.commands.size(), 1u);
 }
 
+TEST_F(RunWrites, NorWhereAnEventOpensItToo) {
+  Must(test::WorldFacts());
+  Must(Tell({Fact("it", "p", "b")}));
+  std::string when = When("w:it", "w:p", "?y");
+  when.replace(0, std::string("<condition>").size(),
+               "<condition expression=\"rang and c\"><case name=\"rang\"><event operation=\"ring\"/></case>");
+  DeployOne(when + "<invoke operation=\"greet\"/>" + kTakesBack);
+  Run();
+  const TurnResult rang = Must(
+      Tell({Fact("bell", "a", "docent:Event"), Fact("bell", "docent:operation", Term::Literal("ring"))}));
+  EXPECT_EQ(rang.record.commands.size(), 1u);
+}
+
 // A node that takes the lift if no run has it.
 std::string TakesLift(const std::string& more = "") {
   return absl::StrCat(

@@ -75,6 +75,19 @@ TEST_F(CommandJournalTest, UnfinishedCommandIsLostAfterRestart) {
   EXPECT_NE(Text().find("lost\t1000\t"), std::string::npos);
 }
 
+TEST_F(CommandJournalTest, ALostCommandStaysLostUntilItIsForgotten) {
+  ASSERT_TRUE(Open()->Begin(CommandId("run/1"), "drive").ok());
+  Open();
+  auto journal = Open(/*remembered=*/1);
+  auto entry = journal->Find(CommandId("run/1"));
+  ASSERT_TRUE(entry.has_value());
+  EXPECT_EQ(entry->state, JournalEntry::State::kLost);
+  ASSERT_TRUE(journal->Begin(CommandId("run/2"), "drive").ok());
+  ASSERT_TRUE(journal->Finish(CommandId("run/2"), CommandOutcome::kSucceeded, "", {}).ok());
+  EXPECT_FALSE(journal->Find(CommandId("run/1")).has_value());
+  EXPECT_TRUE(journal->Find(CommandId("run/2")).has_value());
+}
+
 TEST_F(CommandJournalTest, IncarnationsAreCounted) {
   EXPECT_EQ(Open()->incarnation().substr(0, 2), "1-");
   EXPECT_EQ(Open()->incarnation().substr(0, 2), "2-");

@@ -2,9 +2,12 @@
 #include "robot_adapters/sdk/robot_adapter.h"
 
 #include <grpcpp/grpcpp.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -65,7 +68,7 @@ class RobotAdapterTest : public testing::Test {
     wait.name = "wait";
     wait.run = [this](OperationContext& context) -> absl::StatusOr<NamedTerms> {
       ++runs_;
-      context.ReportProgress(0.25, "waiting");
+      context.ReportProgress(0.254, "waiting");
       while (context.SleepFor(std::chrono::milliseconds(5))) {
         if (release_.load()) return NamedTerms{};
       }
@@ -351,7 +354,7 @@ TEST_F(RobotAdapterTest, TellsWhatItDoes) {
   Invoke(Request("c/1", "wait"), [&] {
     EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("status"), DocentIri("Busy")));
     EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("currentCommand"), "c/1"));
-    EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("progress"), "0.25"));
+    EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("progress"), "0.25")) << "in hundredths";
     release_ = true;
   });
   EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("status"), DocentIri("Standby")));
@@ -378,6 +381,23 @@ TEST_F(RobotAdapterTest, ServerThatComesBackIsJoinedAndToldTheStatesAgain) {
   server_.Start(server_.port());
   EXPECT_TRUE(server_.AwaitJoins(joins + 1));
   EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("battery"), "79"));
+}
+
+TEST_F(RobotAdapterTest, ThatTheServerIsAwayIsSaidOnce) {
+  std::ostringstream log;
+  auto& sinks = spdlog::default_logger()->sinks();
+  sinks.push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(log));
+  server_.SetLease(60);
+  StartAdapter();
+  AwaitJoined();
+  server_.Stop();
+  absl::SleepFor(absl::Seconds(1));  // several tries
+  adapter_.reset();
+  sinks.pop_back();
+  const std::string text = log.str();
+  const size_t first = text.find("cannot join the fleet");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(text.find("cannot join the fleet", first + 1), std::string::npos);
 }
 
 TEST_F(RobotAdapterTest, WithdrawsWhatAnEarlierLifeLeftBehind) {

@@ -125,6 +125,27 @@ TEST_F(EngineCompensationTest, EveryOtherNodeIsCancelledBeforeItUndoes) {
   EXPECT_THAT(transitions_, ::testing::Contains("F-1/Last waiting>cancelled"));
 }
 
+TEST_F(EngineCompensationTest, OfAnInterruptedNodeWhatWasDoneForSomeValuesIsUndone) {
+  conditions_.Set("urn:safe", {{}});
+  conditions_.Set("urn:near", {{{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:x")}},
+                               {{"s", Term::Iri("urn:mary")}, {"o", Term::Iri("urn:x")}}});
+  Deploy(
+      Flow("<node name=\"A\" ext:forEach=\"?s\" ext:compensate=\"undoA\" "
+           "ext:while-holds=\"?r &lt;urn:safe&gt; ?z\">" +
+           Condition("near") + "<invoke operation=\"doA\"/></node>" +
+           Node("Stop", "", "<invoke operation=\"stop\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+           Link("A", "t") + Link("A", "Stop", "ext:onInterrupt=\"true\"") + Link("Stop", "t")));
+  const CommandId second = RunAfter(1);
+  conditions_.Set("urn:safe", {});
+  Turn();
+  Turn({Report(second, Outcome::kCancelled)});
+  ASSERT_THAT(Operations(), ElementsAre("stop"));
+  Turn({Failed(commands_[0].id, "stuck")});
+  Does("undoA");
+  EXPECT_EQ(Run("runState"), "failed");
+  EXPECT_THAT(Run("reason"), HasSubstr("what it did was undone"));
+}
+
 TEST_F(EngineCompensationTest, ASecondCancelEndsTheUndoingAndSaysWhatIsLeft) {
   Deploy(ThreeNodes());
   const CommandId third = RunAfter(2);

@@ -145,6 +145,28 @@ TEST_F(EngineGuardsTest, AnEventThatLeftDoesNotTakeBackWhatItOpened) {
   EXPECT_EQ(commands_.size(), 1u);
 }
 
+TEST_F(EngineGuardsTest, WhatHeldBesideAnEventIsAskedForAgain) {
+  std::string near = Condition("near");
+  near.replace(
+      near.find("<condition>"), 11,
+      "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
+  DeployNode("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node>");
+  const CommandId busy = KeepRobot();
+  TermBinding ring = Match("urn:john");
+  ring["_event_1"] = Term::Iri("urn:e1");
+  conditions_.Set("urn:near", {Match("urn:john")});  // of the condition without the event
+  conditions_.Set("bell", {});
+  Start();
+  conditions_.Set("bell", {ring});
+  Turn();
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "running");
+  conditions_.Set("bell", {});
+  conditions_.Set("urn:near", {});
+  Turn({Done(busy)});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_EQ(Fact("urn:docent:run:F-2/A", "nodeState"), "waiting");
+}
+
 TEST_F(EngineGuardsTest, WhatHasToHoldFallsAndTheNodeTakesItsInterruptLink) {
   Deploy(Flow("<node name=\"A\" ext:while-holds=\"?r &lt;urn:safe&gt; ?z\"><invoke operation=\"a\"/></node>" +
               Node("Stop", "", "<invoke operation=\"stop\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +

@@ -75,6 +75,24 @@ TEST_F(EngineIncidentsTest, ARobotIsLetGoWhenItsCommandHasEnded) {
   EXPECT_EQ(engine_.HolderOf(RobotId("urn:r1")), nullptr);
 }
 
+TEST_F(EngineIncidentsTest, TheRobotOfANodeThatGoesOnIsKept) {
+  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
+  Deploy(Flow("<variable name=\"other\"/>" + Node("A", "", "<invoke operation=\"a\"/>") +
+              "<node name=\"B\" ext:onFailure=\"incident\"><invoke operation=\"b\"><ext:input part=\"robot\" "
+              "variable=\"other\"/></invoke></node>" +
+              Node("C", "far", "<invoke operation=\"c\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("s", "B") + Link("A", "C") + Link("C", "t") + Link("B", "t")));
+  Turn({}, {{Kind::kStart, "W/F", {{"other", Term::Iri("urn:r2")}}}});
+  ASSERT_EQ(commands_.size(), 2u);
+  const CommandId a = commands_[0].id, b = commands_[1].id;
+  Turn({Done(a)});
+  Turn({Failed(b, "stuck")});
+  EXPECT_EQ(State("B"), "incident");
+  EXPECT_EQ(State("C"), "waiting");
+  EXPECT_EQ(engine_.HolderOf(RobotId("urn:r2")), nullptr);
+  EXPECT_NE(engine_.HolderOf(RobotId("urn:r1")), nullptr);
+}
+
 TEST_F(EngineIncidentsTest, ARetryBeginsTheNodeAgain) {
   Deploy(TwoNodes("ext:onFailure=\"incident\" ext:retry=\"1\""));
   Start();

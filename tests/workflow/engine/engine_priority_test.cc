@@ -194,26 +194,76 @@ TEST_F(EnginePriorityTest, APreemptedInvocationThatIsTriedAgainLaterDoesNotWaitM
   EXPECT_EQ(Fact("urn:r1", "load"), "1");
 }
 
-TEST_F(EnginePriorityTest, ARunThatWaitsForItsConditionTakesTheRobotThatItNames) {
-  const std::string low = "<flow name=\"Low\"><source name=\"s\"/>" +
-                          Node("A", "", "<invoke operation=\"drive\"/>") +
-                          Node("B", "", "<invoke operation=\"drive\"/>") + "<sink name=\"t\"/>" +
-                          Link("s", "A") + Link("A", "B") + Link("B", "t") + "</flow>";
-  const std::string high =
-      "<flow name=\"High\" ext:priority=\"1\" ext:preempt=\"true\"><source name=\"s\"/><node "
-      "name=\"A\"><condition>"
-      "<context "
-      "name=\"c\"><rule><constraint><subject>?robot</subject><verb>&lt;urn:near&gt;</verb><object>?o</object>"
-      "</constraint></rule></context></condition><invoke operation=\"drive\"/></node><sink name=\"t\"/>" +
-      Link("s", "A") + Link("A", "t") + "</flow>";
-  Deploy(low + high);
-  conditions_.Set("urn:near", {{{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:x")}}});
+class PreemptingConditionTest : public EnginePriorityTest {
+ protected:
+  // High's node A is opened by a condition that names the robot; Low's B has the condition `low`.
+  void DeployFlows(const std::string& low) {
+    Deploy("<flow name=\"Low\"><source name=\"s\"/>" + Node("A", "", "<invoke operation=\"drive\"/>") +
+           Node("B", low, "<invoke operation=\"drive\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+           Link("A", "B") + Link("B", "t") +
+           "</flow><flow name=\"High\" ext:priority=\"1000\" ext:preempt=\"true\"><source name=\"s\"/>"
+           "<node name=\"A\"><condition><context name=\"c\"><rule><constraint><subject>?robot</subject>"
+           "<verb>&lt;urn:near&gt;</verb><object>?o</object></constraint></rule></context></condition>"
+           "<invoke operation=\"drive\"/></node><sink name=\"t\"/>" +
+           Link("s", "A") + Link("A", "t") + "</flow>");
+  }
+  void BeNear() {
+    conditions_.Set("urn:near", {{{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:x")}}});
+  }
+};
+
+TEST_F(PreemptingConditionTest, TheRobotThatItNamesIsTakenAtTheNextBorder) {
+  DeployFlows("");
+  BeNear();
   StartFlow("Low");
   const CommandId a = Only();
   StartFlow("High");
   EXPECT_EQ(Sent(), Commands{});
   Turn({Done(a)});
   EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+}
+
+TEST_F(PreemptingConditionTest, ARobotThatIsHeldBetweenTwoNodesIsTakenAtOnce) {
+  DeployFlows("far");
+  BeNear();
+  StartFlow("Low");
+  Turn({Done(Only())});
+  EXPECT_EQ(Holder(&engine_), "Low-1");
+  StartFlow("High");
+  EXPECT_EQ(Sent(), Commands{"High-2/A drive"});
+}
+
+TEST_F(PreemptingConditionTest, TheVeryFirstRunWithTheHighestPriorityIsFoundToo) {
+  DeployFlows("");
+  StartFlow("High");
+  StartFlow("Low");
+  const CommandId a = Only();
+  BeNear();
+  Turn();
+  EXPECT_EQ(Sent(), Commands{});
+  Turn({Done(a)});
+  EXPECT_EQ(Sent(), Commands{"High-1/A drive"});
+}
+
+TEST_F(EnginePriorityTest, OnlyTheRobotThatIsWantedIsTaken) {
+  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
+  Deploy("<flow name=\"Low\"><source name=\"s\"/>" + Node("A", "", "<invoke operation=\"drive\"/>") +
+         Node("B", "far", "<invoke operation=\"drive\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+         Link("A", "B") + Link("B", "t") +
+         "</flow><flow name=\"High\" ext:priority=\"10\" ext:preempt=\"true\"><variable name=\"robot\"/>"
+         "<source name=\"s\"/>" +
+         Node("A", "", "<invoke operation=\"drive\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+         Link("A", "t") + "</flow>");
+  StartFlow("Low");
+  const CommandId first = Only();
+  StartFlow("Low");
+  const CommandId second = Only();
+  Turn({Done(first), Done(second)});
+  Turn({}, {{RunRequest::Kind::kStart, "W/High", {{"robot", Term::Iri("urn:r2")}}}});
+  EXPECT_EQ(Sent(), Commands{"High-3/A drive"});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].robot, RobotId("urn:r2"));
+  EXPECT_EQ(Holder(&engine_), "Low-1");
 }
 
 }  // namespace

@@ -93,6 +93,17 @@ TEST(InstructionHandler, AResultThatWasNotGivenFailsTheStepThatNeedsIt) {
   EXPECT_THAT(h.reason(), HasSubstr("2/2 go: its part to takes result 1.pose"));
 }
 
+TEST(InstructionHandler, AStepBesideOneThatCannotBeginIsNotGivenAndNothingOfItIsOut) {
+  InstructionHandler h = Started(
+      "<invoke operation=\"locate\"><output part=\"pose\" to=\"where\"/></invoke><invoke operation=\"say\"/>"
+      "<invoke operation=\"go\" ext:parallel=\"true\"><input part=\"to\" from=\"where\"/></invoke>");
+  h.TakeReady();
+  h.Succeeded(1, 1, {});
+  EXPECT_THAT(h.TakeReady(), IsEmpty());
+  EXPECT_EQ(h.state(), State::kFailed);
+  EXPECT_THAT(h.RunningSteps(), IsEmpty());
+}
+
 TEST(InstructionHandler, RetriesThenFails) {
   InstructionHandler h =
       Started("<invoke operation=\"go\" ext:retry=\"1\" ext:timeout=\"2s\"/><invoke operation=\"never\"/>");

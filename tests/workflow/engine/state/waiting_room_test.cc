@@ -60,5 +60,17 @@ TEST(WaitingRoomTest, WhoLeavesOrWaitsForSomethingElseIsNotFound) {
   EXPECT_FALSE(room.Next(kR2, 0, OffersAll).has_value());
 }
 
+TEST(WaitingRoomTest, WhoWaitsForARobotIsCounted) {
+  WaitingRoom room;
+  room.Wait(1, Of("A"), {kR1, "guide"});
+  room.Wait(2, Of("B"), {kR1, "clean"});
+  room.Wait(3, Of("C"), {RobotId(), "guide"});
+  EXPECT_EQ(room.WaitingFor(kR1), 2u);
+  room.Leave(Of("A"));
+  EXPECT_EQ(room.WaitingFor(kR1), 1u);
+  room.Leave(Of("B"));
+  EXPECT_EQ(room.WaitingFor(kR1), 0u);
+}
+
 }  // namespace
 }  // namespace docent::engine
