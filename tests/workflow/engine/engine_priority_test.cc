@@ -259,6 +259,7 @@ TEST_F(EnginePriorityTest, OnlyTheRobotThatIsWantedIsTaken) {
   StartFlow("Low");
   const CommandId second = Only();
   Turn({Done(first), Done(second)});
+  robots_.news = false;  // or all that are held are looked at
   Turn({}, {{RunRequest::Kind::kStart, "W/High", {{"robot", Term::Iri("urn:r2")}}}});
   EXPECT_EQ(Sent(), Commands{"High-3/A drive"});
   ASSERT_EQ(commands_.size(), 1u);
