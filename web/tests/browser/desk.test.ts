@@ -25,6 +25,7 @@ describe.skipIf(why !== "")("the front desk", () => {
     await page.getByText("No favourites yet").waitFor();
     await page.keyboard.press("a");
     await page.keyboard.type("move to booth");
+    await page.getByRole("option", { name: "Move to booth" }).waitFor(); // once the robot has joined
     await page.keyboard.press("Enter");
     await page.getByRole("button", { name: "Keep it" }).click();
     await page.locator(".desk-start").click();
