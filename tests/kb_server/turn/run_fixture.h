@@ -37,6 +37,19 @@ class RunActionsTest : public ::testing::Test {
                         v, "</verb><object>", o, "</object></constraint></rule></context></condition>");
   }
 
+  // The same, and an event of the operation "ring".
+  static std::string WhenRungAnd(const std::string& s, const std::string& v, const std::string& o) {
+    std::string when = When(s, v, o);
+    const std::string_view begin = "<condition>";
+    return when.replace(
+        0, begin.size(),
+        "<condition expression=\"rang and c\"><case name=\"rang\"><event operation=\"ring\"/></case>");
+  }
+  TurnResult Ring() {
+    return Must(test::Tell({test::Fact("bell", "a", "docent:Event"),
+                            test::Fact("bell", "docent:operation", Term::Literal("ring"))}));
+  }
+
   TurnResult Must(WriteBatch batch) {
     batch.time_us = now_us_ += 1000;
     absl::StatusOr<TurnResult> result = RunTurn(&stages_, std::move(batch), ++head_);
