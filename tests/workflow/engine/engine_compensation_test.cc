@@ -5,7 +5,6 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
-#include "workflow/engine/engine_state.h"
 
 namespace docent::engine {
 namespace {
@@ -182,12 +181,7 @@ TEST_F(EngineCompensationTest, UndoingGoesOnAfterARestart) {
   Deploy(ThreeNodes());
   const CommandId third = RunAfter(2);
   Cancel(true);
-  auto bytes = EncodeEngineState(engine_.Save());
-  ASSERT_TRUE(bytes.ok()) << bytes.status();
-  auto state =
-      DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
-  ASSERT_TRUE(state.ok()) << state.status();
-  engine_.Restore(*std::move(state));
+  Restart();
   Turn({Report(third, Outcome::kCancelled)});
   EXPECT_THAT(Operations(), ElementsAre("undoB"));
 }
@@ -530,13 +524,7 @@ TEST_F(EngineCompensationTest, ALateSuccessCountsAfterARestart) {
               Link("B", "t")));
   const CommandId second = RunAfter(1);
   Cancel(true);
-  auto bytes = EncodeEngineState(engine_.Save());
-  ASSERT_TRUE(bytes.ok()) << bytes.status();
-  auto state =
-      DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
-  ASSERT_TRUE(state.ok()) << state.status();
-  engine_.Restore(*std::move(state));
-  EXPECT_EQ(*EncodeEngineState(engine_.Save()), *bytes);
+  Restart();
   Turn({Done(second)});
   EXPECT_THAT(Operations(), ElementsAre("undoB"));
 }

@@ -12,6 +12,7 @@
 #include "tests/workflow/engine/fake_conditions.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/engine/engine.h"
+#include "workflow/engine/engine_state.h"
 
 namespace docent::engine {
 
@@ -79,6 +80,16 @@ class EngineTest : public ::testing::Test {
     FAIL() << "the engine is never quiet";
   }
   void Start() { Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}}); }
+  // As a server that starts again from a snapshot; what is saved then is the same.
+  void Restart() {
+    const auto bytes = EncodeEngineState(engine_.Save());
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    auto state =
+        DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
+    ASSERT_TRUE(state.ok()) << state.status();
+    engine_.Restore(*std::move(state));
+    EXPECT_EQ(*EncodeEngineState(engine_.Save()), *bytes);
+  }
   static CommandReport Done(const CommandId& id) {
     return {id, CommandReport::Outcome::kSucceeded, "", 1, "i1", {}};
   }

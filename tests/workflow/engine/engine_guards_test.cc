@@ -24,6 +24,14 @@ class EngineGuardsTest : public EngineTest {
            "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
            "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
   }
+  // The node opens when the bell rings and something is near.
+  void DeployRungNode() {
+    std::string near = Condition("near");
+    near.replace(
+        near.find("<condition>"), 11,
+        "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
+    DeployNode("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node>");
+  }
   CommandId KeepRobot() {
     Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
     return commands_[0].id;
@@ -124,11 +132,7 @@ TEST_F(EngineGuardsTest, AnInvocationThatWaitsBesideOthersGoesOutWhenItsConditio
 }
 
 TEST_F(EngineGuardsTest, AnEventThatLeftDoesNotTakeBackWhatItOpened) {
-  std::string near = Condition("near");
-  near.replace(
-      near.find("<condition>"), 11,
-      "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
-  DeployNode("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node>");
+  DeployRungNode();
   const CommandId busy = KeepRobot();
   TermBinding ring = Match("urn:john");
   conditions_.Set("urn:near", {Match("urn:john")});  // of the condition without the event
@@ -146,11 +150,7 @@ TEST_F(EngineGuardsTest, AnEventThatLeftDoesNotTakeBackWhatItOpened) {
 }
 
 TEST_F(EngineGuardsTest, WhatHeldBesideAnEventIsAskedForAgain) {
-  std::string near = Condition("near");
-  near.replace(
-      near.find("<condition>"), 11,
-      "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
-  DeployNode("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node>");
+  DeployRungNode();
   const CommandId busy = KeepRobot();
   TermBinding ring = Match("urn:john");
   ring["_event_1"] = Term::Iri("urn:e1");

@@ -5,7 +5,6 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
-#include "workflow/engine/engine_state.h"
 
 namespace docent::engine {
 namespace {
@@ -257,12 +256,7 @@ TEST_F(EngineIncidentsTest, ARetryHasADelayThatGrows) {
   ASSERT_EQ(commands_.size(), 1u);
   Turn({Failed(commands_[0].id, "stuck")});
   EXPECT_EQ(engine_.NextDeadline(), now_us_ + 20'000'000);
-  auto bytes = EncodeEngineState(engine_.Save());
-  ASSERT_TRUE(bytes.ok());
-  auto state =
-      DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
-  ASSERT_TRUE(state.ok()) << state.status();
-  engine_.Restore(*std::move(state));
+  Restart();
   EXPECT_EQ(engine_.NextDeadline(), now_us_ + 20'000'000);
   Pass(20);
   Turn();

@@ -1,6 +1,5 @@
 // Priorities of runs, and pre-emption at step borders.
 #include "tests/workflow/engine/engine_fixture.h"
-#include "workflow/engine/engine_state.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent::engine {
@@ -164,12 +163,7 @@ TEST_F(EnginePriorityTest, ASnapshotKeepsWhoIsPreempted) {
   StartFlow("High");
   Turn({Done(go)});
   const CommandId high = Only();
-  const auto bytes = EncodeEngineState(engine_.Save());
-  ASSERT_TRUE(bytes.ok()) << bytes.status();
-  auto state =
-      DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
-  ASSERT_TRUE(state.ok()) << state.status();
-  engine_.Restore(*std::move(state));
+  Restart();
   EXPECT_EQ(Holder(&engine_), "High-2");
   Turn({Done(high)});
   EXPECT_EQ(Sent(), Commands{"Low-1/A back"});

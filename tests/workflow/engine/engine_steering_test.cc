@@ -5,7 +5,6 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/workflow/engine/engine_fixture.h"
-#include "workflow/engine/engine_state.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent::engine {
@@ -54,14 +53,6 @@ class EngineSteeringTest : public EngineTest {
   std::string Run(const std::string& predicate) const { return Fact("urn:docent:run:F-1", predicate); }
   std::string State(const std::string& node) const { return Fact("urn:docent:run:F-1/" + node, "nodeState"); }
   static CommandReport Report(const CommandId& id, Outcome outcome) { return {id, outcome, "", 0, "i1", {}}; }
-  void Restart() {
-    auto bytes = EncodeEngineState(engine_.Save());
-    ASSERT_TRUE(bytes.ok()) << bytes.status();
-    auto state =
-        DecodeEngineState(*bytes, Limits{}, &dictionary_, [](const RunId&) { return std::vector<Quad>(); });
-    ASSERT_TRUE(state.ok()) << state.status();
-    engine_.Restore(*std::move(state));
-  }
 };
 
 TEST_F(EngineSteeringTest, APausedRunLetsItsCommandEndAndOpensNoNode) {
