@@ -48,7 +48,7 @@ export default function TimeBar({ run }: { run: string }) {
     const mark = nextMark(marks, at ?? now, direction);
     setPlaying(false);
     if (mark) (go(mark.ms), announce(`${mark.words}, ${clock(micros(mark.ms))}`));
-    else if (direction > 0) go(null);
+    else if (direction > 0 && polled.data) go(null); // behind the last one; before they are known it stays
   };
   useEffect(() => {
     if (!playing) return;
@@ -77,7 +77,7 @@ export default function TimeBar({ run }: { run: string }) {
     <section className={`time-bar${at === null ? "" : " past"}`} aria-label="Time">
       <button className="button plain icon small" aria-label="The event before" title="The event before ( , )" disabled={!nextMark(marks, at ?? now, -1)} onClick={() => jump(-1)}><SkipBack size={14} /></button>
       <button className="button plain icon small" aria-label={playing ? "Hold the time" : "Play the past"} title="Play the past (Shift-L)" onClick={play}>{playing ? <Pause size={14} /> : <Play size={14} />}</button>
-      <button className="button plain icon small" aria-label="The next event" title="The next event ( . )" disabled={at === null} onClick={() => jump(1)}><SkipForward size={14} /></button>
+      <button className="button plain icon small" aria-label="The next event" title="The next event ( . )" disabled={at === null || !polled.data} onClick={() => jump(1)}><SkipForward size={14} /></button>
       <div className="time-track">
         <div className="time-marks" aria-hidden>{marks.filter((m) => m.ms >= from && m.ms <= to).map((m, i) => <span key={i} className={m.ends ? "ends" : ""} title={m.words} style={{ left: `${((m.ms - from) / (to - from || 1)) * 100}%` }} />)}</div>
         <input

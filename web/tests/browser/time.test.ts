@@ -59,8 +59,22 @@ describe.skipIf(why !== "")("the time bar", () => {
     await page.locator(".hall-details .fact", { hasText: "expo:Entrance" }).getByRole("button", { name: "Why?" }).click();
     await page.locator(".hall-details .proof", { hasText: "reading of" }).waitFor(); // as of then: John is elsewhere now
     await stage.picture(page, "time-hall");
+    // The next event is asked for before the events are known: the time stays.
+    let answer = () => {};
+    const held = new Promise<void>((resolve) => (answer = resolve));
+    await page.route("**/docent.v1.Context/Query", async (route) => {
+      if (route.request().postDataBuffer()?.includes("docent:firedAt")) await held;
+      await route.continue();
+    });
     await page.reload();
     await page.locator(".hall-details").getByText("expo:Entrance").waitFor();
+    const then = await page.evaluate(() => new URLSearchParams(location.search).get("t"));
+    await page.keyboard.press(".");
+    expect(await page.getByRole("button", { name: "The next event" }).isDisabled()).toBe(true);
+    expect(await page.evaluate(() => new URLSearchParams(location.search).get("t"))).toBe(then);
+    answer();
+    await page.locator(".time-marks span").first().waitFor();
+    await page.locator(".time-bar.past").waitFor();
     await page.keyboard.press("."); // Move2Booth opens: a booth is selected
     await page.locator(".hall-details").getByText("docent:selected").waitFor();
   });
