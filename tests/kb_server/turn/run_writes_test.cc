@@ -121,9 +121,10 @@ TEST_F(RunWrites, NorWhereAnEventOpensItToo) {
   EXPECT_EQ(Ring().record.commands.size(), 1u);
 }
 
-TEST_F(RunWrites, NorWhereItWaitsForADeliveryInBetween) {
+TEST_F(RunWrites, NorWhereItWaitsForADeliveryAndThenForItsRobot) {
   for (const bool by_event : {false, true}) {
     Must(test::WorldFacts());
+    Must(Tell({Fact("R1", "docent:status", "docent:Charging")}));
     Must(Tell({Fact("it", "p", "b")}));
     DeployOne((by_event ? WhenRungAnd("w:it", "w:p", "?y") : When("w:it", "w:p", "?y")) +
               "<invoke operation=\"greet\"/>" + kTakesBack + "<ext:notify to=\"mqtt:a/b\" wait=\"true\"/>");
@@ -131,10 +132,12 @@ TEST_F(RunWrites, NorWhereItWaitsForADeliveryInBetween) {
     const TurnResult opened = by_event ? Ring() : run;
     ASSERT_EQ(opened.notifications.size(), 1u);
     EXPECT_THAT(opened.record.commands, IsEmpty());
-    const TurnResult told =
+    const TurnResult delivered =
         Must(test::Report(opened.notifications[0].id, CommandReport::Outcome::kSucceeded));
-    ASSERT_EQ(told.record.commands.size(), 1u) << by_event;
-    Must(test::Report(told.record.commands[0].id, CommandReport::Outcome::kSucceeded));
+    EXPECT_THAT(delivered.record.commands, IsEmpty());
+    const TurnResult charged = Must(Tell({Fact("R1", "docent:status", "docent:Standby")}));
+    ASSERT_EQ(charged.record.commands.size(), 1u) << by_event;
+    Must(test::Report(charged.record.commands[0].id, CommandReport::Outcome::kSucceeded));
   }
 }
 
