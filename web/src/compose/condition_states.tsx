@@ -6,7 +6,9 @@ import { shorten } from "../api/sparql";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
 import type { Sense } from "../cawl/expression";
 import { termWords, verbWords } from "../cawl/phrases";
+import { useFleet } from "../operate/offline";
 import { TellDialog } from "../operate/tell";
+import { tellable } from "../operate/why";
 import { matchesShown, type Live } from "./live";
 import type { Lack, NearestMiss } from "./nearest_miss";
 import { patternWords, termName, valuesWords } from "./term_name";
@@ -57,6 +59,7 @@ function insteadWords({ pattern, now }: Lack, prefixes: ReadonlyMap<string, stri
 export function Miss({ miss, name, document }: { miss: NearestMiss; name: string; document: CawlDocument }) {
   const [telling, setTelling] = useState(false);
   const names = useNames();
+  const robots = useFleet();
   const prefixes = useMemo(() => new Map([...names.prefixes, ...prefixesOf(document)]), [names, document]);
   if (miss.lacks.length + miss.tooMuch.length === 0) return miss.text ? <p className="situation-lacks small">{miss.text}</p> : null;
   return (
@@ -67,7 +70,7 @@ export function Miss({ miss, name, document }: { miss: NearestMiss; name: string
         {miss.tooMuch.map((text, i) => <li key={`x${i}`} title={text}>must not be: <b>{patternWords(text, prefixes)}</b></li>)}
       </ul>
       <p className="row">
-        {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />Simulate or tell</button>}
+        {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />{tellable(miss, robots).length > 0 ? "Simulate or tell" : "Simulate"}</button>}
         {miss.others > 0 && <span className="faint small">{miss.others === 1 ? "One other way is" : `${miss.others} other ways are`} as near</span>}
       </p>
       {telling && <TellDialog title={`What is missing for ${name || "the situation"}`} quads={miss.add} patterns={miss.lacks.map((l) => l.pattern)} names={{ ...names, prefixes, short: (iri) => shorten(iri, prefixes), name: names.name }} onClose={() => setTelling(false)} />}

@@ -6,6 +6,7 @@ import { query, type Row } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Lately } from "./lately";
 import type { Layout } from "./layout";
+import { tellsItself } from "./no_robot";
 import { RobotPanel } from "./robot_panel";
 import { TellPlace } from "./tell_place";
 import { usePast } from "../api/past";
@@ -40,7 +41,7 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
       <div className="hall-details" tabIndex={0} aria-label="Details">
         {shape?.detail && <p className="quiet">{shape.detail}</p>}
         {robot && <RobotPanel robot={robot} way={props.way} names={names} again={props.again} />}
-        {!past && !shape && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
+        {!past && !shape && !tellsItself(robot) && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
         {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
         {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
