@@ -40,8 +40,8 @@ docent_package(docent net "semantic context-reasoning server for service robots"
   "Docent keeps a live RDF graph of a place: people, robots, sensors,
 services. It reasons over the graph, answers SPARQL, and runs workflows
 whose steps start when the graph says that the situation is right. This
-package has the server, its command line, a systemd unit, ontologies and
-scenarios.")
+package has the server, its command line, a systemd unit, ontologies,
+scenarios and the gRPC definitions.")
 docent_package(docent-robot net "simulated guide robot for Docent"
   "A robot adapter that localises with a particle filter, plans paths, drives
 in a simulated hall, shows pages and speaks, as a Docent server commands.
@@ -50,8 +50,8 @@ docent_package(docent-redland libs "Redland RDF storage of Docent graphs"
   "A storage module of librdf: Redland programs open the graph of a running
 Docent server, or a data folder, as a storage named docent.")
 docent_package(docent-dev libdevel "SDK of robot adapters for Docent"
-  "Headers, static libraries, a CMake package and the gRPC definitions with
-which a few functions become a robot that a Docent server can command.")
+  "Headers, static libraries and a CMake package with which a few functions
+become a robot that a Docent server can command.")
 docent_package(docent-doc doc "documentation of Docent"
   "Tutorials, concepts, references and operations of Docent.")
 
