@@ -167,6 +167,8 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   robot.set_iri(description.robot());
   if (auto term = FromProto(robot, "description.robot"); !term.ok())
     return refuse(std::string(term.status().message()));
+  if (const std::string fault = RobotNameFault(description.robot()); !fault.empty())
+    return refuse(absl::StrCat("description.robot: ", fault));
   if (request->address().empty())
     return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
   if (absl::Status address = CheckTarget(request->address()); !address.ok())
