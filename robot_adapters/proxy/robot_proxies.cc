@@ -56,26 +56,27 @@ class RobotProxies::Impl final : public SessionHost {
       if (sessions_.contains(command.id)) return;
       CommandReport report;
       report.command = command.id;
-      report.outcome = CommandReport::Outcome::kCancelled;
+      report.outcome = CommandReport::Outcome::kNotBegun;
       report.message = "cancelled before it was sent";
       Report(std::move(report));
     });
   }
 
-  void Begin(const RobotCommand& command, bool may_have_been_sent) {
+  void Begin(const RobotCommand& command, bool may_have_been_sent, CommandWish wish) {
     // The time left counts from here, not from when the loop gets to it.
-    absl::Duration left = command.deadline_us != 0 ? absl::Microseconds(command.deadline_us - clock_->Now())
-                                                   : absl::FromChrono(settings_.default_deadline);
-    if (may_have_been_sent) left = std::max(left, absl::FromChrono(settings_.resume_patience));
+    const absl::Duration left = command.deadline_us != 0
+                                    ? absl::Microseconds(command.deadline_us - clock_->Now())
+                                    : absl::FromChrono(settings_.default_deadline);
     ++queued_;
-    loop_.Post([this, command, left, may_have_been_sent] {
+    loop_.Post([this, command, left, may_have_been_sent, wish] {
       Open(command, left, may_have_been_sent);
+      Wish(command.id, wish);  // before an adapter can answer: what is not to begin does not
       --queued_;
     });
   }
 
-  void Cancel(const CommandId& command) {
-    loop_.Post([this, command] { With(command, [](CommandSession& session) { session.Cancel(); }); });
+  void Change(const CommandId& command, CommandWish wish) {
+    loop_.Post([this, command, wish] { Wish(command, wish); });
   }
 
   // SessionHost
@@ -115,7 +116,9 @@ class RobotProxies::Impl final : public SessionHost {
         &call->context, &call->request, &call->reply,
         [this, call, command, attempt](const grpc::Status& status) {
           loop_.Post([this, ended = std::shared_ptr<DescribeCall>(call), command, attempt, status] {
-            With(command, [&](CommandSession& session) { session.OnProbed(attempt, status); });
+            With(command, [&](CommandSession& session) {
+              session.OnProbed(attempt, status, ended->reply.incarnation());
+            });
             AddCalls(-1);
           });
         });
@@ -186,6 +189,13 @@ class RobotProxies::Impl final : public SessionHost {
          [&](CommandSession& session) { session.UseAdapter(adapter.address, adapter.incarnation); });
   }
 
+  void Wish(const CommandId& command, CommandWish wish) {
+    if (wish == CommandWish::kNotBegin)
+      With(command, [](CommandSession& session) { session.Recall(); });
+    else if (wish == CommandWish::kEnd)
+      With(command, [](CommandSession& session) { session.Cancel(); });
+  }
+
   struct Entry {
     std::unique_ptr<CommandSession> session;
     std::vector<EventLoop::Timer> timers;  // of the session
@@ -250,13 +260,16 @@ void RobotProxies::NeverSend(const RobotCommand& command) {
   impl_->NeverSend(command);
 }
 void RobotProxies::Send(const RobotCommand& command) {
-  impl_->Begin(command, false);
+  impl_->Begin(command, false, CommandWish::kDone);
 }
-void RobotProxies::Resume(const RobotCommand& command) {
-  impl_->Begin(command, true);
+void RobotProxies::Resume(const RobotCommand& command, CommandWish wish) {
+  impl_->Begin(command, true, wish);
 }
 void RobotProxies::Cancel(const CommandId& command) {
-  impl_->Cancel(command);
+  impl_->Change(command, CommandWish::kEnd);
+}
+void RobotProxies::Recall(const CommandId& command) {
+  impl_->Change(command, CommandWish::kNotBegin);
 }
 uint64_t RobotProxies::refused_feedback() const {
   return impl_->refused();

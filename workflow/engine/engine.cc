@@ -401,6 +401,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
     core_->Cancel(run, "its workflow was undeployed");
   }
   std::swap(output.remove, core_->deploy_remove);
+  for (const std::string& workflow : std::exchange(core_->deploy_gone, {}))
+    core_->EndReservationsOf(workflow);
   if (input.requests != nullptr) TakeRequests(core_.get());
   if (input.reports != nullptr) TakeReports(core_.get());
   if (input.events != nullptr) core_->event_waits.Take(*input.events);
@@ -414,6 +416,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->TouchAsking();
   for (const std::string& workflow : std::exchange(core_->deploy_enabled, {}))
     StartHeldBack(core_.get(), workflow);
+  if (input.robots->changed()) RecallFromOutOfService(core_.get());
   if (input.robots->changed() || core_->services_changed) ReconsiderWaiting(core_.get());
   core_->services_changed = false;
   AdvanceAll(core_.get());
@@ -494,6 +497,7 @@ void Engine::Rollback() {
   core_->deploy_enabled.clear();
   core_->deploy_cancel.clear();
   core_->deploy_remove.clear();
+  core_->deploy_gone.clear();
   core_->wrote_at_open.clear();
   core_->asking.clear();
   core_->awaiting.clear();
@@ -556,12 +560,12 @@ std::vector<CommandUnderWay> Engine::OpenCommands() const {
   std::map<uint64_t, const Run*> by_age;
   for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
   std::vector<CommandUnderWay> commands;
-  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true});
+  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true, false});
   for (const auto& [number, run] : by_age) {
     for (const NodeState& node : run->nodes) {
       for (const InvocationState& invocation : node.invocations) {
         for (const OpenCommand& open : invocation.commands)
-          commands.push_back({open.command, open.overdue_until_us.has_value()});
+          commands.push_back({open.command, open.IsEnding(), open.recalled != Stopped::kNo});
       }
     }
   }

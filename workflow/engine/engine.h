@@ -37,7 +37,7 @@ struct EngineInput {
   bool clock_tick = false;  // it is a turn of the clock: runs that had more to do than a turn allows go on
   const std::vector<CommandReport>* reports = nullptr;
   const std::vector<RunRequest>* requests = nullptr;
-  const EventNews* events = nullptr;  // in the first round; null: none
+  const EventNews* events = nullptr;  // null: none
   const ConditionView* conditions = nullptr;
   const RobotDirectory* robots = nullptr;
   const FactView* facts = nullptr;
@@ -47,7 +47,8 @@ struct EngineInput {
 // A command without a final report.
 struct CommandUnderWay {
   RobotCommand command;
-  bool ending = false;  // it was cancelled
+  bool ending = false;    // it was cancelled
+  bool recalled = false;  // it is not to begin, where the robot has not begun it
 
   friend bool operator==(const CommandUnderWay&, const CommandUnderWay&) = default;
 };
@@ -81,7 +82,8 @@ class Engine {
 
   // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT,
   // RESOURCE_EXHAUSTED.
-  // `robots` (null: nothing is asked of them): refuses a robot that does not offer what it is to do.
+  // `robots`: refuses a robot that does not offer what it is to do, and a start without a value that the flow needs. Null: neither is
+  // asked, as of a request that the log has.
   absl::Status CheckRequest(const RunRequest& request, const RobotDirectory* robots = nullptr) const;
 
   // One round. Deterministic.

@@ -31,7 +31,7 @@ TEST(RecordCodecTest, EveryEnumValueComesBack) {
   for (int kind = 0; kind <= static_cast<int>(Document::Kind::kRsel); ++kind) {
     record.batch.documents.push_back({static_cast<Document::Kind>(kind), Document::Action::kPut, "n", "t"});
   }
-  for (int outcome = 0; outcome <= static_cast<int>(CommandReport::Outcome::kRefused); ++outcome) {
+  for (int outcome = 0; outcome <= static_cast<int>(CommandReport::Outcome::kNotBegun); ++outcome) {
     record.batch.reports.push_back(
         {CommandId("c"), static_cast<CommandReport::Outcome>(outcome), "", 0, "", {}});
   }

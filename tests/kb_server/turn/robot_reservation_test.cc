@@ -8,6 +8,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
+#include "kb_server/door/workflow_removal.h"
 #include "kb_server/robots/reservations.h"
 #include "kb_server/robots/robot_records.h"
 #include "kb_server/turn/turn.h"
@@ -166,6 +167,29 @@ TEST_F(RobotReservationTest, AReservationEndsWithTheRunThatItIsFor) {
   const TurnResult tour = Go("Tour");
   EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R1");
   EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1");
+  EXPECT_TRUE(Reservations().empty());
+}
+
+TEST_F(RobotReservationTest, AReservationForAWorkflowEndsWhenItIsUndeployed) {
+  const auto undeploy = [this](const char* how) {
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Tour", how});
+    Turn(std::move(batch));
+  };
+  for (const bool cancels : {false, true}) {
+    Deploy("Tour", {WhenTold(cancels ? "a" : "b", kDrive)});
+    ASSERT_TRUE(Reserve({{"R1"}, "Tour", 5, 600'000, ""}).ok());
+    Start("Tour");
+    undeploy(cancels ? kRemovesRuns : "");
+    EXPECT_EQ(Reservations().size(), cancels ? 0u : 1u) << "a live run of it may need the robot";
+    if (!cancels) Done(Go("b"));
+    EXPECT_TRUE(Reservations().empty());
+  }
+  Deploy("Tour", {kDrive});
+  ASSERT_TRUE(Reserve({{"R1"}, "Tour", 5, 600'000, ""}).ok());
+  Deploy("Tour", {kDrive});
+  EXPECT_EQ(Reservations().size(), 1u) << "it is loaded again";
+  undeploy("");
   EXPECT_TRUE(Reservations().empty());
 }
 

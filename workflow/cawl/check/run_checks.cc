@@ -184,7 +184,7 @@ void CheckOpening(const Node& node, xml::ElementReader* reader) {
   const bool commands = std::any_of(node.invokes.begin(), node.invokes.end(),
                                     [](const Invoke& invoke) { return !invoke.operation.value.empty(); });
   for (const Action& action : node.actions) {
-    if (action.when_done) continue;
+    if (action.when != Action::When::kOpen) continue;
     for (const Constraint& fact : action.facts) {
       const bool releases = action.kind == Action::Kind::kRelease;
       if (releases && commands && fact.subject.name == "robot") {
