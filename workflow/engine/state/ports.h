@@ -190,7 +190,8 @@ struct FactWrite {
 class RobotRanking {
  public:
   virtual ~RobotRanking() = default;
-  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h. `values`: of the query's variables.
+  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h; empty: the default query. `values`: of
+  // the query's variables.
   virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
                                      const TermBinding& values) const = 0;
 };
