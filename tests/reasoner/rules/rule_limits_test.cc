@@ -91,6 +91,31 @@ TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
 }
 
+// A rule that makes longer texts of its own results.
+TEST_F(RuleLimitsTest, TermsThatRulesComputeInATurnAreLimited) {
+  RuleEngine engine(world_.dictionary);
+  EXPECT_THAT(engine.PutRules("grow.rules",
+                              "PREFIX : <http://example.org/>\nRULE { ?x :n ?m } WHERE { ?x :n ?n "
+                              "BIND(CONCAT(?n, \"x\") AS ?m) FILTER(STRLEN(?n) < 2000000) }"),
+              IsEmpty());
+  ASSERT_TRUE(engine.Update(world_.writer, {}).ok());
+  engine.Commit();
+  Cancellation cancellation;
+  const auto update = [&](size_t length) {
+    const absl::Status status =
+        engine.Update(world_.writer, world_.Apply({"s n '" + std::string(length, 'y')}), &cancellation)
+            .status();
+    engine.Rollback();
+    world_.writer.Rollback();
+    return status;
+  };
+  const absl::Status status = update(1000000);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("grow.rules rule 1 (line 2)"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("computed_bytes_per_turn is 268435456"));
+  EXPECT_TRUE(update(1999990).ok()) << "counted again from nothing";
+}
+
 // It had no result, so the time limit was never checked.
 TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
   std::vector<std::string> facts;
