@@ -15,6 +15,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/validation_proto.h"
 #include "kb_server/work/load_judge.h"
+#include "kb_server/work/rule_change.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
@@ -98,19 +99,20 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   return absl::OkStatus();
 }
 
-absl::Status Validate(const ReadPorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
+absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
                       Cancellation* cancellation, v1::ValidateReply* reply) {
-  GivenShapes given(ports.dictionary);
-  if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
-    return status;
   auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
   if (!version.ok()) return version.status();
+  GivenShapes given(ports.dictionary);  // it knows the terms of the version
+  if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
+    return status;
   const bool own = request.shapes().empty();
-  const Dictionary& dictionary = own ? *ports.dictionary : given.dictionary;
+  Dictionary& dictionary = given.dictionary;
   const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
                                       : shapes::GraphView(given.writer.current());
+  const std::vector<std::string> regimes = RegimesOf(ports);
   const shapes::ParsedShapes parsed =
-      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions);
+      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions, &regimes);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
   if (!parsed.shapes.HasTargets()) {
     return absl::InvalidArgumentError(
@@ -120,9 +122,7 @@ absl::Status Validate(const ReadPorts& ports, const v1::ValidateRequest& request
   }
   for (const Diagnostic& diagnostic : parsed.diagnostics)
     server::ToProto(diagnostic, reply->add_diagnostics());
-  shapes::ValidateOptions options;
-  options.memory_bytes = ports.limits.query_memory_bytes;
-  options.cancellation = cancellation;
+  const shapes::ValidateOptions options = ValidateOptionsOf(ports, cancellation);
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
   auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
   if (!report.ok()) return report.status();

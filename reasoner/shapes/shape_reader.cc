@@ -76,11 +76,13 @@ constexpr std::array<Parameter, 27> kParameters = {{
 class ShapeReader {
  public:
   ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-              const SourceMap* places, const sparql::FunctionRegistry* functions)
+              const SourceMap* places, const sparql::FunctionRegistry* functions,
+              const std::vector<std::string>* regimes)
       : graph_(graph),
         dictionary_(dictionary),
         limits_(limits),
         places_(places),
+        regimes_(regimes),
         paths_(graph, dictionary, limits.shape_nesting),
         type_(Id(kRdfType)),
         sparql_(graph, dictionary, functions, roles_,
@@ -97,8 +99,9 @@ class ShapeReader {
       Read(index);
     }
     sparql_.CheckUnused();
+    CheckEntailment();
     CheckWords();
-    if (graph_.graphs().size() == 1) parsed_.shapes.shapes_graph = graph_.graphs()[0];
+    NameGraph();
     if (!HasErrors(parsed_.diagnostics)) CheckOrder();
     if (!HasErrors(parsed_.diagnostics)) CollectProperties(dictionary_, &parsed_.shapes);
     std::stable_sort(
@@ -131,6 +134,17 @@ class ShapeReader {
     diagnostic.hint = std::move(hint);
     diagnostic.severity = severity;
     parsed_.diagnostics.push_back(std::move(diagnostic));
+  }
+
+  void NameGraph() {
+    if (graph_.graphs().size() == 1) {
+      parsed_.shapes.shapes_graph = graph_.graphs()[0];
+    } else if (sparql_.asks_shapes_graph()) {
+      graph_.ForEach(TermId(), TermId(), TermId(), [this](const Quad& quad) {
+        parsed_.shapes.triples.push_back(quad);
+        return true;
+      });
+    }
   }
 
   // The nodes that are shapes by their targets or types, ascending.
@@ -491,11 +505,26 @@ class ShapeReader {
     for (const TermId sibling : sorted) out->siblings.push_back(IndexOf(sibling));
   }
 
+  // Section 1.5: a regime that the data do not follow is a failure.
+  void CheckEntailment() {
+    if (regimes_ == nullptr) return;
+    graph_.ForEach(TermId(), Sh("entailment"), TermId(), [this](const Quad& q) {
+      const bool followed = q.object.IsIri() && std::find(regimes_->begin(), regimes_->end(),
+                                                          dictionary_.Lexical(q.object)) != regimes_->end();
+      if (!followed) {
+        Report(q.subject, "entailment",
+               Concat("the entailment regime ", Show(q.object), " is not supported here"),
+               "put the rule set of that regime in use at the server, rdfs or owl2rl, or remove the triple");
+      }
+      return true;
+    });
+  }
+
   // Reports triples with words of the sh: namespace that have no effect.
   void CheckWords() {
     for (const TermId predicate : graph_.version().predicates()) {
       const std::string_view iri = dictionary_.Lexical(predicate);
-      if (!iri.starts_with(kShaclNs)) continue;
+      if (!iri.starts_with(kShaclNs) || (regimes_ != nullptr && predicate == Sh("entailment"))) continue;
       const std::string word(iri.substr(kShaclNs.size()));
       TermId last;
       graph_.ForEach(TermId(), predicate, TermId(), [&](const Quad& q) {
@@ -570,6 +599,7 @@ class ShapeReader {
   const Dictionary& dictionary_;
   const CheckLimits& limits_;
   const SourceMap* places_;
+  const std::vector<std::string>* const regimes_;  // null: not known
   PathReader paths_;
   const TermId type_;
   NodeRoles roles_;
@@ -583,8 +613,9 @@ class ShapeReader {
 }  // namespace
 
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-                        const SourceMap* places, const sparql::FunctionRegistry* functions) {
-  return ShapeReader(graph, dictionary, limits, places, functions).Run();
+                        const SourceMap* places, const sparql::FunctionRegistry* functions,
+                        const std::vector<std::string>* regimes) {
+  return ShapeReader(graph, dictionary, limits, places, functions, regimes).Run();
 }
 
 }  // namespace docent::shapes
