@@ -23,9 +23,13 @@ namespace docent::server {
 namespace {
 
 cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, const std::string& name) {
-  auto environment =
-      GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get(), ports.functions);
-  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
+  const std::shared_ptr<const Catalog> catalog = ports.catalog->Get();
+  auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), catalog, ports.functions);
+  std::vector<cawl::DocumentPtr> beside;
+  for (const auto& [workflow, revision] : catalog->workflows) {
+    if (catalog->disabled_workflows.count(workflow->name.value) == 0) beside.push_back(workflow);
+  }
+  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits, beside);
   for (Diagnostic& warning : CostWarnings(report, name, ports))
     report.diagnostics.push_back(std::move(warning));
   return report;
