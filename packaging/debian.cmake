@@ -9,7 +9,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL docent docent-dev docent-doc)
 if(DOCENT_BUILD_ROBOT)
-  list(APPEND CPACK_COMPONENTS_ALL docent-robot)
+  list(APPEND CPACK_COMPONENTS_ALL docent-robot docent-robot-replay)
 endif()
 if(TARGET redland_module)
   list(APPEND CPACK_COMPONENTS_ALL docent-redland)
@@ -44,8 +44,10 @@ package has the server, its command line, a systemd unit, ontologies,
 scenarios and the gRPC definitions.")
 docent_package(docent-robot net "simulated guide robot for Docent"
   "A robot adapter that localises with a particle filter, plans paths, drives
-in a simulated hall, shows pages and speaks, as a Docent server commands.
-It also replays the recorded log of a real robot.")
+in a simulated hall, shows pages and speaks, as a Docent server commands.")
+docent_package(docent-robot-replay net "replay of recorded robots for Docent"
+  "What docent-robot needs to replay the log of a real robot: a module that
+reads the rawlogs and maps of MRPT, and depends on it.")
 docent_package(docent-redland libs "Redland RDF storage of Docent graphs"
   "A storage module of librdf: Redland programs open the graph of a running
 Docent server, or a data folder, as a storage named docent.")
@@ -61,7 +63,8 @@ set(CPACK_DEBIAN_DOCENT_PACKAGE_DEPENDS "tzdata")  # time zones; libraries are f
 set(CPACK_DEBIAN_DOCENT_PACKAGE_SUGGESTS "docent-robot, docent-doc, redland-utils")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_DEPENDS "docent (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_RECOMMENDS "espeak-ng")
-set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_SUGGESTS "mrpt-common")
+set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_SUGGESTS "docent-robot-replay")
+set(CPACK_DEBIAN_DOCENT-ROBOT-REPLAY_PACKAGE_DEPENDS "docent-robot (= ${PROJECT_VERSION}), mrpt-common")
 set(CPACK_DEBIAN_DOCENT-DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, protobuf-compiler-grpc, libabsl-dev, libspdlog-dev, zlib1g-dev, libssl-dev")
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_SHLIBDEPS OFF)

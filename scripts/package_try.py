@@ -4,7 +4,8 @@
     scripts/package_try.py FOLDER [PAGE.md …]      packages of FOLDER; without pages: docs/index.md and docs/tutorials
 
 A page names its packages ("Packages: `docent`, `curl`."). They alone are installed, Docent's own from FOLDER, and each command of the
-page is run there and its output compared. Needs root and debootstrap. The fresh system is made once, in build/package_root.
+page is run there and its output compared. Needs root and debootstrap. The fresh system is made once, and kept
+beside the temporary files.
 """
 import argparse
 import contextlib
@@ -16,7 +17,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-BASE = ROOT / "build" / "package_root"
+BASE = pathlib.Path(tempfile.gettempdir()) / "docent-package-root"
 MIRROR = "http://deb.debian.org/debian"
 ENVIRONMENT = {"PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root", "LC_ALL": "C.UTF-8",
                "DEBIAN_FRONTEND": "noninteractive"}

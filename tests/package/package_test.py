@@ -25,7 +25,7 @@ class PackageTest(unittest.TestCase):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="docent-package-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.usr = cls.folder / "usr"
-        for component in ("docent", "docent-robot", "docent-redland", "docent-dev"):
+        for component in ("docent", "docent-robot", "docent-robot-replay", "docent-redland", "docent-dev"):
             done = run("cmake", "--install", BUILD, "--prefix", cls.usr, "--component", component)
             assert done.returncode == 0, done.stdout + done.stderr
         cls.docent = cls.usr / "bin" / "docent"
@@ -124,6 +124,11 @@ _docent; printf '%s\\n' "${{COMPREPLY[@]}}"'''
         self.assertEqual(sorted(self.complete("docent query --format ")), ["csv", "json", "tsv", "xml"])
         (self.folder / "hall.ttl").write_text("")
         self.assertIn("hall.ttl", self.complete("docent load hal"))
+
+    def test_the_robot_needs_no_mrpt_and_its_module_is_where_it_looks(self):
+        needed = run("readelf", "-d", self.usr / "bin/docent-robot").stdout
+        self.assertNotRegex(needed, "mrpt|opencv")
+        self.assertTrue((self.usr / "lib/docent/docent_mrpt_files.so").is_file())
 
     def calls_of(self, script, *arguments, installed_before, enabled=False):
         """What a script of the package calls of systemd's helpers."""
