@@ -14,11 +14,14 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "kb_server/door/request_memory.h"
 #include "kb_server/replay/recording.h"
 #include "kb_server/replay/run_course.h"
 #include "kb_server/replay/run_tree.h"
 #include "kb_server/replay/world_facts.h"
 #include "kb_server/writer/recovery.h"
+#include "kb_server/writer/server_state.h"
+#include "workflow/engine/engine_state.h"
 
 namespace docent::server {
 namespace {
@@ -39,6 +42,13 @@ bool Ends(const log::TurnRecord& record, const RunId& run) {
   return std::any_of(record.transitions.begin(), record.transitions.end(), [&run](const Transition& t) {
     return t.subject == run.value() && (t.to == "done" || t.to == "failed" || t.to == "cancelled");
   });
+}
+
+// Without the requests of clients that are remembered: they decide nothing.
+absl::StatusOr<std::string> EncodedState(Stages* stages, uint64_t offset, TimeMicros time_us) {
+  const ServerState state =
+      TakeState(*stages, RequestMemory(0), stages->writer.Freeze(Revision(offset)), time_us);
+  return EncodeState(state, stages->dictionary);
 }
 
 }  // namespace
@@ -172,7 +182,9 @@ absl::StatusOr<RunCase> CaseRecorder::Record(const KnownRun& run, uint64_t newes
       life->first - 1, absl::StrCat("run ", run.run.value(), " began in turn ", life->first), &dictionary);
   if (!start.ok()) return start.status();
   Recording recording(run, start->stages.get(), ports_.limits, ports_.replay_limits);
-  if (absl::Status begun = recording.Begin(); !begun.ok()) return begun;
+  absl::StatusOr<std::string> state = EncodedState(start->stages.get(), life->first - 1, start->time_us);
+  if (!state.ok()) return state.status();
+  if (absl::Status begun = recording.Begin(*std::move(state)); !begun.ok()) return begun;
   const absl::Status replayed = ReplayTurns(
       ports_.log, life->first, life->last, start->stages.get(), [&](const TurnResult& result, size_t) {
         if (absl::Status status = ports_.cancellation->CheckNow(); !status.ok()) return status;
@@ -225,6 +237,7 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   if (!start.ok()) return start.status();
   Stages* stages = start->stages.get();
   std::map<std::string, Term> variables = ReadVariables(dictionary, stages->writer.current(), run.run);
+  std::map<RobotId, TimeMicros> last_used = stages->engine.Save().last_used;  // before the node opened
   TimeMicros time_us = start->time_us;
   const absl::Status replayed =
       ReplayTurns(ports_.log, variables_of + 1, facts_of, stages, [&](const TurnResult& result, size_t) {
@@ -234,6 +247,7 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   if (!replayed.ok()) return replayed;
 
   RunCase moment;
+  moment.last_used = std::move(last_used);
   moment.run = run.run;
   moment.number = NumberOf(run.run);
   moment.workflow = run.workflow;
@@ -262,9 +276,10 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   turn.time_us = time_us;
   // An event counts where it is told while the node waits: after the node is entered.
   CaseTurn told = turn;
-  told.changes = all.Telling(passing);
+  told.batch.mode = WriteBatch::Mode::kLoad;
+  told.batch.operations = all.Telling(passing);
   moment.turns.push_back(std::move(turn));
-  if (!told.changes.empty()) moment.turns.push_back(std::move(told));
+  if (!told.batch.operations.empty()) moment.turns.push_back(std::move(told));
   return moment;
 }
 
@@ -284,6 +299,7 @@ absl::StatusOr<RunCase> CaseRecorder::World(const std::string& workflow, uint64_
   world.facts = *std::move(all);
   facts.ReadHolds();
   world.held = facts.holds();
+  world.last_used = start->stages->engine.Save().last_used;
   world.last_turn = at;
   CaseTurn first;
   first.offset = at;

@@ -24,7 +24,7 @@ std::string Unfaithful(const std::vector<NodeComparison>& nodes) {
       "the document that ran does not do the same in a replay either: ",
       nodes.front().node.empty() ? "the run" : nodes.front().node, ", in turn ", first.turn,
       ", recorded: ", first.recorded, "; replayed: ", first.replayed,
-      ". It went by something that is not replayed, such as what other runs did or facts about them");
+      ". Another version of Docent has recorded it, which decided otherwise or kept less of what decides");
 }
 
 }  // namespace
@@ -152,13 +152,13 @@ absl::StatusOr<Simulation> RunReplays::Simulate(const SimulationRequest& request
     if (telling.after_us > request.lasting_us) break;
     if (telling.after_us == 0) {  // before the run starts
       std::move(telling.changes.begin(), telling.changes.end(),
-                std::back_inserter(world->turns.front().changes));
+                std::back_inserter(world->turns.front().batch.operations));
       continue;
     }
     CaseTurn turn;
     turn.offset = world->turns.back().offset + 1;
     turn.time_us = begin_us + telling.after_us;
-    turn.changes = std::move(telling.changes);
+    turn.batch.operations = std::move(telling.changes);
     world->turns.push_back(std::move(turn));
   }
   PlayOptions options = Options(false, cancellation);

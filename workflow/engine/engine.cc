@@ -119,27 +119,13 @@ void Engine::Core::Say(std::string subject, std::string_view from, std::string_v
   output->transitions.push_back({std::move(subject), std::string(from), std::string(to), std::move(cause)});
 }
 
-std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
-                                                                           const std::string& name) const {
-  const auto found = [](const cawl::DocumentPtr& document, const cawl::Flow* flow) {
-    return std::make_pair(document, static_cast<size_t>(flow - document->flows.data()));
-  };
-  if (from != nullptr) {
-    if (const cawl::Flow* flow = from->FindFlow(name)) return found(from, flow);
-  }
-  for (const auto& [workflow, flow_name] : cawl::StartTargets(name)) {
-    const auto it = deployments.find(workflow);
-    if (it == deployments.end()) continue;
-    if (const cawl::Flow* flow = it->second.document->FlowToStart(flow_name))
-      return found(it->second.document, flow);
-  }
-  return std::nullopt;
-}
-
-RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
+RunId Engine::Core::Start(const cawl::DocumentPtr& given, size_t given_flow, TermBinding variables,
                           const std::string& cause, const CommandOwner* parent) {
   Run run;
-  run.number = next_run++;
+  run.number = TakeNumber(parent);
+  cawl::DocumentPtr document = given;
+  size_t flow = given_flow;
+  if (played && parent == nullptr) played->Begin(run.number, &document, &flow, &variables);
   run.id = RunId(absl::StrCat(IriSegment(document->flows[flow].name.value), "-", run.number));
   run.document = document;
   run.flow = flow;

@@ -53,6 +53,16 @@ struct CommandUnderWay {
   friend bool operator==(const CommandUnderWay&, const CommandUnderWay&) = default;
 };
 
+// A run of a recorded life that is lived again, with the document that it ran or another one.
+struct PlayedRun {
+  uint64_t number = 0;  // of the run, which is nested in none
+  cawl::DocumentPtr document;
+  std::string flow;                      // of the document
+  std::optional<TermBinding> variables;  // that it begins with; nullopt: those that it is started with
+  // Numbers of the recorded runs that were nested in it, in the order in which they began.
+  std::vector<uint64_t> nested;
+};
+
 struct EngineState;  // engine_state.h
 
 class Engine {
@@ -116,6 +126,11 @@ class Engine {
   // From the next Step on, runs that this engine does not have hold these robots, and no others; a robot that one of its own
   // runs holds stays with that run. It is neither saved nor journaled: for an engine that has one run of a recorded life.
   void HoldForOthers(std::map<RobotId, RunId> holds);
+
+  // The run with this number, when something starts it, begins with the flow of this document, whatever is deployed. Runs
+  // nested in it get the recorded numbers one after the other, and no other run gets one of these: so the ids of all others
+  // stay what they were. For a replay; neither saved nor journaled.
+  void PlayInstead(PlayedRun played);
 
   const rsel::ServiceRegistry& services() const;
   std::vector<cawl::DocumentPtr> workflows() const;               // by name

@@ -15,6 +15,7 @@
 #include "workflow/cawl/ask_names.h"
 #include "workflow/engine/activations.h"
 #include "workflow/engine/engine.h"
+#include "workflow/engine/run_numbers.h"
 #include "workflow/engine/state/asked_times.h"
 #include "workflow/engine/state/event_waits.h"
 #include "workflow/engine/state/robot_ledger.h"
@@ -112,6 +113,7 @@ struct Engine::Core {
   std::set<std::pair<TimeMicros, RunId>> timers;
   RobotLedger ledger;                       // its ending commands are state
   std::map<RobotId, RunId> held_by_others;  // Engine::HoldForOthers
+  std::optional<RunNumbers> played;         // Engine::PlayInstead
   AskedTimes times;
   WaitingRoom waiting;
   std::set<CommandOwner>
@@ -192,6 +194,8 @@ struct Engine::Core {
   absl::Status TellMissed();
   // The condition has more matches than are kept: it is not followed any more. An error as above.
   absl::Status GiveUp(ConditionHandle handle);
+  // The number of a run that begins, nested in `parent` (null: in none).
+  uint64_t TakeNumber(const CommandOwner* parent);
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
               const CommandOwner* parent);

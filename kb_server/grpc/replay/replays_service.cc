@@ -83,7 +83,7 @@ grpc::ServerUnaryReactor* ReplaysService::Save(grpc::CallbackServerContext*,
     for (const std::string& note : replayed->play.notes) reply->add_warnings(note);
     if (replayed->play.notes.empty() && !IsSame(replayed->nodes))
       reply->add_warnings("a replay of the document that ran does not do the same");
-    std::string saved = EncodeCase(WithoutOtherWorkflows(std::move(replayed->recorded)));
+    std::string saved = EncodeCase(replayed->recorded);
     if (saved.size() > ports_.limits.grpc_message_bytes) {
       return absl::ResourceExhaustedError(absl::StrCat(
           "the saved run has ", saved.size(), " bytes; the limit of an answer grpc_message_bytes is ",
