@@ -86,6 +86,8 @@ class HttpExchange {
   HttpExchange& operator=(const HttpExchange&) = delete;
 
   const HttpRequest& request() const { return request_; }
+  // What the request takes, of its body's first byte on; may be null. For one thread at a time: whoever works on it.
+  MemoryUse* memory() const { return memory_.get(); }
 
   // The whole answer. Later calls of any answering method do nothing.
   void Respond(HttpResponse response);
