@@ -16,11 +16,13 @@
 #include "graph/rdf/iri.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/http/http_body.h"
 #include "kb_server/http/http_formats.h"
+#include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_multipart.h"
 #include "kb_server/http/http_sparql.h"
 #include "kb_server/http/http_sparql_request.h"
@@ -180,13 +182,14 @@ HttpResponse TooLarge(const ReadPorts& ports, const Content& content) {
       "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
 }
 
-// `part`: its number among several.
+// `number`: of the part among several. `memory`: of the request.
 void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& address, size_t number,
-              Cancellation* cancellation, Content* content) {
-  const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
+              MemoryUse* memory, Cancellation* cancellation, Content* content) {
+  const std::string type = MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
-  if (!format && (type == "application/octet-stream" || type == "application/gzip"))
-    format = FormatOfFile(part.file);  // of clients that know no better
+  const bool untyped = type.empty() || type == "application/octet-stream" || type == "application/gzip";
+  if (untyped) format = FormatOfFile(part.file);  // of clients that know no better
+  if (type.empty() && !format) format = RdfFormat::kTurtle;
   if (!format) {
     content->refusal = TextResponse(415, UnknownMediaType(type));
     return;
@@ -204,19 +207,17 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   absl::StatusOr<std::string> unpacked;
   std::string_view text = part.body;
   if (IsGzip(text)) {  // a .gz file as it is
-    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes");
+    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes", memory);
     if (!unpacked.ok()) {
-      content->refusal = TextResponse(absl::IsResourceExhausted(unpacked.status()) ? 413 : 400,
-                                      std::string(unpacked.status().message()));
+      content->refusal = ErrorResponse(unpacked.status());
       return;
     }
     text = *unpacked;
   }
   ParsedRdf parsed = ParseRdf(text, *format, options);
-  if (!parsed.ok()) {
-    content->refusal = ErrorResponse(ToStatus(parsed, text));
-    return;
-  }
+  if (!parsed.ok()) content->refusal = ErrorResponse(ToStatus(parsed, text));
+  if (unpacked.ok() && memory != nullptr) memory->Release(unpacked->size());
+  if (content->refusal) return;
   for (TermQuad& quad : parsed.quads) {
     if (!quad.graph.lexical.empty() && quad.graph != address.graph) {
       content->refusal = TextResponse(400, "the body names the graph " + ToDisplay(quad.graph) +
@@ -232,8 +233,9 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   }
 }
 
-Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Address& address,
+Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const Address& address,
                     Cancellation* cancellation) {
+  const HttpRequest& http = exchange.request();
   Content content;
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
@@ -244,15 +246,10 @@ Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Addre
     return content;
   }
   HttpBody body;
-  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", &body);
+  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", exchange.memory(), &body);
   if ((content.refusal = std::move(body.refusal))) return content;
-  if (!content.memory->Add(body.unpacked.size())) {
-    content.refusal = TooLarge(ports, content);
-    return content;
-  }
   if (MediaTypeOnly(type) != "multipart/form-data") {
-    ReadPart(ports, {type, "", body.text}, address, 1, cancellation, &content);
-    content.memory->Release(body.unpacked.size());
+    ReadPart(ports, {type, "", body.text}, address, 1, exchange.memory(), cancellation, &content);
     return content;
   }
   const absl::StatusOr<std::vector<HttpPart>> parts =
@@ -262,9 +259,8 @@ Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Addre
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
-    ReadPart(ports, (*parts)[i], address, i + 1, cancellation, &content);
+    ReadPart(ports, (*parts)[i], address, i + 1, exchange.memory(), cancellation, &content);
   }
-  content.memory->Release(body.unpacked.size());
   return content;
 }
 
@@ -336,7 +332,7 @@ void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   auto change = std::make_shared<Change>();
   change->request.cancellation = CancellationOf(ports, exchange);
-  Content content = ReadContent(ports, http, address, change->request.cancellation.get());
+  Content content = ReadContent(ports, *exchange, address, change->request.cancellation.get());
   if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   std::vector<Operation>& operations = change->request.update.operations;
   if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
@@ -349,6 +345,18 @@ void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
   Submit(ports, std::move(change), exchange);
 }
 
+// GRAPH around a part of a pattern, EXISTS and sub-SELECT included. What another server is asked is about its graphs.
+bool NamesAGraph(const sparql::Algebra& pattern) {
+  if (pattern.kind == sparql::Algebra::Kind::kGraph) return true;
+  if (pattern.kind == sparql::Algebra::Kind::kService) return false;
+  bool named = std::any_of(pattern.children.begin(), pattern.children.end(),
+                           [](const sparql::AlgebraPtr& child) { return NamesAGraph(*child); });
+  sparql::ForEachExpression(pattern, [&named](const sparql::Expression& expression) {
+    named = named || (expression.pattern && NamesAGraph(*expression.pattern));
+  });
+  return named;
+}
+
 // The update's default graph becomes the graph of the request; an update that is about others is refused.
 absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
   const auto names_a_graph = [](const std::vector<sparql::QuadTemplate>& quads) {
@@ -359,10 +367,12 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
                        operation.kind == Operation::Kind::kDeleteData ||
                        operation.kind == Operation::Kind::kModify;
     if (!quads || operation.with || !operation.from.empty() || !operation.from_named.empty() ||
-        names_a_graph(operation.insert) || names_a_graph(operation.remove)) {
+        names_a_graph(operation.insert) || names_a_graph(operation.remove) ||
+        (operation.where != nullptr && NamesAGraph(*operation.where))) {
       return absl::InvalidArgumentError(
-          "a PATCH changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING; POST others "
-          "to /sparql");
+          "a PATCH reads and changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING, "
+          "and no "
+          "GRAPH in WHERE; POST others to /sparql");
     }
     operation.with = graph;
   }
@@ -389,7 +399,7 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
   options.known = known.get();
   options.base_iri = BaseOf(address);
   HttpBody body;
-  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", &body);
+  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", exchange->memory(), &body);
   if (body.refusal) return exchange->Respond(*std::move(body.refusal));
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
   if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, body.text)));
@@ -417,6 +427,8 @@ void Answer(const WritePorts& ports, Address address, const Exchange& exchange) 
 }
 
 void Handle(const WritePorts& ports, Exchange exchange) {
+  if (std::optional<HttpResponse> refusal = RefuseAnotherSite(exchange->request()))
+    return exchange->Respond(*std::move(refusal));
   Address address = ReadAddress(exchange->request());
   if (address.refusal) return exchange->Respond(*std::move(address.refusal));
   if (address.is_new) {

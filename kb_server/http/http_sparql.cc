@@ -10,6 +10,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/door/request_memory.h"
+#include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_query.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
@@ -105,29 +106,58 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   });
 }
 
+// Ends what is done for the request at its time limit and when the client leaves.
+std::shared_ptr<Cancellation> CancellationOf(const SparqlRequest& request,
+                                             const std::shared_ptr<HttpExchange>& exchange) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(request.timeout_ms));
+  exchange->OnGone([cancellation] { cancellation->Cancel(); });
+  return cancellation;
+}
+
+// On a worker.
+void Answer(const WritePorts& ports, const Measured& measured, const SparqlRequest& request,
+            const std::shared_ptr<HttpExchange>& exchange, std::shared_ptr<Cancellation> cancellation,
+            absl::Time until) {
+  switch (request.kind) {
+    case Kind::kQuery:
+      return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
+    case Kind::kUpdate:
+      return Update(ports, measured, request, exchange, std::move(cancellation), until);
+    case Kind::kDescription:
+      return Respond(exchange, measured,
+                     DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
+  }
+}
+
+// A large or packed body is read by a worker: the network's threads serve others meanwhile.
+void ReadAndAnswer(const WritePorts& ports, const Measured& measured,
+                   const std::shared_ptr<HttpExchange>& exchange) {
+  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits, exchange->memory());
+  if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
+  const absl::Time until = absl::Now() + absl::Milliseconds(read.request.timeout_ms);
+  Answer(ports, measured, read.request, exchange, CancellationOf(read.request, exchange), until);
+}
+
 void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
   const Measured measured(metrics);
-  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
-  if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
-  exchange->OnGone([cancellation] { cancellation->Cancel(); });
-  const int timeout_ms = read.request.timeout_ms;
-  const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
+  std::optional<HttpResponse> refusal = RefuseAnotherSite(exchange->request());
+  if (refusal) return Respond(exchange, measured, *std::move(refusal));
+  int timeout_ms = ports.limits.query_timeout_ms;
+  std::function<void()> work = [&ports, measured, exchange] { ReadAndAnswer(ports, measured, exchange); };
+  if (IsQuicklyRead(exchange->request())) {
+    ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
+    if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
+    timeout_ms = read.request.timeout_ms;
+    auto cancellation = CancellationOf(read.request, exchange);
+    const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
+    work = [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
+      Answer(ports, measured, request, exchange, cancellation, until);
+    };
+  }
   const absl::Status accepted = ports.workers->Submit(
-      [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
-        switch (request.kind) {
-          case Kind::kQuery:
-            return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
-          case Kind::kUpdate:
-            return Update(ports, measured, request, exchange, cancellation, until);
-          case Kind::kDescription:
-            return Respond(exchange, measured,
-                           DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
-        }
-      },
-      {until, [measured, exchange, timeout_ms] {
-         Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
-       }});
+      std::move(work), {absl::Now() + absl::Milliseconds(timeout_ms), [measured, exchange, timeout_ms] {
+                          Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
+                        }});
   if (!accepted.ok()) Respond(exchange, measured, ErrorResponse(accepted));
 }
 
