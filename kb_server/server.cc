@@ -307,7 +307,24 @@ absl::Status Server::StartHttp(size_t connections) {
   AddHttpMetrics(&metrics_, http_server_.get());
   metrics_.AddGaugeFunction("docent_live_connections", "Open WebSocket connections at /live.",
                             [this] { return static_cast<double>(live_->open()); });
+  AddGateMetrics();
   return absl::OkStatus();
+}
+
+void Server::AddGateMetrics() {
+  const MessageGate* gate = &grpc_server_->gate();
+  metrics_.AddGaugeFunction("docent_grpc_requests_bytes",
+                            "Messages of gRPC calls that arrive or are in work (grpc_requests_bytes).",
+                            [gate] { return static_cast<double>(gate->bytes()); });
+  metrics_.AddGaugeFunction("docent_grpc_arriving", "gRPC calls whose message arrives.",
+                            [gate] { return static_cast<double>(gate->arriving()); });
+  metrics_.AddGaugeFunction("docent_grpc_waiting", "gRPC calls whose message waits for room to arrive.",
+                            [gate] { return static_cast<double>(gate->waiting()); });
+  metrics_.AddCounterFunction("docent_grpc_late_total",
+                              "gRPC calls ended since their message did not arrive in time.",
+                              [gate] { return static_cast<double>(gate->late()); });
+  metrics_.AddCounterFunction("docent_grpc_refused_total", "gRPC calls refused for want of room.",
+                              [gate] { return static_cast<double>(gate->refused()); });
 }
 
 // An app that is named has to be there; without the one that comes with the program the server is whole.

@@ -96,6 +96,7 @@ class Server {
   void LeaveSnapshot();
   absl::Status StartGrpc(size_t connections);
   absl::Status StartHttp(size_t connections);
+  void AddGateMetrics();
   absl::Status ReadApp();
   // The time at which something falls due without input; none: nothing does. Where something is under way it is now.
   std::optional<TimeMicros> NextDue() const;
