@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/memory_budget.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/connect_error.h"
 
@@ -62,7 +63,12 @@ void LiveSession::OnBytes(std::string_view bytes) {
     if (closed_) return;
     heard_ = absl::Now();
   }
-  for (const WebSocketReader::Event& event : reader_.Read(bytes)) {
+  const std::vector<WebSocketReader::Event> events = reader_.Read(bytes);
+  if (!CountHeld()) {
+    return Close(WebSocketClose(kWebSocketTryAgain,
+                                "too much is in work at the same time (http_bodies_bytes); try again later"));
+  }
+  for (const WebSocketReader::Event& event : events) {
     bool patient = true;
     {
       absl::MutexLock lock(&mutex_);
@@ -86,6 +92,20 @@ void LiveSession::OnBytes(std::string_view bytes) {
         break;
     }
   }
+}
+
+bool LiveSession::CountHeld() {
+  const size_t held = reader_.held();
+  {
+    absl::MutexLock lock(&mutex_);
+    if (held == 0) begun_ = absl::InfiniteFuture();
+    if (held > 0) begun_ = std::min(begun_, absl::Now());
+  }
+  MemoryUse* const memory = exchange_->memory();
+  const size_t before = std::exchange(held_, held);
+  if (memory == nullptr) return true;
+  if (held < before) memory->Release(before - held);
+  return held <= before || memory->Add(held - before);
 }
 
 void LiveSession::Take(const std::string& text) {
@@ -131,17 +151,21 @@ void LiveSession::BeginStream(const LiveRequest& request) {
 
 void LiveSession::Look(absl::Time now, uint64_t newest) {
   std::vector<std::shared_ptr<LiveStream>> streams;
-  bool silent = false, probe = false;
+  bool silent = false, late = false, probe = false;
   {
     absl::MutexLock lock(&mutex_);
     if (closed_) return;
     silent = now - heard_ > absl::Milliseconds(ports_.limits.live_silence_ms);
+    late = now - begun_ > absl::Milliseconds(ports_.limits.live_silence_ms);
     probe = now - std::max(heard_, probed_) > absl::Milliseconds(ports_.limits.live_ping_ms);
     if (probe) probed_ = now;
     for (const auto& [id, stream] : streams_) streams.push_back(stream);
   }
   if (silent)
     return Close(WebSocketClose(kWebSocketGoingAway, "nothing came for the time of live_silence_ms"));
+  if (late)
+    return Close(
+        WebSocketClose(kWebSocketPolicy, "a message did not arrive within the time of live_silence_ms"));
   if (probe) exchange_->Push(WebSocketFrame(WebSocketOpcode::kPing, ""));
   for (const auto& stream : streams) stream->Look(now, newest);
 }

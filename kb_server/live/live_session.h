@@ -49,6 +49,8 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
 
  private:
   void Take(const std::string& text);
+  // Counts what reader_ holds, and since when. False: there is no room for it.
+  bool CountHeld();
   void BeginStream(const LiveRequest& request);
   // False: the tab goes on asking and does not read the answers.
   bool HasPatience() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -57,12 +59,15 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
 
   const LivePorts& ports_;
   const std::shared_ptr<HttpExchange> exchange_;
-  WebSocketReader reader_;  // of the network thread
+  WebSocketReader reader_;  // of the network thread, as is held_
+  size_t held_ = 0;         // counted of what it holds
   absl::Mutex mutex_;
   absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
   absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
   absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged
   size_t unread_ ABSL_GUARDED_BY(mutex_) = 0;  // messages of the tab since it last read
+  absl::Time begun_ ABSL_GUARDED_BY(mutex_) =
+      absl::InfiniteFuture();  // when the message began that is not whole
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

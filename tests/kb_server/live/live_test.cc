@@ -20,6 +20,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+constexpr size_t kBodiesBytes = 4u << 20;
+
 class LiveTest : public ::testing::Test {
  protected:
   void SetUp() override { Start({}); }
@@ -39,6 +41,7 @@ class LiveTest : public ::testing::Test {
     live_->AddRoute(&routes);
     HttpServerOptions options;
     options.listen = "127.0.0.1:0";
+    options.bodies_bytes = kBodiesBytes;
     http_ = *HttpServer::Start(options, std::move(routes));
   }
   void Stop() {
@@ -87,6 +90,42 @@ TEST_F(LiveTest, StreamsAndReadsShareAConnection) {
   tab.Send(R"({"id":"r","call":"docent.v1.Fleet/List"})");
   EXPECT_EQ(tab.Receive(), R"({"id":"r","begun":true})");
   EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":"r","message":{"robots":[{"label":"R01"}]},"resume":")"));
+}
+
+// A message that is begun counts as a body of HTTP does; the first 256 KiB of a connection are free.
+TEST_F(LiveTest, BegunMessagesCountInTheServersBudget) {
+  std::vector<std::unique_ptr<WebSocketClient>> tabs;
+  const auto begin = [&] {
+    tabs.push_back(std::make_unique<WebSocketClient>(http_->port()));
+    tabs.back()->Receive();
+    tabs.back()->SendBytes(ClientFrame(0x01, std::string(900000, ' ')));  // a text frame, not the last one
+  };
+  begin();
+  EXPECT_TRUE(Soon([&] { return http_->counts().body_bytes >= 600000; }));
+  tabs.front()->SendBytes(ClientFrame(0x80, "{}"));  // its end
+  EXPECT_THAT(tabs.front()->Receive(), HasSubstr("\"refused\""));
+  EXPECT_TRUE(Soon([&] { return http_->counts().body_bytes == 0; }));
+  for (int i = 0; i < 8; ++i) begin();  // of which four fit
+  EXPECT_TRUE(Soon([&] { return live_->open() <= 5; })) << "the others are told to try again";
+  EXPECT_LE(http_->counts().body_bytes, kBodiesBytes);
+}
+
+// Pings come meanwhile: the connection is not silent.
+TEST_F(LiveTest, AMessageThatDoesNotArriveEndsTheConnection) {
+  WebLimits limits;
+  limits.live_silence_ms = 300;
+  Start(limits);
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.SendBytes(ClientFrame(0x01, "{"));
+  uint8_t first = 0x8a;
+  std::string payload;
+  while (first == 0x8a) {
+    tab.SendBytes(ClientFrame(0x89, "p"));
+    payload = tab.Receive(&first);
+  }
+  EXPECT_EQ(first, 0x88);
+  EXPECT_THAT(payload, HasSubstr("did not arrive"));
 }
 
 TEST_F(LiveTest, AReadIsToldWhenItsAnswerChanges) {
