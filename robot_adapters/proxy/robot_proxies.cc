@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "graph/base/steady_clock.h"
 #include "robot_adapters/proxy/adapter_channels.h"
 #include "robot_adapters/proxy/command_session.h"
@@ -17,6 +18,22 @@ namespace {
 
 constexpr std::chrono::milliseconds kCancelTimeout{2000};
 constexpr std::chrono::milliseconds kProbeTimeout{2000};
+
+// How fast the feedback of one call is read: some messages at once, and then so many in a second. Loop thread only.
+class Pace {
+ public:
+  // The pause after a message that is done with at `now`.
+  absl::Duration After(absl::Time now) {
+    due_ = std::max(due_, now - kAtOnce * kEach) + kEach;
+    return std::max(due_ - now, absl::ZeroDuration());
+  }
+  bool told = false;  // that its feedback is refused
+
+ private:
+  static constexpr int kAtOnce = 50;
+  static constexpr absl::Duration kEach = absl::Milliseconds(10);
+  absl::Time due_ = absl::InfinitePast();
+};
 
 }  // namespace
 
@@ -88,6 +105,8 @@ class RobotProxies::Impl final : public SessionHost {
 
   void Refused(const RobotCommand& command, const std::string& why) override {
     ++refused_;
+    const auto found = sessions_.find(command.id);
+    if (found != sessions_.end() && ++found->second.refused > 1) return;  // the first says what is wrong
     spdlog::warn("{}: feedback about command {} is refused: {}", command.robot.value(), command.id.value(),
                  why);
   }
@@ -132,12 +151,16 @@ class RobotProxies::Impl final : public SessionHost {
         serial, channels_.StubFor(address), std::move(request),
         std::chrono::system_clock::now() +
             absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
-        [this, command, serial](const v1::Feedback& feedback) {
-          loop_.Post([this, command, serial, feedback] {
+        [this, command, serial, pace = std::make_shared<Pace>()](v1::Feedback feedback, FeedbackCall* call) {
+          loop_.Post([this, command, serial, pace, call, feedback = std::move(feedback)] {
             if (!With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); })) {
               ++refused_;
-              spdlog::warn("feedback about command {} is refused: the command has ended", command.value());
+              if (!std::exchange(pace->told, true))
+                spdlog::warn("feedback about command {} is refused: the command has ended", command.value());
             }
+            const absl::Duration pause = pace->After(absl::Now());
+            if (pause == absl::ZeroDuration() || closing_) return call->Next();
+            loop_.PostAfter(pause, [call] { call->Next(); });
           });
         },
         [this, command, serial](const grpc::Status& status, std::shared_ptr<FeedbackCall> ended) {
@@ -199,6 +222,7 @@ class RobotProxies::Impl final : public SessionHost {
   struct Entry {
     std::unique_ptr<CommandSession> session;
     std::vector<EventLoop::Timer> timers;  // of the session
+    uint64_t refused = 0;                  // feedback
   };
   using Sessions = std::map<CommandId, Entry>;
 
@@ -214,6 +238,10 @@ class RobotProxies::Impl final : public SessionHost {
   void ForgetIfDone(Sessions::iterator place) {
     if (!place->second.session->done()) return;
     for (const EventLoop::Timer& timer : place->second.timers) loop_.Cancel(timer);
+    if (place->second.refused > 1) {
+      spdlog::warn("feedback about command {} was refused {} times", place->first.value(),
+                   place->second.refused);
+    }
     sessions_.erase(place);
     open_ = sessions_.size();
   }
