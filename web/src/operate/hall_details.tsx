@@ -11,6 +11,7 @@ import { RobotPanel } from "./robot_panel";
 import { TellPlace } from "./tell_place";
 import { usePast } from "../api/past";
 import { RobotTag } from "./robot_words";
+import { screenAddress } from "./screen_address";
 import type { Way } from "./ways";
 import { Fact } from "./why";
 
@@ -27,7 +28,8 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
   const shape = props.layout?.shapes.find((s) => s.iri === iri);
   const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
   const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
-  const screen = facts.data?.rows.find((row) => row["p"]?.text === "https://w3id.org/docent#screenPage" && /^https?:\/\//.test(row["o"]?.text ?? ""))?.["o"]?.text;
+  const pages = facts.data?.rows.filter((row) => row["p"]?.text === "https://w3id.org/docent#screenPage") ?? [];
+  const screen = pages.map((row) => screenAddress(row["o"]?.text)).find((address) => address);
   const past = usePast() !== null;
   const here = props.robots.filter((r) => r.regions.includes(iri));
   return (
@@ -43,7 +45,7 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
         {robot && <RobotPanel robot={robot} way={props.way} names={names} again={props.again} />}
         {!past && !shape && !tellsItself(robot) && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
         {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
-        {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
+        {robot && screen && <p><a className="button small" href={screen} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
         <Lately key={iri} iri={iri} />
         <h3>Facts</h3>
