@@ -1,7 +1,6 @@
 #include "reasoner/shapes/shape_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <functional>
 #include <tuple>
@@ -17,61 +16,13 @@
 #include "graph/sparql/regex/regex_parser.h"
 #include "reasoner/shapes/path_reader.h"
 #include "reasoner/shapes/shape_order.h"
+#include "reasoner/shapes/shape_parameters.h"
 #include "reasoner/shapes/shape_properties.h"
 #include "reasoner/shapes/shape_words.h"
 #include "reasoner/shapes/sparql_reader.h"
 
 namespace docent::shapes {
 namespace {
-
-// The allowed values of a parameter, and their number.
-enum class ValueRule : uint8_t {
-  kIri,
-  kInteger,
-  kLiteral,
-  kNodeKind,
-  kAny,
-  kTrue,
-  kString,
-  kList,
-  kShape,
-  kShapes
-};
-struct Parameter {
-  Component component;
-  ValueRule values;
-  bool single;
-  bool property_only;  // not allowed on a node shape (section 4, "scope" of the syntax rules)
-};
-constexpr std::array<Parameter, 27> kParameters = {{
-    {Component::kClass, ValueRule::kIri, false, false},
-    {Component::kDatatype, ValueRule::kIri, true, false},
-    {Component::kNodeKind, ValueRule::kNodeKind, true, false},
-    {Component::kMinCount, ValueRule::kInteger, true, true},
-    {Component::kMaxCount, ValueRule::kInteger, true, true},
-    {Component::kMinExclusive, ValueRule::kLiteral, true, false},
-    {Component::kMinInclusive, ValueRule::kLiteral, true, false},
-    {Component::kMaxExclusive, ValueRule::kLiteral, true, false},
-    {Component::kMaxInclusive, ValueRule::kLiteral, true, false},
-    {Component::kMinLength, ValueRule::kInteger, true, false},
-    {Component::kMaxLength, ValueRule::kInteger, true, false},
-    {Component::kPattern, ValueRule::kString, true, false},
-    {Component::kLanguageIn, ValueRule::kList, true, false},
-    {Component::kUniqueLang, ValueRule::kTrue, true, true},
-    {Component::kEquals, ValueRule::kIri, false, false},
-    {Component::kDisjoint, ValueRule::kIri, false, false},
-    {Component::kLessThan, ValueRule::kIri, false, true},
-    {Component::kLessThanOrEquals, ValueRule::kIri, false, true},
-    {Component::kNot, ValueRule::kShape, false, false},
-    {Component::kAnd, ValueRule::kShapes, false, false},
-    {Component::kOr, ValueRule::kShapes, false, false},
-    {Component::kXone, ValueRule::kShapes, false, false},
-    {Component::kNode, ValueRule::kShape, false, false},
-    {Component::kProperty, ValueRule::kShape, false, false},
-    {Component::kClosed, ValueRule::kTrue, true, false},
-    {Component::kHasValue, ValueRule::kAny, false, false},
-    {Component::kIn, ValueRule::kList, true, false},
-}};
 
 class ShapeReader {
  public:
