@@ -170,24 +170,13 @@ class WaitCollector {
   // With when a time of the condition holds or occurs next, where it does not now.
   void AddNextTime(const std::string& ask, v1::Wait* wait, const std::string& detail) {
     std::optional<TimeMicros> next;
-    for (const std::string& iri : TimesIn(ask)) {
+    for (const std::string& iri : calendar::TimeIrisIn(ask)) {
       const std::optional<TimeMicros> of_one = NextOf(iri);
       if (of_one && (!next || *of_one > *next)) next = of_one;  // all of them are needed
     }
     wait->set_detail(next ? absl::StrCat(detail, "; its time comes at ", DateTimeTerm(*next).lexical)
                           : detail);
     if (next) wait->set_until_us(*next);
-  }
-
-  // The triggers that documents describe in their own words (graph/calendar/time_spec.h).
-  static std::vector<std::string> TimesIn(const std::string& ask) {
-    std::vector<std::string> iris;
-    const std::string begin = Concat("<", calendar::kTimeNs);
-    for (size_t at = ask.find(begin); at != std::string::npos; at = ask.find(begin, at + 1)) {
-      const size_t end = ask.find('>', at);
-      if (end != std::string::npos) iris.push_back(ask.substr(at + 1, end - at - 1));
-    }
-    return iris;
   }
 
   std::optional<TimeMicros> NextOf(const std::string& iri) const {

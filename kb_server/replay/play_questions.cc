@@ -15,6 +15,7 @@
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
 #include "workflow/cawl/ask_compiler.h"
+#include "workflow/cawl/ask_names.h"
 
 namespace docent::server {
 namespace {
@@ -109,10 +110,13 @@ absl::StatusOr<Activation> FindActivation(Stages* stages, const cawl::Document& 
 bool FiresAlike(const cawl::Document& a, const cawl::Document& b, const Limits& limits) {
   if (!a.activator || !b.activator || a.activator->flow.value != b.activator->flow.value) return false;
   const auto of_a = AsksOf(a, limits), of_b = AsksOf(b, limits);
+  cawl::NameMap names;
   return of_a.ok() && of_b.ok() &&
          std::equal(of_a->begin(), of_a->end(), of_b->begin(), of_b->end(),
                     [&](const cawl::CompiledAsk& one, const cawl::CompiledAsk& other) {
-                      return cawl::AskTheSame(one, other) &&
+                      return cawl::AskTheSame(one, other, &names) &&
+                             std::all_of(names.begin(), names.end(),
+                                         [](const auto& name) { return name.first == name.second; }) &&
                              cawl::KeyVariables(*a.activator, one) == cawl::KeyVariables(*b.activator, other);
                     });
 }
