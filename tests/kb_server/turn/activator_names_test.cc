@@ -1,5 +1,5 @@
 // An activator whose variables have other names is the same one: nothing starts again.
-#include <functional>
+#include <set>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -27,19 +27,20 @@ std::string Constraint(const std::string& subject, const std::string& verb, cons
 }
 // Starts a run for each sensor `a` of which it is told that it has a temperature `b`.
 std::string Warm(const std::string& a, const std::string& b, const std::string& declared,
-                 const std::string& more = "", const std::string& attributes = "",
-                 const std::string& filter = "") {
-  std::string variables;
-  if (!declared.empty()) variables = absl::StrCat("<variable name=\"", declared, "\"/>");
+                 const std::string& more = "", const std::string& attributes = "") {
+  std::string key, variables;
+  if (!declared.empty()) key = absl::StrCat("<variable name=\"", declared, "\"/>");
+  for (const std::string& name : std::set<std::string>{a, b})
+    absl::StrAppend(&variables, "<variable name=\"", name, "\"/>");
   return absl::StrCat(
       "<CAWL name=\"Warm\" xmlns:docent=\"https://w3id.org/docent#\" xmlns:w=\"urn:w:\" "
       "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"><activator name=\"A\" ",
-      attributes, ">", variables, "<activate flow=\"F\"/><condition><context><rule", more, ">",
-      Constraint("?" + a, "w:temp", "?" + b), filter, "</rule></context></condition></activator>",
-      "<flow name=\"F\"><source name=\"s\"/><node name=\"N\"><ext:tell>$", a, " w:seen $", b,
+      attributes, ">", key, "<activate flow=\"F\"/><condition><context><rule", more, ">",
+      Constraint("?" + a, "w:temp", "?" + b), "</rule></context></condition></activator>",
+      "<flow name=\"F\">", variables, "<source name=\"s0\"/><node name=\"N\"><ext:tell>$", a, " w:seen $", b,
       "</ext:tell></node><node name=\"Wait\"><condition><context><rule>", Constraint("w:all", "w:go", "true"),
-      "</rule></context></condition></node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" "
-      "to=\"Wait\"/><link from=\"Wait\" to=\"e\"/></flow></CAWL>");
+      "</rule></context></condition></node><sink name=\"e0\"/><link from=\"s0\" to=\"N\"/><link from=\"N\" "
+      "to=\"Wait\"/><link from=\"Wait\" to=\"e0\"/></flow></CAWL>");
 }
 TermQuad Temp(const std::string& sensor, int value) {
   return Fact(sensor, "temp", Term::Integer(value));
