@@ -35,11 +35,13 @@ class RemoteAccess final : public sparql::ServiceClient {
   bool IsAllowed(std::string_view url) const;
   bool allows_any() const { return !allowed_.empty(); }
 
-  // For SERVICE: POST of the query, answer in SPARQL JSON.
+  // For SERVICE: POST of the query, answer in SPARQL JSON or XML.
   absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
                                                bool silent, Cancellation* cancellation) override;
-  // For LOAD: the document's quads, in the format that its Content-Type or name says.
-  absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation) const;
+  // For LOAD: the document's quads, in the format that its Content-Type or name says. `memory` counts them, which stay
+  // counted, and meanwhile the text; null: they are not counted.
+  absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation,
+                                             MemoryUse* memory = nullptr) const;
 
  private:
   bool IsAllowedPath(const std::string& real_path) const;
