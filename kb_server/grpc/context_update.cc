@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -20,16 +21,19 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
         const auto known = KnownNames(ports_);
         sparql::ParseOptions options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
         options.known = known.get();
-        sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
-        if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->update())));
         int timeout_ms = ports_.limits.query_timeout_ms;
         if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
         UpdateRequest update;
+        update.memory = MemoryOfRequest(ports_);
+        update.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+        options.memory = update.memory.get();
+        options.cancellation = update.cancellation.get();
+        sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
+        if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed, request->update())));
         update.update = std::move(parsed.update);
         update.request_id = request->request_id();
         update.request_digest = RequestDigest("update", {request->update()});
         update.min_revision = Revision(request->min_revision());
-        update.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
         update.timeout = absl::Milliseconds(timeout_ms);
         ports_.updates->Submit(std::move(update),
                                [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/history_port.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/http/http_body.h"
 #include "kb_server/http/http_formats.h"
 #include "kb_server/http/http_guard.h"
@@ -168,18 +170,13 @@ void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exc
 struct Content {
   std::optional<HttpResponse> refusal;
   std::vector<TermQuad> triples;
-  std::unique_ptr<MemoryUse> memory;  // counts them
+  std::shared_ptr<MemoryUse> memory;  // counts them
 };
 
 // What relative IRIs of a body are relative to. The default graph has a name of the server's own, which is no base: with it
 // they would become words of Docent's ontology.
 std::string BaseOf(const Address& address) {
   return address.graph.lexical == kDefaultGraph ? std::string() : address.graph.lexical;
-}
-
-HttpResponse TooLarge(const ReadPorts& ports, const Content& content) {
-  return ErrorResponse(content.memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
-      "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
 }
 
 // `number`: of the part among several. `memory`: of the request.
@@ -204,6 +201,7 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   options.blank_node_scope = absl::StrCat("p", number);
   options.limits = ports.limits;
   options.cancellation = cancellation;
+  options.memory = content->memory.get();
   absl::StatusOr<std::string> unpacked;
   std::string_view text = part.body;
   if (IsGzip(text)) {  // a .gz file as it is
@@ -225,11 +223,11 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
       return;
     }
     quad.graph = Term();
-    const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
-    content->triples.push_back(std::move(quad));
-    if (fits) continue;
-    content->refusal = TooLarge(ports, *content);
-    return;
+  }
+  if (content->triples.empty()) {
+    content->triples = std::move(parsed.quads);
+  } else {
+    std::move(parsed.quads.begin(), parsed.quads.end(), std::back_inserter(content->triples));
   }
 }
 
@@ -237,7 +235,7 @@ Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const 
                     Cancellation* cancellation) {
   const HttpRequest& http = exchange.request();
   Content content;
-  content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
+  content.memory = MemoryOfRequest(ports);
   const std::string type = http.Header("content-type");
   // RFC 9110 section 14.5: a part of a graph is not put in place of the graph.
   if (!http.Header("content-range").empty()) {
@@ -269,8 +267,7 @@ struct Change {
   UpdateRequest request;
   Address address;
   bool existed = false;
-  bool condition_failed = false;      // of If-Match or If-None-Match
-  std::unique_ptr<MemoryUse> memory;  // of what it loads
+  bool condition_failed = false;  // of If-Match or If-None-Match
 };
 
 // RFC 9110 section 13.1, of a graph that is there or not. Graphs have no entity tags, so that none that is named can match.
@@ -337,10 +334,10 @@ void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
   std::vector<Operation>& operations = change->request.update.operations;
   if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
   operations.push_back(MakeOperation(Operation::Kind::kLoad, address));
-  change->request.load =
-      [triples = std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
-          const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *triples; };
-  change->memory = std::move(content.memory);
+  change->request.load = [triples =
+                              std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
+                             const std::string&) -> absl::StatusOr<sparql::DocumentQuads> { return triples; };
+  change->request.memory = std::move(content.memory);
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
 }
@@ -359,8 +356,8 @@ bool NamesAGraph(const sparql::Algebra& pattern) {
 
 // The update's default graph becomes the graph of the request; an update that is about others is refused.
 absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
-  const auto names_a_graph = [](const std::vector<sparql::QuadTemplate>& quads) {
-    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph.has_value(); });
+  const auto names_a_graph = [](const sparql::QuadTemplates& quads) {
+    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph != nullptr; });
   };
   for (Operation& operation : update->operations) {
     const bool quads = operation.kind == Operation::Kind::kInsertData ||
@@ -401,12 +398,16 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
   HttpBody body;
   UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", exchange->memory(), &body);
   if (body.refusal) return exchange->Respond(*std::move(body.refusal));
+  auto change = std::make_shared<Change>();
+  change->request.memory = MemoryOfRequest(ports);
+  change->request.cancellation = CancellationOf(ports, exchange);
+  options.memory = change->request.memory.get();
+  options.cancellation = change->request.cancellation.get();
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
-  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, body.text)));
+  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed, body.text)));
   if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
     return exchange->Respond(TextResponse(422, std::string(status.message())));
   }
-  auto change = std::make_shared<Change>();
   change->request.update = std::move(parsed.update);
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);

@@ -8,7 +8,9 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
+#include "graph/rdf/text_bytes.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
 #include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_query.h"
@@ -58,13 +60,22 @@ void Respond(const std::shared_ptr<HttpExchange>& exchange, const Measured& meas
 }
 
 // The data set that the protocol's parameters give (protocol, section 2.2.3).
-absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
+absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update, MemoryUse* memory) {
   if (request.default_graphs.empty() && request.named_graphs.empty()) return absl::OkStatus();
+  size_t bytes = 0;
+  for (const Term& graph : request.default_graphs) bytes += sizeof(Term) + TextBytes(graph);
+  for (const Term& graph : request.named_graphs) bytes += sizeof(Term) + TextBytes(graph);
   for (sparql::UpdateOperation& operation : update->operations) {
     if (operation.with || !operation.from.empty() || !operation.from_named.empty()) {
       return absl::InvalidArgumentError(
           "using-graph-uri and using-named-graph-uri do not go with USING or WITH in the update; leave one "
           "out");
+    }
+    if (!memory->Add(bytes)) {
+      return memory->Refusal(
+          absl::ResourceExhaustedError("the graphs of using-graph-uri and using-named-graph-uri, for each "
+                                       "operation, are more than fit into the limit "
+                                       "query_memory_bytes; write USING into the operations that need it"));
     }
     operation.from = request.default_graphs;
     operation.from_named = request.named_graphs;
@@ -89,12 +100,16 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.known = known.get();
   options.base_iri = request.base_iri;
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
+  options.memory = memory.get();
+  options.cancellation = cancellation.get();
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
-  absl::Status status =
-      parsed.ok() ? SetUsing(request, &parsed.update) : ToStatus(parsed.diagnostics, request.text);
+  absl::Status status = ToStatus(parsed, request.text);
+  if (status.ok()) status = SetUsing(request, &parsed.update, memory.get());
   if (!status.ok()) return Respond(exchange, measured, ErrorResponse(status));
   UpdateRequest update;
   update.update = std::move(parsed.update);
+  update.memory = memory;
   update.request_id = request.request_id;
   update.request_digest = DigestOf(request);
   update.min_revision = request.min_revision;

@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "graph/rdf/text_bytes.h"
 #include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
 #include "kb_server/work/remote_access.h"
 
@@ -25,7 +25,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     options_.prepare.default_graph = ports.default_graph;
     options_.prepare.functions = ports.functions;
     options_.prepare.memory_bytes = ports.limits.query_memory_bytes;
-    options_.prepare.all_memory = ports.query_memory;
+    if (request_.memory == nullptr) request_.memory = MemoryOfRequest(ports);
+    options_.prepare.memory = request_.memory.get();
     options_.load = [this](const std::string& iri) { return Document(iri); };
     deadline_ = absl::Now() + request_.timeout;
   }
@@ -45,6 +46,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     if (effect->operations.empty() && request_.request_id.empty()) {
       return done_(BatchOutcome{(*version)->revision().value()});
     }
+    effect_bytes_ = effect->bytes;
     Push(std::move(*effect), (*version)->revision());
   }
 
@@ -56,29 +58,25 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     run.cancellation = request_.cancellation.get();
     absl::Status status =
         sparql::ResolveServices(&request_.update, ports_.remote, *ports_.dictionary, options_.prepare, run);
-    size_t loaded = 0;  // bytes
     for (const sparql::UpdateOperation& operation : request_.update.operations) {
       if (!status.ok()) break;
       if (operation.kind != sparql::UpdateOperation::Kind::kLoad) continue;
       const std::string& iri = operation.document.lexical;
       if (documents_.contains(iri)) continue;
       if (!request_.load && ports_.remote == nullptr) continue;
-      const auto& document =
-          documents_
-              .emplace(iri, request_.load ? request_.load(iri)
-                                          : ports_.remote->Load(iri, request_.cancellation.get()))
-              .first->second;
-      if (!document.ok()) continue;
-      for (const TermQuad& quad : *document) loaded += sizeof(TermQuad) + TextBytes(quad);
-      if (loaded <= options_.prepare.memory_bytes) continue;
-      status = absl::ResourceExhaustedError(
-          absl::StrCat("the documents to LOAD are more than fit into the limit query_memory_bytes = ",
-                       options_.prepare.memory_bytes, "; <", iri, "> is the one too many"));
+      documents_.emplace(iri, request_.load ? request_.load(iri) : LoadFromOthers(iri));
     }
     return status;
   }
 
-  absl::StatusOr<std::vector<TermQuad>> Document(const std::string& iri) const {
+  absl::StatusOr<sparql::DocumentQuads> LoadFromOthers(const std::string& iri) const {
+    absl::StatusOr<std::vector<TermQuad>> quads =
+        ports_.remote->Load(iri, request_.cancellation.get(), request_.memory.get());
+    if (!quads.ok()) return quads.status();
+    return std::make_shared<const std::vector<TermQuad>>(*std::move(quads));
+  }
+
+  absl::StatusOr<sparql::DocumentQuads> Document(const std::string& iri) const {
     const auto it = documents_.find(iri);
     if (it == documents_.end()) return absl::FailedPreconditionError("LOAD is not permitted here");
     return it->second;
@@ -124,6 +122,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   }
 
   void Again() {
+    request_.memory->Release(std::exchange(effect_bytes_, 0));
     deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
     const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); });
     if (!accepted.ok()) done_(accepted);
@@ -150,7 +149,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
 
   const WritePorts& ports_;
   UpdateRequest request_;
-  std::map<std::string, absl::StatusOr<std::vector<TermQuad>>> documents_;  // of LOAD
+  std::map<std::string, absl::StatusOr<sparql::DocumentQuads>> documents_;  // of LOAD
   const BatchCallback done_;
   sparql::RunOptions run_;
   sparql::UpdateOptions options_;
@@ -158,6 +157,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   Revision needed_;
   int attempts_ = 0;
   bool conflict_ = false;
+  size_t effect_bytes_ = 0;  // of the operations at the door, counted in the request's memory
 };
 
 void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
