@@ -519,7 +519,8 @@ class Simulation {
         << command.id.value() << " of a run that is paused";
     EXPECT_EQ(graph.Object(command.robot.value(), DocentIri("outOfService")), "")
         << command.id.value() << " at a robot that is out of service";
-    EXPECT_GT(command.deadline_us, now_us_) << command.id.value() << " after its time";
+    if (command.deadline_us != 0)
+      EXPECT_GT(command.deadline_us, now_us_) << command.id.value() << " after its time";
   }
 
   std::map<RobotId, std::string> Holders() const {
@@ -826,7 +827,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(fallen, static_cast<size_t>(seeds) / 30) << "of what has to hold and falls";
     EXPECT_GT(timed_out, static_cast<size_t>(seeds) / 30) << "of times of nodes";
     EXPECT_GT(undone, static_cast<size_t>(seeds) / 30) << "of what is undone";
-    EXPECT_GT(not_begun, static_cast<size_t>(seeds)) << "of what is stopped before it begins";
+    EXPECT_GT(not_begun, static_cast<size_t>(seeds) / 10) << "of what is stopped before it begins";
   }
 }
 
