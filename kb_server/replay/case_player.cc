@@ -402,7 +402,8 @@ class Player {
 
   // False: the recorded run had cancelled the command, and this one has not.
   bool Comes(CommandReport* report) {
-    const bool cancelled = report->outcome == CommandReport::Outcome::kCancelled;
+    const bool cancelled = report->outcome == CommandReport::Outcome::kCancelled ||
+                           report->outcome == CommandReport::Outcome::kNotBegun;
     if (!cancelled || !answers_.WasCancelled(report->command) || cancelled_.contains(report->command))
       return true;
     if (options_.assume_done) {
