@@ -125,7 +125,9 @@ class Server {
   std::unique_ptr<Subscriptions> subscriptions_;
   std::unique_ptr<LogHistory> fact_history_;
   std::unique_ptr<WhatIf> what_if_;
+  Clients clients_;
   std::unique_ptr<WorkerPool> workers_;
+  std::unique_ptr<WorkerPool> replay_workers_;  // replays and simulations do not take the places of queries
   MemoryBudget query_memory_;
   SendBudget send_budget_;
   ServicePorts ports_;

@@ -33,7 +33,7 @@ void Call(const ConnectPorts* ports, const pb::MethodDescriptor* method, const C
   if (!messages.ok()) return RefuseConnect(head, messages.status(), exchange.get());
   const std::weak_ptr<RpcCall> call = ports->calls->Start(
       absl::StrCat("/", method->service()->full_name(), "/", method->name()), *std::move(messages),
-      absl::Now() + head.timeout, MakeConnectReply(ports, method, head, exchange));
+      absl::Now() + head.timeout, MakeConnectReply(ports, method, head, exchange), exchange->client());
   exchange->OnGone([call] {
     if (const std::shared_ptr<RpcCall> running = call.lock()) running->Cancel();
   });
@@ -51,9 +51,10 @@ void Handle(const ConnectPorts* ports, const pb::ServiceDescriptor* service,
   // What is packed may become a thousand times as much.
   const bool quick = http.body.size() <= kLargeMessageBytes && !head.gzip_request;
   if (ports->workers == nullptr || quick) return Call(ports, method, head, exchange);
-  const absl::Status begun =
-      ports->workers->Submit([ports, method, head, exchange] { Call(ports, method, head, exchange); });
-  if (!begun.ok()) RefuseConnect(head, begun, exchange.get());
+  ports->workers->Submit(
+      {.run = [ports, method, head, exchange] { Call(ports, method, head, exchange); },
+       .refuse = [head, exchange](const absl::Status& why) { RefuseConnect(head, why, exchange.get()); },
+       .client = exchange->client()});
 }
 
 }  // namespace

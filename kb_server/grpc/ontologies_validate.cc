@@ -8,7 +8,6 @@
 #include "absl/time/clock.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/store/graph_writer.h"
-#include "kb_server/door/await_version.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
@@ -99,16 +98,15 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   return absl::OkStatus();
 }
 
-absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
-                      Cancellation* cancellation, v1::ValidateReply* reply) {
-  auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
-  if (!version.ok()) return version.status();
+absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request, Cancellation* cancellation,
+                      v1::ValidateReply* reply) {
+  const GraphVersionPtr version = ports.queries->Newest();
   GivenShapes given(ports.dictionary);  // it knows the terms of the version
   if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
     return status;
   const bool own = request.shapes().empty();
   Dictionary& dictionary = given.dictionary;
-  const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
+  const shapes::GraphView graph = own ? shapes::GraphView(*version, ModuleGraphs(*version, dictionary))
                                       : shapes::GraphView(given.writer.current());
   const std::vector<std::string> regimes = RegimesOf(ports);
   const shapes::ParsedShapes parsed =
@@ -124,9 +122,9 @@ absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request,
     server::ToProto(diagnostic, reply->add_diagnostics());
   const shapes::ValidateOptions options = ValidateOptionsOf(ports, cancellation);
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
-  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
+  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(*version), dictionary, options);
   if (!report.ok()) return report.status();
-  reply->set_revision((*version)->revision().value());
+  reply->set_revision(version->revision().value());
   return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
 }
 
@@ -135,6 +133,7 @@ absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cance
   absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation);
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);
   if (!verdict.ok()) return verdict.status();
   reply->set_revision(version->revision().value());
@@ -156,20 +155,19 @@ absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cance
 
 }  // namespace
 
-grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext* context,
                                                       const v1::ValidateRequest* request,
                                                       v1::ValidateReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const auto validate = [this, request, reply, cancellation, deadline](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(server::Validate(ports_, *request, deadline, cancellation.get(), reply)));
+  const auto validate = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(server::Validate(ports_, *request, cancellation.get(), reply)));
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
+  return OnWorker(ports_, context, cancellation, validate, Revision(request->min_revision()));
 }
 
-grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext* context,
                                                    const v1::LoadRequest* request,
                                                    v1::CheckModuleReply* reply) {
   auto cancellation =
@@ -177,7 +175,7 @@ grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
   const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
     reactor->Finish(ToGrpc(server::Check(ports_, *request, cancellation.get(), reply)));
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, check);
+  return OnWorker(ports_, context, cancellation, check);
 }
 
 }  // namespace docent::server

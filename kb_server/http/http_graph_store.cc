@@ -111,13 +111,11 @@ Address ReadAddress(const HttpRequest& http) {
 }
 
 // Answers with a whole graph.
-void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exchange) {
+void ReadGraph(const ReadPorts& ports, const Address& address, Cancellation* cancellation,
+               HttpExchange& exchange) {
   const std::string accept = exchange.request().Header("accept");
   if (ChooseGraphType(accept) == nullptr) return exchange.Respond(NoGraphType());
-  const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
-  Cancellation waiting(std::chrono::milliseconds(ports.limits.query_timeout_ms));
-  absl::StatusOr<QueryGraph> read =
-      GraphForQuery(ports, address.min_revision, address.as_of, absl::Now() + patience, &waiting);
+  absl::StatusOr<QueryGraph> read = GraphForQuery(ports, address.as_of, cancellation);
   if (!read.ok()) return exchange.Respond(ErrorResponse(read.status()));
   const std::shared_ptr<const Dictionary> dictionary = read->dictionary;
   GraphVersionPtr version = std::move(read->version);
@@ -159,11 +157,9 @@ void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exc
   head.content_type = answer.told;
   memory.Release(memory.used() - std::min(memory.used(), answer.text.size()));
   const size_t seconds = answer.text.size() / kSlowestBytesASecond;
-  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) +
-                            std::chrono::seconds(seconds));
-  LongAnswer(std::move(head), &exchange, ports.workers)
-      .SendAll(std::move(answer.text), &cancellation)
-      .IgnoreError();
+  Cancellation sending(std::chrono::milliseconds(ports.limits.query_timeout_ms) +
+                       std::chrono::seconds(seconds));
+  LongAnswer(std::move(head), &exchange).SendAll(std::move(answer.text), &sending).IgnoreError();
 }
 
 // What a body says.
@@ -287,7 +283,7 @@ std::shared_ptr<Cancellation> CancellationOf(const ReadPorts& ports, const Excha
 
 void Submit(const WritePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
   change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
-  if (change->request.cancellation == nullptr) change->request.cancellation = CancellationOf(ports, exchange);
+  change->request.client = exchange->client();
   const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
   change->request.precondition = [&ports, must_exist, exchange,
                                   weak = std::weak_ptr(change)](const GraphVersion& version) {
@@ -325,10 +321,11 @@ Operation MakeOperation(Operation::Kind kind, const Address& address) {
 }
 
 // PUT and POST: DROP where it replaces, then LOAD of the body.
-void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Write(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+           const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   auto change = std::make_shared<Change>();
-  change->request.cancellation = CancellationOf(ports, exchange);
+  change->request.cancellation = std::move(cancellation);
   Content content = ReadContent(ports, *exchange, address, change->request.cancellation.get());
   if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   std::vector<Operation>& operations = change->request.update.operations;
@@ -376,7 +373,8 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
   return absl::OkStatus();
 }
 
-void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Patch(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+           const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   const std::string type = http.Header("content-type");
   if (std::optional<HttpResponse> refusal = RefuseCharset(type))
@@ -400,7 +398,7 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
   if (body.refusal) return exchange->Respond(*std::move(body.refusal));
   auto change = std::make_shared<Change>();
   change->request.memory = MemoryOfRequest(ports);
-  change->request.cancellation = CancellationOf(ports, exchange);
+  change->request.cancellation = std::move(cancellation);
   options.memory = change->request.memory.get();
   options.cancellation = change->request.cancellation.get();
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
@@ -414,14 +412,16 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
 }
 
 // On a worker.
-void Answer(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Answer(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+            const Exchange& exchange) {
   const std::string& method = exchange->request().method;
   if (method == "GET" || method == "HEAD") {
-    return ReadGraph(ports, address, *exchange);
+    return ReadGraph(ports, address, cancellation.get(), *exchange);
   }
-  if (method == "PATCH") return Patch(ports, std::move(address), exchange);
-  if (method != "DELETE") return Write(ports, std::move(address), exchange);
+  if (method == "PATCH") return Patch(ports, std::move(address), std::move(cancellation), exchange);
+  if (method != "DELETE") return Write(ports, std::move(address), std::move(cancellation), exchange);
   auto change = std::make_shared<Change>();
+  change->request.cancellation = std::move(cancellation);
   change->request.update.operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
@@ -437,12 +437,15 @@ void Handle(const WritePorts& ports, Exchange exchange) {
                                            absl::EndsWith(exchange->request().raw_path, "/") ? "" : "/", "g",
                                            ports.clock->Now(), "n", ports.updates->NextNumber()));
   }
-  const int timeout_ms = ports.limits.query_timeout_ms;
-  const absl::Status accepted = ports.workers->Submit(
-      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
-      {absl::Now() + absl::Milliseconds(timeout_ms),
-       [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
-  if (!accepted.ok()) exchange->Respond(ErrorResponse(accepted));
+  const Revision revision = address.min_revision;
+  const std::shared_ptr<Cancellation> cancellation = CancellationOf(ports, exchange);
+  SubmitOnVersion(ports, revision,
+                  {.run = [&ports, exchange, cancellation,
+                           address = std::move(address)] { Answer(ports, address, cancellation, exchange); },
+                   .refuse = [exchange](const absl::Status& why) { exchange->Respond(ErrorResponse(why)); },
+                   .client = exchange->client(),
+                   .until = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms),
+                   .cancellation = cancellation});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/await_version.h"
 #include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
 #include "kb_server/http/http_guard.h"
@@ -113,6 +114,7 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   update.request_id = request.request_id;
   update.request_digest = DigestOf(request);
   update.min_revision = request.min_revision;
+  update.client = exchange->client();
   update.cancellation = std::move(cancellation);
   update.timeout = std::max(absl::ZeroDuration(), until - absl::Now());
   ports.updates->Submit(std::move(update), [measured, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
@@ -144,36 +146,48 @@ void Answer(const WritePorts& ports, const Measured& measured, const SparqlReque
   }
 }
 
+// Has a worker answer, a query as soon as there is the version that it needs.
+void Begin(const WritePorts& ports, const Measured& measured, SparqlRequest request,
+           const std::shared_ptr<HttpExchange>& exchange) {
+  const auto cancellation = CancellationOf(request, exchange);
+  const absl::Time until = absl::Now() + absl::Milliseconds(request.timeout_ms);
+  // An update is read before it waits for its revision.
+  const Revision revision = request.kind == Kind::kQuery ? request.min_revision : Revision();
+  SubmitOnVersion(
+      ports, revision,
+      {.run = [&ports, measured, exchange, cancellation, until,
+               request =
+                   std::move(request)] { Answer(ports, measured, request, exchange, cancellation, until); },
+       .refuse = [measured,
+                  exchange](const absl::Status& why) { Respond(exchange, measured, ErrorResponse(why)); },
+       .client = exchange->client(),
+       .until = until,
+       .cancellation = cancellation});
+}
+
 // A large or packed body is read by a worker: the network's threads serve others meanwhile.
 void ReadAndAnswer(const WritePorts& ports, const Measured& measured,
                    const std::shared_ptr<HttpExchange>& exchange) {
   ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits, exchange->memory());
   if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
-  const absl::Time until = absl::Now() + absl::Milliseconds(read.request.timeout_ms);
-  Answer(ports, measured, read.request, exchange, CancellationOf(read.request, exchange), until);
+  Begin(ports, measured, std::move(read.request), exchange);
 }
 
 void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
   const Measured measured(metrics);
   std::optional<HttpResponse> refusal = RefuseAnotherSite(exchange->request());
   if (refusal) return Respond(exchange, measured, *std::move(refusal));
-  int timeout_ms = ports.limits.query_timeout_ms;
-  std::function<void()> work = [&ports, measured, exchange] { ReadAndAnswer(ports, measured, exchange); };
   if (IsQuicklyRead(exchange->request())) {
     ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
     if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
-    timeout_ms = read.request.timeout_ms;
-    auto cancellation = CancellationOf(read.request, exchange);
-    const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
-    work = [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
-      Answer(ports, measured, request, exchange, cancellation, until);
-    };
+    return Begin(ports, measured, std::move(read.request), exchange);
   }
-  const absl::Status accepted = ports.workers->Submit(
-      std::move(work), {absl::Now() + absl::Milliseconds(timeout_ms), [measured, exchange, timeout_ms] {
-                          Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
-                        }});
-  if (!accepted.ok()) Respond(exchange, measured, ErrorResponse(accepted));
+  ports.workers->Submit(
+      {.run = [&ports, measured, exchange] { ReadAndAnswer(ports, measured, exchange); },
+       .refuse = [measured,
+                  exchange](const absl::Status& why) { Respond(exchange, measured, ErrorResponse(why)); },
+       .client = exchange->client(),
+       .until = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms)});
 }
 
 }  // namespace

@@ -78,8 +78,7 @@ absl::Status QueryRunner::Run(const QueryRequest& request, Cancellation* cancell
   const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports_);
   absl::StatusOr<Query> query = Parse(ports_, request, memory.get(), cancellation);
   if (!query.ok()) return query.status();
-  absl::StatusOr<QueryGraph> graph =
-      GraphForQuery(ports_, request.min_revision, request.as_of, request.deadline, cancellation);
+  absl::StatusOr<QueryGraph> graph = GraphForQuery(ports_, request.as_of, cancellation);
   if (!graph.ok()) return graph.status();
   const Dictionary& dictionary = *graph->dictionary;
 

@@ -16,6 +16,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 #include "graph/store/server_graphs.h"
+#include "kb_server/door/worker_pool.h"
 #include "kb_server/work/service_answer_xml.h"
 
 namespace docent::server {
@@ -120,6 +121,12 @@ absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t
   return answer;
 }
 
+// While another server is waited for, the worker's place is free.
+absl::StatusOr<HttpResponse> Ask(const FetchRequest& request, Cancellation* cancellation) {
+  const WorkerPool::Waiting waiting;
+  return waiting.status().ok() ? Fetch(request, cancellation) : waiting.status();
+}
+
 }  // namespace
 
 absl::Status RemoteAccess::CheckAllowed(const std::string& entry) {
@@ -158,10 +165,7 @@ absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellati
   request->max_bytes = limits_.remote_bytes;
   for (int redirects = 0;; ++redirects) {
     if (!IsAllowed(request->url)) return Refuse(request->url);
-    std::optional<WorkerPool::Waiting> waiting;
-    if (workers_ != nullptr) waiting.emplace(workers_);
-    absl::StatusOr<HttpResponse> response = Fetch(*request, cancellation);
-    waiting.reset();
+    absl::StatusOr<HttpResponse> response = Ask(*request, cancellation);
     if (absl::IsUnavailable(response.status())) return absl::UnknownError(response.status().message());
     if (!response.ok() || response->status == 200) return response;
     const int status = response->status;

@@ -15,17 +15,16 @@
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
 #include "graph/sparql/run/federation.h"
-#include "kb_server/door/worker_pool.h"
 #include "kb_server/work/http_fetch.h"
 
 namespace docent::server {
 
 class RemoteAccess final : public sparql::ServiceClient {
  public:
-  // Who fetches on one of `workers` (may be null) gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…"
-  // or "file:///folder": that address and all below it (whole path segments). See CheckAllowed.
-  RemoteAccess(std::vector<std::string> allowed, const Limits& limits, WorkerPool* workers = nullptr)
-      : allowed_(std::move(allowed)), limits_(limits), workers_(workers) {}
+  // Who fetches on a worker gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…" or "file:///folder":
+  // that address and all below it (whole path segments). See CheckAllowed.
+  RemoteAccess(std::vector<std::string> allowed, const Limits& limits)
+      : allowed_(std::move(allowed)), limits_(limits) {}
 
   // INVALID_ARGUMENT for an entry that is not of one of these forms.
   static absl::Status CheckAllowed(const std::string& entry);
@@ -51,7 +50,6 @@ class RemoteAccess final : public sparql::ServiceClient {
 
   const std::vector<std::string> allowed_;
   const Limits limits_;
-  WorkerPool* const workers_;
 };
 
 }  // namespace docent::server

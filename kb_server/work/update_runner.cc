@@ -31,26 +31,38 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     deadline_ = absl::Now() + request_.timeout;
   }
 
-  // On a worker.
-  void Attempt() {
-    ++attempts_;
-    absl::StatusOr<GraphVersionPtr> version =
-        AwaitVersion(ports_, needed_, deadline_, request_.cancellation.get());
-    if (!version.ok()) return done_(version.status());
-    if (attempts_ == 1) {
-      if (absl::Status status = AskOthers(**version); !status.ok()) return done_(status);
-    }
-    if (attempts_ > ports_.limits.update_attempts) return PushUnevaluated();
-    absl::StatusOr<sparql::UpdateEffect> effect = Evaluate(**version, request_.cancellation.get());
-    if (!effect.ok()) return done_(effect.status());
-    if (effect->operations.empty() && request_.request_id.empty()) {
-      return done_(BatchOutcome{(*version)->revision().value()});
-    }
-    effect_bytes_ = effect->bytes;
-    Push(std::move(*effect), (*version)->revision());
+  // On a worker, as soon as there is the version that is needed.
+  void Begin() {
+    SubmitOnVersion(ports_, needed_,
+                    {.run = [self = shared_from_this()] { self->Attempt(); },
+                     .refuse = done_,
+                     .client = request_.client,
+                     .until = deadline_,
+                     .cancellation = request_.cancellation});
   }
 
  private:
+  void Attempt() {
+    ++attempts_;
+    const GraphVersionPtr version = ports_.queries->Newest();
+    if (attempts_ == 1) {
+      if (absl::Status status = AskOthers(*version); !status.ok()) return done_(status);
+    }
+    if (attempts_ > ports_.limits.update_attempts) return PushUnevaluated();
+    absl::StatusOr<sparql::UpdateEffect> effect = EvaluateShared(*version);
+    if (!effect.ok()) return done_(effect.status());
+    if (effect->operations.empty() && request_.request_id.empty()) {
+      return done_(BatchOutcome{version->revision().value()});
+    }
+    effect_bytes_ = effect->bytes;
+    Push(std::move(*effect), version->revision());
+  }
+
+  absl::StatusOr<sparql::UpdateEffect> EvaluateShared(const GraphVersion& version) {
+    const WorkerPool::SharedWork shared(ports_.workers, request_.cancellation.get());
+    return Evaluate(version, request_.cancellation.get());
+  }
+
   // What other servers know is fetched once, and never on the writer's turn.
   absl::Status AskOthers(const GraphVersion& version) {
     sparql::RunOptions run = run_;
@@ -124,8 +136,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   void Again() {
     request_.memory->Release(std::exchange(effect_bytes_, 0));
     deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
-    const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); });
-    if (!accepted.ok()) done_(accepted);
+    Begin();
   }
 
   // Whatever else is written, this version stays until the update is done.
@@ -165,13 +176,7 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   const TimeMicros now_us = ports_.clock->Now();
   // No two updates of a log share a seed: the time to the microsecond, and a count within it.
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
-  const absl::Duration timeout = request.timeout;
-  auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
-  const absl::Status accepted = ports_.workers->Submit(
-      [job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
-                                    done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
-                                  }});
-  if (!accepted.ok()) done(accepted);
+  std::make_shared<Job>(ports_, std::move(request), seed, now_us, std::move(done))->Begin();
 }
 
 }  // namespace docent::server

@@ -18,6 +18,7 @@
 #include "graph/sparql/run/update_evaluator.h"
 #include "graph/sparql/syntax/update_algebra.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
 
 namespace docent::server {
@@ -32,6 +33,7 @@ struct UpdateRequest {
   std::string request_id;                      // as in a WriteBatch
   uint64_t request_digest = 0;                 // as in a WriteBatch
   Revision min_revision;                       // to be evaluated on this version or a later one
+  ClientPtr client;                            // null: the server itself
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
   absl::Duration timeout;                      // of waiting for a worker, and for min_revision
   // For LOAD, once for each document, whose quads are counted in `memory`; empty: what WritePorts::remote allows.
