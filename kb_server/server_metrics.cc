@@ -142,6 +142,8 @@ void AddSubscriptionMetrics(const MeasuredParts& parts, Metrics* metrics) {
                             read(&counters->queries));
   metrics->AddGaugeFunction("docent_subscription_revision",
                             "Revision up to which followed queries are looked at", read(&counters->revision));
+  metrics->AddGaugeFunction("docent_subscription_bytes", "Memory of followed answers, about",
+                            [parts] { return static_cast<double>(parts.subscriptions->bytes()); });
   metrics->AddCounterFunction("docent_subscription_evaluations_total",
                               "Followed queries evaluated because a change could match them",
                               read(&counters->evaluations));
