@@ -167,7 +167,23 @@ void LiveSession::Look(absl::Time now, uint64_t newest) {
     return Close(
         WebSocketClose(kWebSocketPolicy, "a message did not arrive within the time of live_silence_ms"));
   if (probe) exchange_->Push(WebSocketFrame(WebSocketOpcode::kPing, ""));
+  std::sort(streams.begin(), streams.end(),
+            [](const auto& a, const auto& b) { return a->asked() < b->asked(); });
   for (const auto& stream : streams) stream->Look(now, newest);
+}
+
+bool LiveSession::TakeReadPlace(absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  std::erase_if(resting_, [now](absl::Time until) { return until <= now; });
+  if (reads_asked_ + resting_.size() >= ports_.limits.live_reads_asked) return false;
+  ++reads_asked_;
+  return true;
+}
+
+void LiveSession::LeaveReadPlace(absl::Time asked, absl::Time answered) {
+  absl::MutexLock lock(&mutex_);
+  --reads_asked_;
+  resting_.push_back(answered + (answered - asked));
 }
 
 void LiveSession::Close(std::string_view frame) {

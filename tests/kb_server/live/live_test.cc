@@ -211,6 +211,26 @@ TEST_F(LiveTest, OtherRequestsAndOtherPagesAreRefused) {
       StartsWith("HTTP/1.1 101 "));
 }
 
+TEST_F(LiveTest, SoManyReadsOfATabAreAskedAtATime) {
+  Start({.live_reads_asked = 2});
+  fleet_.Hold();
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  for (int id = 1; id <= 5; ++id) {
+    tab.Send(absl::StrCat(R"({"id":)", id, R"(,"call":"docent.v1.Fleet/List"})"));
+    EXPECT_EQ(tab.Receive(), absl::StrCat(R"({"id":)", id, R"(,"begun":true})"));
+  }
+  EXPECT_TRUE(Soon([this] { return fleet_.held() == 2; })) << "at the limit";
+  absl::SleepFor(absl::Milliseconds(100));
+  EXPECT_EQ(fleet_.held(), 2u) << "one past it waits";
+  WebSocketClient other(http_->port());
+  other.Receive();
+  other.Send(R"({"id":1,"call":"docent.v1.Fleet/List"})");
+  EXPECT_TRUE(Soon([this] { return fleet_.held() == 3; })) << "another tab has its own";
+  fleet_.LetGo();
+  for (int i = 0; i < 5; ++i) EXPECT_THAT(tab.Receive(), HasSubstr(R"("label":"R01")"));
+}
+
 TEST_F(LiveTest, ATabFollowsSoMuchAndNoMore) {
   WebLimits limits;
   limits.live_streams = 2;
