@@ -150,7 +150,7 @@ void LiveSession::BeginStream(const LiveRequest& request) {
 }
 
 void LiveSession::Look(absl::Time now, uint64_t newest) {
-  std::vector<std::shared_ptr<LiveStream>> streams;
+  std::vector<std::pair<absl::Time, std::shared_ptr<LiveStream>>> streams;  // and when each was asked
   bool silent = false, late = false, probe = false;
   {
     absl::MutexLock lock(&mutex_);
@@ -159,7 +159,7 @@ void LiveSession::Look(absl::Time now, uint64_t newest) {
     late = now - begun_ > absl::Milliseconds(ports_.limits.live_silence_ms);
     probe = now - std::max(heard_, probed_) > absl::Milliseconds(ports_.limits.live_ping_ms);
     if (probe) probed_ = now;
-    for (const auto& [id, stream] : streams_) streams.push_back(stream);
+    for (const auto& [id, stream] : streams_) streams.emplace_back(absl::InfinitePast(), stream);
   }
   if (silent)
     return Close(WebSocketClose(kWebSocketGoingAway, "nothing came for the time of live_silence_ms"));
@@ -167,9 +167,9 @@ void LiveSession::Look(absl::Time now, uint64_t newest) {
     return Close(
         WebSocketClose(kWebSocketPolicy, "a message did not arrive within the time of live_silence_ms"));
   if (probe) exchange_->Push(WebSocketFrame(WebSocketOpcode::kPing, ""));
-  std::sort(streams.begin(), streams.end(),
-            [](const auto& a, const auto& b) { return a->asked() < b->asked(); });
-  for (const auto& stream : streams) stream->Look(now, newest);
+  for (auto& [asked, stream] : streams) asked = stream->asked();
+  std::sort(streams.begin(), streams.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [asked, stream] : streams) stream->Look(now, newest);
 }
 
 bool LiveSession::TakeReadPlace(absl::Time now) {
