@@ -20,6 +20,7 @@
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/server_graphs.h"
+#include "kb_server/door/await_version.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/door/query_memory.h"
 #include "kb_server/http/http_body.h"
