@@ -98,12 +98,12 @@ TEST_F(HttpSparqlTest, APackedOrLargeBodyIsReadByAWorker) {
     return answer;
   };
   absl::Notification busy, go;
-  ASSERT_TRUE(pool_
-                  ->Submit([&] {
-                    busy.Notify();
-                    go.WaitForNotification();
-                  })
-                  .ok());
+  pool_->Submit({.run =
+                     [&] {
+                       busy.Notify();
+                       go.WaitForNotification();
+                     },
+                 .refuse = nullptr});
   busy.WaitForNotification();
   const std::string large = "query=" + std::string(100000, 'x');
   const std::vector<std::shared_ptr<HttpAnswer>> answers = {
