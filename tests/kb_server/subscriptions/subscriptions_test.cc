@@ -3,12 +3,9 @@
 #include <map>
 #include <set>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
-#include "graph/base/overload.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
 #include "tests/property/reasoner_random.h"
@@ -84,18 +81,15 @@ class SubscriptionsTest : public ::testing::Test {
     subscriptions_->PublishWhole(world_.writer.Freeze(Revision(revision_)));
   }
 
-  std::shared_ptr<Client> Open(const std::string& query, TimeMicros at_least_us = 0,
-                               ClientPtr asks = nullptr) {
+  std::shared_ptr<Client> Open(const std::string& query, TimeMicros at_least_us = 0) {
     auto client = std::make_shared<Client>();
     absl::Status status;
-    subscriptions_->Open(
-        {kPrefix + query, at_least_us}, client,
-        [&](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-          status = answer.status();
-          if (answer.ok()) client->answer = *answer;
-          return true;
-        },
-        std::move(asks));
+    subscriptions_->Open({kPrefix + query, at_least_us}, client,
+                         [&](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
+                           status = answer.status();
+                           if (answer.ok()) client->answer = *answer;
+                           return true;
+                         });
     subscriptions_->Drain();
     if (client->answer != nullptr) client->Begin();
     if (!status.ok()) client->failed = status;
@@ -258,79 +252,6 @@ TEST_F(SubscriptionsTest, LimitsAndRefusals) {
   second->TakeAll();
   EXPECT_TRUE(second->boolean);
   EXPECT_EQ(subscriptions_->counters().open, 1u);
-}
-
-// Answers of a few hundred rows under a limit for all of them; `OpenLarge` opens one that no other shares.
-class SubscriptionMemoryTest : public SubscriptionsTest {
- protected:
-  void SetUp() override {
-    std::vector<std::string> facts;
-    for (int i = 0; i < 400; ++i) facts.push_back(absl::StrCat(":s", i, " :p ", i));
-    Make();
-    Turn(facts);
-    const auto one = OpenLarge();
-    one_ = subscriptions_->bytes();
-    ASSERT_GT(one_, 400 * sizeof(TermId));
-  }
-  // So that there is room for so many.
-  void MakeRoomFor(double answers) {
-    SubscriptionLimits limits;
-    limits.subscriptions_bytes = static_cast<size_t>(answers * static_cast<double>(one_));
-    Make(limits);
-  }
-  std::shared_ptr<Client> OpenLarge(ClientPtr asks = nullptr) {
-    auto client = Open(absl::StrCat("SELECT ?s ?o { ?s :p ?o FILTER(?o != ", 1000 + ++opened_, ") }"), 0,
-                       std::move(asks));
-    return client;
-  }
-
-  size_t one_ = 0;
-
- private:
-  int opened_ = 0;
-};
-
-TEST_F(SubscriptionMemoryTest, AllAnswersTogetherHaveALimit) {
-  MakeRoomFor(2.5);
-  const auto first = OpenLarge(), second = OpenLarge();
-  EXPECT_TRUE(first->failed.ok() && second->failed.ok()) << "within it";
-  const auto third = OpenLarge();
-  EXPECT_TRUE(IsOverload(third->failed)) << "one past it";
-  EXPECT_THAT(std::string(third->failed.message()), ::testing::HasSubstr("subscriptions_bytes is "));
-  Turn({":s1 :p 5000"});
-  subscriptions_->Drain();
-  first->TakeAll();
-  EXPECT_EQ(first->rows.size(), 401u) << "the others go on";
-}
-
-TEST_F(SubscriptionMemoryTest, WhatNobodyFollowsGoesForWhatIsFollowed) {
-  MakeRoomFor(2.5);
-  const auto first = OpenLarge(), second = OpenLarge();
-  subscriptions_->Close(first);
-  subscriptions_->Close(second);
-  // Closed ones are noticed about once a second.
-  std::shared_ptr<Client> third;
-  for (third = OpenLarge(); !third->failed.ok(); third = OpenLarge()) absl::SleepFor(absl::Milliseconds(50));
-  EXPECT_LE(subscriptions_->bytes(), static_cast<size_t>(2.5 * static_cast<double>(one_)));
-}
-
-TEST_F(SubscriptionMemoryTest, OfWhatNobodyFollowsALittleIsKept) {
-  MakeRoomFor(7.5);  // one answer is more than an eighth
-  const auto only = OpenLarge();
-  EXPECT_GT(subscriptions_->bytes(), 0u);
-  subscriptions_->Close(only);
-  while (subscriptions_->bytes() > 0) absl::SleepFor(absl::Milliseconds(50));
-}
-
-TEST_F(SubscriptionMemoryTest, AClientLeavesRoomForOthers) {
-  MakeRoomFor(8);
-  const auto greedy = std::make_shared<docent::server::Client>("greedy");
-  const auto modest = std::make_shared<docent::server::Client>("modest");
-  std::vector<std::shared_ptr<Client>> open;
-  while (open.empty() || open.back()->failed.ok()) open.push_back(OpenLarge(greedy));
-  EXPECT_TRUE(IsOverload(open.back()->failed));
-  EXPECT_GE(open.size(), 4u);
-  EXPECT_TRUE(OpenLarge(modest)->failed.ok());
 }
 
 TEST_F(SubscriptionsTest, ManyClientsOfOneQueryShareItAndAClosedOneIsNotWoken) {
