@@ -7,6 +7,7 @@
 #include "graph/base/cancellation.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
@@ -93,7 +94,9 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
   const ClientPtr client = ClientOf(*context, ports_.clients);
   const auto work = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     Diagnostics of_text;
-    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text);
+    const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports_);
+    absl::StatusOr<WriteBatch> batch =
+        ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text, memory.get());
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
     job.batch = *std::move(batch);
@@ -101,8 +104,8 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
     job.prepare = CheckMode(*request, ports_);
     job.cancellation = cancellation;
     job.client = client;
-    job.done = [reactor, reply, of_text = std::move(of_text)](const absl::StatusOr<BatchOutcome>& outcome,
-                                                              const Diagnostics& warnings) {
+    job.done = [reactor, reply, memory, of_text = std::move(of_text)](
+                   const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
       if (outcome.ok()) Fill(*outcome, reply);
       for (const Diagnostic& warning : of_text) ToProto(warning, reply->add_diagnostics());
       for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());

@@ -8,6 +8,7 @@
 #include "absl/time/clock.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
@@ -130,7 +131,8 @@ absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request,
 
 absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
                    v1::CheckModuleReply* reply) {
-  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation);
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
+  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation, nullptr, memory.get());
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
