@@ -225,26 +225,30 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
                                               ": it began in turn ", life->first, ", and the newest turn is ",
                                               newest));
   }
-  uint64_t variables_of = at.value_or(life->last), facts_of = variables_of;
+  // Robots are chosen as they were used before the node opened; in its turn the run itself may have taken one.
+  uint64_t used_of = at.value_or(life->last), variables_of = used_of, facts_of = used_of;
   if (!at) {
     const absl::StatusOr<uint64_t> opened = MomentOf(run, node, *life);
     if (!opened.ok()) return opened.status();
-    if (*opened != 0) facts_of = *opened, variables_of = std::max(*opened - 1, life->first);
+    if (*opened != 0)
+      facts_of = *opened, used_of = *opened - 1, variables_of = std::max(used_of, life->first);
   }
   Dictionary dictionary;
   absl::StatusOr<RestoredState> start =
-      StagesAfter(variables_of, absl::StrCat("turn ", variables_of, " is asked for"), &dictionary);
+      StagesAfter(used_of, absl::StrCat("turn ", variables_of, " is asked for"), &dictionary);
   if (!start.ok()) return start.status();
   Stages* stages = start->stages.get();
-  std::map<std::string, Term> variables = ReadVariables(dictionary, stages->writer.current(), run.run);
-  std::map<RobotId, TimeMicros> last_used = stages->engine.Save().last_used;  // before the node opened
+  std::map<RobotId, TimeMicros> last_used = stages->engine.Save().last_used;
   TimeMicros time_us = start->time_us;
-  const absl::Status replayed =
-      ReplayTurns(ports_.log, variables_of + 1, facts_of, stages, [&](const TurnResult& result, size_t) {
-        time_us = result.record.time_us;
-        return absl::OkStatus();
-      });
-  if (!replayed.ok()) return replayed;
+  const auto replay = [&](uint64_t from, uint64_t to) {
+    return ReplayTurns(ports_.log, from, to, stages, [&](const TurnResult& result, size_t) {
+      time_us = result.record.time_us;
+      return absl::OkStatus();
+    });
+  };
+  if (absl::Status replayed = replay(used_of + 1, variables_of); !replayed.ok()) return replayed;
+  std::map<std::string, Term> variables = ReadVariables(dictionary, stages->writer.current(), run.run);
+  if (absl::Status replayed = replay(variables_of + 1, facts_of); !replayed.ok()) return replayed;
 
   RunCase moment;
   moment.last_used = std::move(last_used);
