@@ -270,6 +270,7 @@ class Player {
           tree_ ? tree_->RunAt(nested == recorded_.nested.end() ? "" : nested->second) : std::nullopt;
       if (run) request->target = run->value();
     }
+    stages_->robots.Refresh(stages_->writer.current(), {});
     const absl::Status possible = stages_->engine.CheckRequest(*request, &stages_->robots);
     if (possible.ok()) return true;
     play_.notes.push_back(

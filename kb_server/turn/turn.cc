@@ -73,6 +73,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   stages->applier.Announce(given, stages->writer.current());
   const std::optional<WriteBatch> named = stages->events.WithOwnNames(given, stages->applier, offset);
   const WriteBatch& batch = named ? *named : given;
+  stages->robots.Refresh(stages->writer.current(), {});  // requests are checked on the graph before the turn
   const engine::RobotDirectory* robots = stages->cancellation != nullptr ? &stages->robots : nullptr;
   for (const RunRequest& request : batch.run_requests) {  // what the log has was accepted
     if (absl::Status status = stages->engine.CheckRequest(request, robots); !status.ok()) return status;
