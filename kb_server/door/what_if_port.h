@@ -14,6 +14,7 @@
 #include "graph/rdf/term.h"
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/door/client.h"
 
 namespace docent::server {
 
