@@ -152,6 +152,7 @@ class RecordedStage {
       if (!dice_.OneIn(25, "lost")) fleet_.Send(command, now_us_);
     }
     for (const CommandId& id : result->cancels) fleet_.Cancel(id, now_us_);
+    for (const CommandId& id : result->recalls) fleet_.Recall(id);
     for (const Notification& notification : result->notifications) postman_.Send(notification, now_us_);
   }
 
