@@ -225,7 +225,8 @@ net::awaitable<bool> HttpConnection::ReadBody(const HttpHead& head, std::string*
     refusal = TextResponse(503, std::string(shared_.bodies->Refusal().message()));
     refusal->headers.emplace_back("Retry-After", "1");
     std::string().swap(*body);
-    memory.Reset();
+    memory.Release(memory.used());
+    memory.Settle();
     break;
   }
   if (reader.state() == HttpBodyReader::State::kRefused) refusal = std::move(reader.refusal());

@@ -104,8 +104,8 @@ bool LiveSession::CountHeld() {
   MemoryUse* const memory = exchange_->memory();
   const size_t before = std::exchange(held_, held);
   if (memory == nullptr) return true;
-  if (held == 0) memory->Reset();  // a connection that only listens keeps nothing of the budget
-  if (held > 0 && held < before) memory->Release(before - held);
+  if (held < before) memory->Release(before - held);
+  if (held == 0) memory->Settle();  // a connection that only listens keeps nothing of the budget
   return held <= before || memory->Add(held - before);
 }
 
