@@ -384,6 +384,8 @@ std::string PreparedQuery::Explain(const GraphVersion& version) {
 absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, absl::Span<const TermId> bound) {
   Impl& p = *impl_;
   p.measure = true;
+  // Making the plan anew looks at the cancellation of this run, not at that of the one before.
+  p.program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
   absl::Status status = p.Unplan();
   if (status.ok()) status = Start(run, bound);
   while (status.ok() && Next()) {
