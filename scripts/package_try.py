@@ -12,6 +12,7 @@ import contextlib
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -117,6 +118,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path, help="of the packages")
     parser.add_argument("pages", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # what was mounted is unmounted then, too
     pages = [page.resolve() for page in arguments.pages] or [ROOT / "docs/index.md", *sorted((ROOT / "docs/tutorials").glob("[0-9]*.md"))]
     base = fresh_system()
     bad = [page.name for page in pages if not follow(page, base, arguments.folder)]

@@ -21,7 +21,7 @@ class Terminal:
     def __init__(self, folder, environment, root=None):
         commands, self.commands = os.pipe()
         shell = ["bash", "--norc", f"/dev/fd/{commands}"]
-        argv = ["chroot", root, "env", "-C", f"/{folder.relative_to(root)}", *shell] if root else shell
+        argv = ["/usr/sbin/chroot", root, "env", "-C", f"/{folder.relative_to(root)}", *shell] if root else shell
         self.bash = subprocess.Popen(argv, cwd=folder, env=environment, pass_fds=[commands],
                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                      start_new_session=True)
