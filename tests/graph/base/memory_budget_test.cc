@@ -30,7 +30,8 @@ TEST(MemoryBudgetTest, AUseAloneIsBoundedByItsOwnLimit) {
   EXPECT_EQ(use.Refusal(kOwn), kOwn);
   use.Release(1);
   EXPECT_TRUE(use.Add(0));
-  use.Reset();
+  use.Release(use.used());
+  use.Settle();
   EXPECT_TRUE(use.Add(1000));
 }
 
