@@ -519,8 +519,9 @@ class Simulation {
         << command.id.value() << " of a run that is paused";
     EXPECT_EQ(graph.Object(command.robot.value(), DocentIri("outOfService")), "")
         << command.id.value() << " at a robot that is out of service";
-    if (command.deadline_us != 0)
+    if (command.deadline_us != 0) {
       EXPECT_GT(command.deadline_us, now_us_) << command.id.value() << " after its time";
+    }
   }
 
   std::map<RobotId, std::string> Holders() const {

@@ -33,7 +33,9 @@ class RunStartTest : public RunActionsTest {
   std::string Asks(std::vector<std::pair<std::string, Term>> variables = {}) {
     const absl::Status status =
         stages_.engine.CheckRequest({RunRequest::Kind::kStart, "W", std::move(variables)}, &stages_.robots);
-    if (!status.ok()) EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    if (!status.ok()) {
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    }
     return std::string(status.message());
   }
 };
@@ -57,7 +59,9 @@ TEST_F(RunStartTest, SoIsAnInputOfWhatItInvokes) {
   Must(Tell(facts));
   DeployChosen("<invoke operation=\"drive\"/>");
   const std::string asked = Asks();
-  if (!asked.empty()) EXPECT_THAT(asked, HasSubstr("a value of $place;"));
+  if (!asked.empty()) {
+    EXPECT_THAT(asked, HasSubstr("a value of $place;"));
+  }
   DeployChosen(
       "<invoke operation=\"drive\"><ext:input part=\"place\" expression=\"&lt;urn:w:Hall&gt;\"/></invoke>");
   EXPECT_EQ(Asks(), "");
