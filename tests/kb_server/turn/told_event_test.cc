@@ -1,6 +1,7 @@
 // Events that runs tell are occurrences, as those of clients are.
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
+#include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
@@ -138,7 +139,7 @@ TEST_F(ToldEventTest, AnEventOfASubclassIsOneToo) {
   Turn(Put(Document::Kind::kRules, "types",
            "PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>\n"
            "RULE { ?x a ?above } WHERE { ?x a ?class . ?class rdfs:subClassOf ?above }"));
-  Turn(Tell({Fact("Knock", absl::StrCat(kRdfsNs, "subClassOf"), "docent:Event")}));
+  Turn(Tell({Fact("Knock", Concat(kRdfsNs, "subClassOf"), "docent:Event")}));
   Deploy("t", Cawl("T", "", OneNode(absl::StrCat("<node name=\"N\">", Rings("", "w:Knock"), "</node>"))));
   for (int i = 0; i < 2; ++i) EXPECT_EQ(Bells(Turn(test::Start("T"))), 1u);
   Settle();
@@ -154,7 +155,7 @@ TEST_F(ToldEventTest, WhatBecameAnEventLaterIsToldAgainLikeAnyOther) {
   const std::vector<TermQuad> knock = {Fact("ring", "a", "Knock"),
                                        Fact("ring", "docent:operation", Term::Literal("bell"))};
   Turn(Tell(knock));
-  Turn(Tell({Fact("Knock", absl::StrCat(kRdfsNs, "subClassOf"), "docent:Event")}));
+  Turn(Tell({Fact("Knock", Concat(kRdfsNs, "subClassOf"), "docent:Event")}));
   Settle();
   EXPECT_EQ(Bells(Turn(Tell(knock))), 1u);
   EXPECT_EQ(Bells(Turn(Tell(knock))), 1u);
