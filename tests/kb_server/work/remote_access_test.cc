@@ -10,6 +10,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "kb_server/door/worker_pool.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/http_fetch.h"
 
