@@ -56,12 +56,12 @@ TEST_F(EngineDoneTest, TheOtherFailsAndThenItSucceedsAllTheSame) {
 TEST_F(EngineDoneTest, BothInOneTurnInEitherOrder) {
   for (const bool success_first : {true, false}) {
     SCOPED_TRACE(success_first);
-    Restart();
     Begin("ext:retry=\"3\"");
     Turn(success_first ? std::vector<CommandReport>{Done(g_), Failed(f_, "x")}
                        : std::vector<CommandReport>{Failed(f_, "x"), Done(g_)});
     EXPECT_THAT(Sent(), ElementsAre("f"));
     Turn({Done(commands_[0].id)});
+    EXPECT_EQ(engine_.live_runs(), 0u);
   }
 }
 
