@@ -6,10 +6,13 @@ namespace docent::server {
 
 void FairShares::Enter(const Client* client) {
   const absl::Duration first = now_ - credit_;
-  const auto [place, fresh] = shares_.try_emplace(client, Share{first, 0});
+  const auto [place, fresh] = shares_.try_emplace(client, Share{first, credit_, 0});
   Share& share = place->second;
   if (share.pieces++ > 0) return;
-  share.time = std::max(share.time, first);
+  if (share.time < first) {
+    share.time = first;
+    share.credit = credit_;
+  }
   ++active_;
 }
 
@@ -28,7 +31,10 @@ void FairShares::Leave(const Client* client) {
 }
 
 void FairShares::Charge(const Client* client, absl::Duration used) {
-  shares_.at(client).time += used;
+  Share& share = shares_.at(client);
+  const absl::Duration paid = std::min(used, share.credit);
+  share.credit -= paid;
+  share.time += used + paid;
   now_ += used / static_cast<int64_t>(active_);
 }
 

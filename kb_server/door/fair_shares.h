@@ -32,6 +32,7 @@ class FairShares {
  private:
   struct Share {
     absl::Duration time;
+    absl::Duration credit;  // what is left of it: it is paid back by what is used
     size_t pieces = 0;
   };
   static constexpr size_t kIdleKept = 4096;  // of clients without work, those that have had more than others

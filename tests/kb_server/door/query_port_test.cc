@@ -27,7 +27,7 @@ struct Told {
   absl::Notification told;
 };
 
-class QueryPortTest : public ::testing::Test {
+class VersionWaitTest : public ::testing::Test {
  protected:
   void Publish(uint64_t revision) { port_.Publish(writer_.Freeze(Revision(revision))); }
 
@@ -35,7 +35,7 @@ class QueryPortTest : public ::testing::Test {
   QueryPort port_{WaitingLimits{.revisions_waiting = 2, .revisions_ahead = 10}};
 };
 
-TEST_F(QueryPortTest, WhoNeedsWhatIsThereIsToldAtOnce) {
+TEST_F(VersionWaitTest, WhoNeedsWhatIsThereIsToldAtOnce) {
   Publish(3);
   Told told;
   port_.Await(Revision(3), absl::InfinitePast(), nullptr, told.Then());
@@ -43,7 +43,7 @@ TEST_F(QueryPortTest, WhoNeedsWhatIsThereIsToldAtOnce) {
   EXPECT_TRUE(told.status.ok());
 }
 
-TEST_F(QueryPortTest, WhoWaitsIsToldByThePublisher) {
+TEST_F(VersionWaitTest, WhoWaitsIsToldByThePublisher) {
   Told second, third;
   port_.Await(Revision(3), absl::InfiniteFuture(), nullptr, third.Then());
   port_.Await(Revision(2), absl::InfiniteFuture(), nullptr, second.Then());
@@ -57,7 +57,7 @@ TEST_F(QueryPortTest, WhoWaitsIsToldByThePublisher) {
   EXPECT_EQ(port_.waiting(), 0u);
 }
 
-TEST_F(QueryPortTest, FarAheadIsRefusedAtOnce) {
+TEST_F(VersionWaitTest, FarAheadIsRefusedAtOnce) {
   Publish(5);
   Told at, past;
   port_.Await(Revision(15), absl::InfiniteFuture(), nullptr, at.Then());
@@ -69,7 +69,7 @@ TEST_F(QueryPortTest, FarAheadIsRefusedAtOnce) {
   port_.Stop();
 }
 
-TEST_F(QueryPortTest, OnlySoManyWait) {
+TEST_F(VersionWaitTest, OnlySoManyWait) {
   Told first, second, third;
   port_.Await(Revision(1), absl::InfiniteFuture(), nullptr, first.Then());
   port_.Await(Revision(1), absl::InfiniteFuture(), nullptr, second.Then());
@@ -81,7 +81,7 @@ TEST_F(QueryPortTest, OnlySoManyWait) {
   port_.Stop();
 }
 
-TEST_F(QueryPortTest, WhoWaitsInVainIsToldWhatIsHere) {
+TEST_F(VersionWaitTest, WhoWaitsInVainIsToldWhatIsHere) {
   Publish(5);
   Told late;
   port_.Await(Revision(6), absl::Now(), nullptr, late.Then());
@@ -90,7 +90,7 @@ TEST_F(QueryPortTest, WhoWaitsInVainIsToldWhatIsHere) {
   EXPECT_THAT(std::string(late.status.message()), HasSubstr("revision 6 is not here yet; the newest is 5"));
 }
 
-TEST_F(QueryPortTest, WhoHasGoneWaitsNoLonger) {
+TEST_F(VersionWaitTest, WhoHasGoneWaitsNoLonger) {
   auto cancellation = std::make_shared<Cancellation>();
   Told gone;
   port_.Await(Revision(6), absl::InfiniteFuture(), cancellation, gone.Then());
@@ -100,7 +100,7 @@ TEST_F(QueryPortTest, WhoHasGoneWaitsNoLonger) {
   EXPECT_EQ(port_.waiting(), 0u);
 }
 
-TEST_F(QueryPortTest, AStopRefusesThoseWhoWaitAndThoseWhoCome) {
+TEST_F(VersionWaitTest, AStopRefusesThoseWhoWaitAndThoseWhoCome) {
   Told waits, comes;
   port_.Await(Revision(6), absl::InfiniteFuture(), nullptr, waits.Then());
   port_.Stop();
