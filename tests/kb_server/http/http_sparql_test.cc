@@ -82,9 +82,9 @@ class HttpSparqlTest : public ::testing::Test {
 // The network's threads serve everybody: unpacking is for a worker, of which there is none free here.
 TEST_F(HttpSparqlTest, APackedOrLargeBodyIsReadByAWorker) {
   Start({}, 1);
-  Metrics metrics;
   HttpRoutes routes;
-  AddSparqlRoutes(&routes, &ports_, &metrics);
+  AddSparqlRoutes(&routes, &ports_,
+                  &metrics_);  // it outlives the pool, whose work counts there when it is done
   const auto ask = [&](const std::string& type, const std::string& body, bool packed) {
     HttpRequest request;
     request.method = "POST";
