@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/match.h"
+#include "graph/base/query_limits.h"
 #include "graph/base/rule_limits.h"
 #include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/rules/rule_engine_fixture.h"
@@ -56,6 +57,16 @@ TEST_F(RuleLimitsTest, PatternsOfABodyAreLimitedAtTheLimitAndOnePast) {
       errors(kRuleLimits.rule_patterns + 1, RuleTextOrigin::kNew),
       HasSubstr("r.rules:2:1: error: the body has 10001 triple patterns; the limit rule_patterns is 10000"));
   EXPECT_EQ(errors(kRuleLimits.rule_patterns + 1, RuleTextOrigin::kAccepted), "") << "of an old log";
+}
+
+TEST_F(RuleLimitsTest, ListsOfABodyAreLimitedAsThoseOfQueries) {
+  const size_t limit = QueryLimits{}.query_list_elements;
+  std::string text = "PREFIX : <http://example.org/>\nRULE { ?x :p 1 } WHERE { ?x :q ?y FILTER(?y IN (0";
+  for (size_t i = 0; i < limit; ++i) absl::StrAppend(&text, ",", i);
+  text += ")) }";
+  EXPECT_THAT(Render(ParseRules(text, "r.rules", {}, nullptr, RuleTextOrigin::kNew).diagnostics, ""),
+              HasSubstr("query_list_elements = 100000"));
+  EXPECT_TRUE(ParseRules(text, "r.rules", {}, nullptr, RuleTextOrigin::kAccepted).ok()) << "of an old log";
 }
 
 TEST_F(RuleLimitsTest, ABodyOfMoreThan32PatternsHasTheSameResults) {
