@@ -77,7 +77,7 @@ class DefaultRobotOrderTest : public testing::Test {
 
 TEST_F(DefaultRobotOrderTest, IsThatOfTheQueryOnRandomGraphs) {
   int direct = 0;
-  for (unsigned seed = 0; seed < 300; ++seed) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
     SCOPED_TRACE(seed);
     Fill(seed, false);
     const GraphVersionPtr version = writer_.Freeze(Revision(seed + 1));

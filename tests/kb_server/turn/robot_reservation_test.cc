@@ -165,7 +165,7 @@ TEST_F(RobotReservationTest, AReservationEndsWithTheRunThatItIsFor) {
   EXPECT_TRUE(absl::StrContains(Told("urn:docent:run:W-2/A/0", "reason"),
                                 "is reserved for run Tour-1, with priority 0"));
   const TurnResult tour = Go("Tour");
-  EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R1");
+  EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R2") << "nothing waits for this one";
   EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1");
   EXPECT_TRUE(Reservations().empty());
 }
@@ -207,7 +207,8 @@ TEST_F(RobotReservationTest, ARunReservesAheadOfNeed) {
   EXPECT_EQ(Commands(Start("W")), "");
   const TurnResult tour = Go("Tour");
   EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R1");
-  EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1") << "the robots are free with the end of the run";
+  EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R2")
+      << "the robots are free with the end of the run, and this one was not used";
 }
 
 TEST_F(RobotReservationTest, ARunReleasesWhatItReserved) {
