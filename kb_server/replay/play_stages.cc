@@ -48,6 +48,11 @@ absl::Status PlayStages::SetUpWorld() {
   state.next_run = recorded_.number;
   state.last_used = recorded_.last_used;
   stages_->engine.Restore(std::move(state));
+  std::vector<Quad> used;  // as the engine tells it, which has it already: no batch may write it
+  for (const auto& [robot, time_us] : recorded_.last_used)
+    used.push_back({dictionary_->InternIri(robot.value()), dictionary_->InternIri(DocentIri("lastUsed")),
+                    dictionary_->Intern(DateTimeTerm(time_us)), dictionary_->InternIri(kRunsGraph)});
+  stages_->writer.AddAll(std::move(used));
   stages_->Commit();
   std::vector<const Document*> rules, others;
   for (const Document& document : recorded_.documents) {
@@ -59,13 +64,6 @@ absl::Status PlayStages::SetUpWorld() {
     if (absl::Status loaded = Load(modules); !loaded.ok()) return loaded;
   }
   if (absl::Status put = PutDocuments(others); !put.ok()) return put;
-  WriteBatch used;  // as the engine tells it, which has it already
-  used.mode = WriteBatch::Mode::kLoad;
-  for (const auto& [robot, time_us] : recorded_.last_used)
-    used.operations.push_back({QuadOperation::Kind::kAdd,
-                               {Term::Iri(robot.value()), Term::Iri(DocentIri("lastUsed")),
-                                DateTimeTerm(time_us), Term::Iri(std::string(kRunsGraph))}});
-  if (absl::Status told = SetUpTurn(std::move(used)); !told.ok()) return told;
   WriteBatch own;
   own.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, document_.name.value,
                            document_.source,

@@ -62,8 +62,8 @@ class RecordedStage {
   void Play() {
     Begin(fleet_.Joins());
     Begin(WorldFacts());
-    Begin(documents_.Services());
-    for (int number : {2, 1, 0}) Begin(documents_.Workflow(number));
+    Turn(documents_.Services());
+    for (int number : {2, 1, 0}) Turn(documents_.Workflow(number));  // some of them are refused
     for (const std::string& text : StageWorkflows()) Begin(Put(Document::Kind::kCawl, "x.cawl.xml", text));
     for (int i = 0; i < kSteps && !::testing::Test::HasFailure(); ++i) {
       dice_.Begin(static_cast<uint32_t>(i) + 1);
@@ -92,9 +92,9 @@ class RecordedStage {
     const GraphReader graph(*dictionary_, *version);
     std::vector<RunId> runs;
     for (const std::string& run : graph.Subjects(kRdfType, Term::Iri(DocentIri("Run")))) {
-      if (graph.Object(run, DocentIri("parentRun")).empty() &&
-          !graph.Object(run, DocentIri("workflow")).empty())
-        runs.push_back(*RunOfIri(run));
+      const std::string workflow = graph.Object(run, DocentIri("workflow"));
+      const bool of_service = workflow.empty() || workflow.starts_with("service ");
+      if (!of_service && graph.Object(run, DocentIri("parentRun")).empty()) runs.push_back(*RunOfIri(run));
     }
     return runs;
   }

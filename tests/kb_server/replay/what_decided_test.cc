@@ -80,12 +80,12 @@ TEST_F(WhatDecided, FactThatTheRunTookAway) {
 TEST_F(WhatDecided, DowntimeOverWhichTheRunWaited) {
   Deploy(Flow("L",
               absl::StrCat("<node name=\"N\"><condition ext:timeout=\"3s\">",
-                           Rule("<constraint name=\"c\"><subject>w:a</subject><verb>w:blocked</verb>"
+                           Rule("<constraint name=\"c\"><subject>w:it</subject><verb>w:blocked</verb>"
                                 "<object>true</object></constraint>",
                                 " expression=\"not c\""),
                            "</condition></node>"),
               {"N"}));
-  WriteBatch blocked = test::Tell({Fact("a", "blocked", Term::Boolean(true))});
+  WriteBatch blocked = test::Tell({Fact("it", "blocked", Term::Boolean(true))});
   blocked.lifetime_ms = 4000;
   Turn(std::move(blocked));
   Turn(test::Start("L"));
@@ -134,8 +134,8 @@ TEST_F(WhatDecided, RobotOfATriedNodeAndOfASimulation) {
 
 TEST_F(WhatDecided, UndeployedAndPausedWorkflowsOfItsSubflows) {
   const std::string waits =
-      absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:a", "w:go", "?v")), "</condition></node>");
-  for (const char* how : {"", kRemovesStarts, "pause"}) {
+      absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:it", "w:go", "?v")), "</condition></node>");
+  for (const char* how : {"pause", "", kRemovesStarts}) {
     Deploy(Flow("Sub", waits, {"N"}));
     Deploy(Flow("Par",
                 absl::StrCat("<node name=\"S\"><invoke subflow=\"Sub\"/></node><node name=\"W\"><condition>",
@@ -143,7 +143,7 @@ TEST_F(WhatDecided, UndeployedAndPausedWorkflowsOfItsSubflows) {
                              "<node name=\"T\"><invoke subflow=\"Sub\"/></node>"),
                 {"S", "W", "T"}));
     const TurnResult started = Turn(test::Start("Par"));
-    Tell("a", "go", "Now");
+    Tell("it", "go", "Now");
     WriteBatch batch;
     if (std::string(how) == "pause")
       batch.run_requests.push_back({RunRequest::Kind::kPauseWorkflow, "Sub", {}});
@@ -152,7 +152,7 @@ TEST_F(WhatDecided, UndeployedAndPausedWorkflowsOfItsSubflows) {
     Turn(std::move(batch));
     Tell("b", "go", "Now");
     ExpectTheSame(started.started.at(0).value());
-    Turn(test::Tell({}, {Fact("a", "go", "Now"), Fact("b", "go", "Now")}));
+    Turn(test::Tell({}, {Fact("it", "go", "Now"), Fact("b", "go", "Now")}));
   }
 }
 
@@ -176,7 +176,7 @@ TEST_F(WhatDecided, AnotherRunWaitsForTheRobotOfAnEditedOne) {
   World();
   const auto text = [](const std::string& first) {
     return Flow("Go",
-                absl::StrCat("<node name=\"A\"><condition>", Rule(When("w:a", "w:is", first)),
+                absl::StrCat("<node name=\"A\"><condition>", Rule(When("w:it", "w:is", first)),
                              "</condition><invoke operation=\"come\"/></node><node name=\"B\">"
                              "<invoke operation=\"lead\"/></node>"),
                 {"A", "B"});
@@ -184,10 +184,10 @@ TEST_F(WhatDecided, AnotherRunWaitsForTheRobotOfAnEditedOne) {
   Deploy(text("w:Late"));
   Deploy(Flow("Other", "<node name=\"N\"><invoke operation=\"bye\"/></node>", {"N"}));
   Turn(test::Start("Go"));
-  Tell("a", "is", "Early");
+  Tell("it", "is", "Early");
   Turn(test::Start("Other"));
   Answer("bye");
-  Tell("a", "is", "Late");
+  Tell("it", "is", "Late");
   Answer("come");
   Answer("lead");
   ExpectTheSame("Go-1");
@@ -201,16 +201,16 @@ TEST_F(WhatDecided, TimesOfDayThatOnlyTheEditedDocumentAsksFor) {
   const auto text = [](const std::string& time) {
     return Flow(
         "W",
-        absl::StrCat("<node name=\"N\"><condition expression=\"c and now\">", Rule(When("w:a", "w:p", "?v")),
+        absl::StrCat("<node name=\"N\"><condition expression=\"c and now\">", Rule(When("w:it", "w:p", "?v")),
                      "<context name=\"now\">", time, "</context></condition></node>"),
         {"N"});
   };
   Deploy(Flow(
       "W",
-      absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:a", "w:p", "?v")), "</condition></node>"),
+      absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:it", "w:p", "?v")), "</condition></node>"),
       {"N"}));
   Turn(test::Start("W"));
-  Tell("a", "p", "One");
+  Tell("it", "p", "One");
   const auto day = Replay(text("<ext:time between=\"00:00-24:00\"/>"), false, "W-1");
   EXPECT_THAT(Differences(day), IsEmpty());
   EXPECT_EQ(day->play.course.state, "done") << day->play.stopped;
@@ -267,7 +267,7 @@ TEST_F(WhatDecided, TimesOfASimulation) {
   const auto node = [](const std::string& context) {
     return absl::StrCat("<node name=\"N\"><condition><context>", context, "</context></condition></node>");
   };
-  Tell("a", "is", "Here");  // it is 22:13:21
+  Tell("it", "is", "Here");  // it is 22:13:21
   EXPECT_EQ(simulate(node("<ext:time at=\"22:16\"/>")), "done 159");
   EXPECT_EQ(simulate(node("<ext:time between=\"22:16-22:20\"/>")), "done 159");
   EXPECT_EQ(simulate(node("<ext:time between=\"22:00-22:20\"/>")), "done 0");
@@ -296,7 +296,7 @@ TEST_F(WhatDecided, FileOfTheFormatBefore) {
   {"turn": 12, "time": "2026-01-31T12:00:09Z", "from": "running", "to": "done"}]},
  "turns": [
   {"turn": 9, "time": "2026-01-31T12:00:00Z"},
-  {"turn": 10, "time": "2026-01-31T12:00:05Z", "add": ["<urn:w:a> <urn:w:is> <urn:w:Ready> <urn:w:g> ."]},
+  {"turn": 10, "time": "2026-01-31T12:00:05Z", "add": ["<urn:w:it> <urn:w:is> <urn:w:Ready> <urn:w:g> ."]},
   {"turn": 12, "time": "2026-01-31T12:00:09Z", "reports": [{"command": "Go-3/N/0/0.1/1/1@7", "outcome": "succeeded", "progress": 1.0}]}],
  "held": {},
  "document": {"kind": "workflow", "name": "go.cawl.xml", "text": ["$TEXT"]},
@@ -309,7 +309,7 @@ TEST_F(WhatDecided, FileOfTheFormatBefore) {
 })";
   const std::string document =
       Flow("Go",
-           absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:a", "w:is", "w:Ready")),
+           absl::StrCat("<node name=\"N\"><condition>", Rule(When("w:it", "w:is", "w:Ready")),
                         "</condition><invoke operation=\"come\"/></node>"),
            {"N"});
   const auto read =
