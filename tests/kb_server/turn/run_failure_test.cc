@@ -55,7 +55,7 @@ TEST_F(RunFailureTest, ItMayWaitForAnOperator) {
 
 TEST_F(RunFailureTest, AFailedRunUndoesAndTells) {
   Must(Tell(test::FreeRobots({"R1"}, "drive")));
-  Must(Tell(test::FreeRobots({"R2"}, "back")));
+  Must(Tell(test::FreeRobots({"R1"}, "back")));
   Deploy(
       "<node name=\"A\" ext:compensate=\"back\"><invoke operation=\"drive\"/></node>"
       "<node name=\"B\"><ext:tell>w:it w:was w:Refused</ext:tell><ext:fail reason=\"refused\"/></node>",

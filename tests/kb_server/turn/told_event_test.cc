@@ -85,10 +85,16 @@ TEST_F(ToldEventTest, ALifetimeDoesNotKeepIt) {
     Deploy("bell", Bell());
     std::string tell = Rings();
     tell.insert(std::string("<ext:tell").size(), absl::StrCat(" ", lifetime));
-    Deploy("t", Cawl("T", "", OneNode(absl::StrCat("<node name=\"N\">", tell, "</node>"))));
+    const char* waits =
+        "<node name=\"M\"><condition><context><rule><constraint><subject>w:a</subject><verb>w:is</verb>"
+        "<object>w:Open</object></constraint></rule></context></condition></node>";
+    Deploy("t", Cawl("T", "",
+                     absl::StrCat("<node name=\"N\">", tell, "</node>", waits,
+                                  "<link from=\"s\" to=\"N\"/><link from=\"N\" to=\"M\"/>"
+                                  "<link from=\"M\" to=\"e\"/>")));
     EXPECT_EQ(Bells(Turn(test::Start("T"))), 1u) << lifetime;
     Settle();
-    EXPECT_EQ(Events(), 0u) << lifetime;
+    EXPECT_EQ(Events(), 0u) << lifetime << ", and the run is there";
     EXPECT_EQ(Bells(Turn(test::Start("T"))), 1u) << lifetime;
   }
 }
