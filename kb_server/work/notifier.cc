@@ -60,7 +60,8 @@ void Notifier::Add(DeliveryPtr delivery, std::chrono::milliseconds pause) {
   if (ends_) return;
   Receiver& receiver = receivers_[name];
   receiver.queue.emplace(std::chrono::steady_clock::now() + pause, std::move(delivery));
-  if (receiver.idle > 0 || receiver.senders == kSenders) return;
+  // An idle sender may not have taken yet what came before.
+  if (receiver.queue.size() <= static_cast<size_t>(receiver.idle) || receiver.senders == kSenders) return;
   ++receiver.senders;
   ++receiver.idle;
   threads_.emplace_back([this, &receiver] {
