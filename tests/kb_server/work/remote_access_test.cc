@@ -10,6 +10,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "graph/rdf/term_check.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/http_fetch.h"
 
@@ -133,13 +134,27 @@ TEST_F(RemoteAccessHttpTest, RowsAreReadFromJson) {
   EXPECT_EQ(answer->rows[2][0], Term::Blank("n1"));
 }
 
+TEST_F(RemoteAccessHttpTest, ALanguageGoesWithItsOwnDatatypeAlone) {
+  Serve(Json(R"({"head":{"vars":["a","b"]},"results":{"bindings":[{
+      "a":{"type":"literal","value":"hi","xml:lang":"en","datatype":"http://www.w3.org/1999/02/22-rdf-syntax-ns#langString"},
+      "b":{"type":"literal","value":"hi","xml:lang":"en","datatype":"urn:t"}}]}})"));
+  auto answer = Select();
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->rows[0][0], Term::LangString("hi", "en"));
+  EXPECT_FALSE(CheckTerm(*answer->rows[0][1], 1000).ok());
+}
+
 TEST_F(RemoteAccessHttpTest, WhatIsNoAnswerIsAnError) {
-  for (const char* text :
-       {"", "<html>", "[]", "{\"head\":{},\"boolean\":true}",
-        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"?\"}}]}}",
-        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":7}]}}",
-        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"uri\",\"value\":\"not an "
-        "iri\"}}]}}"}) {
+  for (
+      const char* text :
+      {R"({"head":{"vars":["a"]},"results":{"bindings":[{"a":{"type":"bnode"}}]}})",
+       R"({"head":{"vars":["a"]},"results":{"bindings":[{"a":{"type":"literal","value":7}}]}})",
+       R"({"head":{"vars":["a"]},"results":{"bindings":[{"a":{"type":"literal","value":"","xml:lang":7}}]}})",
+       "", "<html>", "[]", "{\"head\":{},\"boolean\":true}",
+       "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"?\"}}]}}",
+       "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":7}]}}",
+       "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"uri\",\"value\":\"not an "
+       "iri\"}}]}}"}) {
     server_.reset();
     Serve(Json(text));
     EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnknown) << text;
