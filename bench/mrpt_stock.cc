@@ -14,8 +14,8 @@
 #include <exception>
 #include <random>
 
-#include "robot_adapters/localization/distance_map.h"
-#include "robot_adapters/localization/mrpt_error.h"
+#include "robot_adapters/mrpt_files/mrpt_error.h"
+#include "robot_adapters/mrpt_files/mrpt_scan.h"
 
 namespace docent::bench {
 

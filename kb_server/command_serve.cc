@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
+#include "graph/command_line/log_output.h"
 #include "graph/command_line/usage_error.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
@@ -14,8 +15,6 @@
 #include "kb_server/door/descriptors.h"
 #include "kb_server/grpc/one_callback_thread.h"
 #include "kb_server/server.h"
-#include "spdlog/sinks/stdout_color_sinks.h"
-#include "spdlog/spdlog.h"
 
 namespace docent::server {
 namespace {
@@ -37,8 +36,7 @@ int Serve(const ServerSettings& settings) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);  // a file-size limit is an error of write(2), not the end
-  spdlog::set_default_logger(spdlog::stderr_color_mt("docent"));
-  spdlog::set_pattern("%H:%M:%S.%e %l %v");
+  UseLogOutput("docent", "%H:%M:%S.%e %l %v");
 
   if (absl::Status status = RaiseDescriptorLimit(); !status.ok()) return Fail(status);
   OneCallbackThread one_callback_thread;

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "graph/base/overload.h"
+#include "graph/base/waiting_limits.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/rdf/date_time.h"
 #include "kb_server/door/descriptors.h"
@@ -165,7 +166,10 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
 // What works for clients beside the writer, and the ports by which handlers reach it.
 void Server::MakeWorkers() {
   workers_ = std::make_unique<WorkerPool>(WorkerPoolLimitsOf(settings_.limits));
-  remote_ = std::make_unique<RemoteAccess>(settings_.allow, settings_.limits, workers_.get());
+  WorkerPoolLimits replays;
+  replays.queue = kWaitingLimits.replays_waiting;
+  replay_workers_ = std::make_unique<WorkerPool>(replays);
+  remote_ = std::make_unique<RemoteAccess>(settings_.allow, settings_.limits);
   what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&inbox_, workers_.get(), &dictionary_, &functions_,
                                                     &clock_, settings_.limits, settings_.explain_limits});
   replays_ = std::make_unique<RunReplays>(
@@ -175,6 +179,7 @@ void Server::MakeWorkers() {
   ports_.functions = &functions_;
   ports_.prefixes = &prefixes_;
   ports_.workers = workers_.get();
+  ports_.clients = &clients_;
   ports_.query_memory = &query_memory_;
   ports_.history = history_.get();
   ports_.remote = remote_.get();
@@ -229,6 +234,10 @@ Server::~Server() {
   });
   if (simulated_clock_) simulated_clock_->OnMove(nullptr);
   if (clock_source_) clock_source_->Stop();
+  // Whatever runs ends soon, and what waits is refused.
+  queries_.Stop();
+  if (replay_workers_) replay_workers_->Stop();
+  if (workers_) workers_->Stop();
   http_server_.reset();
   if (live_) live_->Stop();
   if (grpc_server_) grpc_server_->Stop(deadline);
@@ -240,6 +249,7 @@ Server::~Server() {
   if (snapshot) LeaveSnapshot();
   notifier_.reset();  // these after the writer, which sends to the last
   proxies_.reset();
+  replay_workers_.reset();
   workers_.reset();
   calls_.reset();  // after the workers, which may begin some
   live_.reset();
@@ -255,7 +265,7 @@ void Server::LeaveSnapshot() {
 absl::Status Server::StartGrpc(size_t connections) {
   auto address = ParseAddress(settings_.grpc_address, settings_.insecure);
   if (!address.ok()) return address.status();
-  replays_service_ = std::make_unique<ReplaysService>(ports_, replays_.get());
+  replays_service_ = std::make_unique<ReplaysService>(ports_, replays_.get(), replay_workers_.get());
   auto server =
       GrpcServer::Start(settings_.grpc_address, connections, ports_, &leases_, replays_service_.get());
   if (!server.ok()) {
@@ -273,7 +283,8 @@ absl::Status Server::StartHttp(size_t connections) {
   if (absl::Status status = ReadApp(); !status.ok()) return status;
   AddServerMetrics({writer_.get(), proxies_.get(), &leases_, &inbox_, &queries_, snapshots_.get(), log_.get(),
                     history_.get(), &query_memory_, &dictionary_, &grpc_server_->listener(), &send_budget_,
-                    subscriptions_.get(), &clock_, simulated_clock_ != nullptr, [this] { return NextDue(); }},
+                    subscriptions_.get(), workers_.get(), &clients_, &clock_, simulated_clock_ != nullptr,
+                    [this] { return NextDue(); }},
                    &metrics_);
   HttpRoutes routes;
   AddHealthRoute(&routes, [this] { return Health(); });
@@ -291,6 +302,7 @@ absl::Status Server::StartHttp(size_t connections) {
   options.listen = settings_.http_address;
   options.allowed_hosts = settings_.http_names;
   options.allowed_origins = settings_.http_origins;
+  options.clients = &clients_;
   options.connections = connections;
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;
@@ -307,7 +319,24 @@ absl::Status Server::StartHttp(size_t connections) {
   AddHttpMetrics(&metrics_, http_server_.get());
   metrics_.AddGaugeFunction("docent_live_connections", "Open WebSocket connections at /live.",
                             [this] { return static_cast<double>(live_->open()); });
+  AddGateMetrics();
   return absl::OkStatus();
+}
+
+void Server::AddGateMetrics() {
+  const MessageGate* gate = &grpc_server_->gate();
+  metrics_.AddGaugeFunction("docent_grpc_requests_bytes",
+                            "Messages of gRPC calls that arrive or are in work (grpc_requests_bytes).",
+                            [gate] { return static_cast<double>(gate->bytes()); });
+  metrics_.AddGaugeFunction("docent_grpc_arriving", "gRPC calls whose message arrives.",
+                            [gate] { return static_cast<double>(gate->arriving()); });
+  metrics_.AddGaugeFunction("docent_grpc_waiting", "gRPC calls whose message waits for room to arrive.",
+                            [gate] { return static_cast<double>(gate->waiting()); });
+  metrics_.AddCounterFunction("docent_grpc_late_total",
+                              "gRPC calls ended since their message did not arrive in time.",
+                              [gate] { return static_cast<double>(gate->late()); });
+  metrics_.AddCounterFunction("docent_grpc_refused_total", "gRPC calls refused for want of room.",
+                              [gate] { return static_cast<double>(gate->refused()); });
 }
 
 // An app that is named has to be there; without the one that comes with the program the server is whole.

@@ -96,6 +96,7 @@ class Server {
   void LeaveSnapshot();
   absl::Status StartGrpc(size_t connections);
   absl::Status StartHttp(size_t connections);
+  void AddGateMetrics();
   absl::Status ReadApp();
   // The time at which something falls due without input; none: nothing does. Where something is under way it is now.
   std::optional<TimeMicros> NextDue() const;
@@ -124,7 +125,9 @@ class Server {
   std::unique_ptr<Subscriptions> subscriptions_;
   std::unique_ptr<LogHistory> fact_history_;
   std::unique_ptr<WhatIf> what_if_;
+  Clients clients_;
   std::unique_ptr<WorkerPool> workers_;
+  std::unique_ptr<WorkerPool> replay_workers_;  // replays and simulations do not take the places of queries
   MemoryBudget query_memory_;
   SendBudget send_budget_;
   ServicePorts ports_;

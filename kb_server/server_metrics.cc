@@ -142,6 +142,8 @@ void AddSubscriptionMetrics(const MeasuredParts& parts, Metrics* metrics) {
                             read(&counters->queries));
   metrics->AddGaugeFunction("docent_subscription_revision",
                             "Revision up to which followed queries are looked at", read(&counters->revision));
+  metrics->AddGaugeFunction("docent_subscription_bytes", "Memory of followed answers, about",
+                            [parts] { return static_cast<double>(parts.subscriptions->bytes()); });
   metrics->AddCounterFunction("docent_subscription_evaluations_total",
                               "Followed queries evaluated because a change could match them",
                               read(&counters->evaluations));
@@ -160,6 +162,27 @@ void AddSubscriptionMetrics(const MeasuredParts& parts, Metrics* metrics) {
                               read(&counters->coalesced));
 }
 
+void AddWorkMetrics(const MeasuredParts& parts, Metrics* metrics) {
+  const WorkerPool* workers = parts.workers;
+  const auto add = [&](const char* name, const char* help, double (*read)(const WorkerPool::Load&)) {
+    metrics->AddGaugeFunction(name, help, [workers, read] { return read(workers->load()); });
+  };
+  add("docent_work_running", "Queries, updates and other work that have a place to run",
+      [](const WorkerPool::Load& load) { return static_cast<double>(load.running + load.short_running); });
+  add("docent_work_held_up", "Work that has begun and gave its place to clients that had less",
+      [](const WorkerPool::Load& load) { return static_cast<double>(load.held_up); });
+  add("docent_work_begun", "Work that has begun and not ended: each piece holds a thread",
+      [](const WorkerPool::Load& load) { return static_cast<double>(load.begun); });
+  add("docent_work_queued", "Work that waits to begin",
+      [](const WorkerPool::Load& load) { return static_cast<double>(load.queued); });
+  add("docent_work_clients", "Clients that have work which wants to run",
+      [](const WorkerPool::Load& load) { return static_cast<double>(load.clients); });
+  metrics->AddGaugeFunction("docent_revisions_waiting", "Requests that wait for a revision",
+                            [parts] { return static_cast<double>(parts.queries->waiting()); });
+  metrics->AddGaugeFunction("docent_clients", "Connections of clients that ask",
+                            [parts] { return static_cast<double>(parts.clients->size()); });
+}
+
 }  // namespace
 
 void AddServerMetrics(const MeasuredParts& parts, Metrics* metrics) {
@@ -170,6 +193,7 @@ void AddServerMetrics(const MeasuredParts& parts, Metrics* metrics) {
   AddMemoryMetrics(parts, metrics);
   AddConnectionMetrics(parts, metrics);
   AddSubscriptionMetrics(parts, metrics);
+  AddWorkMetrics(parts, metrics);
 }
 
 }  // namespace docent::server

@@ -9,10 +9,12 @@
 #include "graph/base/memory_budget.h"
 #include "graph/log/context_log.h"
 #include "graph/rdf/dictionary.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/send_budget.h"
+#include "kb_server/door/worker_pool.h"
 #include "kb_server/grpc/grpc_listener.h"
 #include "kb_server/robots/fleet_leases.h"
 #include "kb_server/subscriptions/subscriptions.h"
@@ -37,6 +39,8 @@ struct MeasuredParts {
   GrpcListener* listener = nullptr;
   const SendBudget* send_budget = nullptr;
   Subscriptions* subscriptions = nullptr;
+  const WorkerPool* workers = nullptr;
+  Clients* clients = nullptr;
   const Clock* clock = nullptr;
   bool simulated_time = false;
   std::function<std::optional<TimeMicros>()> next_due;  // Server::NextDue

@@ -52,8 +52,9 @@ absl::Status LoadAndWait(const RunPorts& ports, WriteBatch batch, const std::str
     for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", what, warning.message);
     answer.set_value(outcome.status());
   };
-  absl::Status status = ports.workers->Submit([&ports, &job] { ports.loads->Run(std::move(job)); });
-  if (status.ok()) status = answer.get_future().get();
+  ports.workers->Submit({.run = [&ports, &job] { ports.loads->Run(std::move(job)); },
+                         .refuse = [&answer](const absl::Status& why) { answer.set_value(why); }});
+  const absl::Status status = answer.get_future().get();
   return status.ok() ? status : WithMessage(status, absl::StrCat(what, ": ", status.message()));
 }
 

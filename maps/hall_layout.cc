@@ -43,6 +43,7 @@ class LayoutReader {
       ReadObstacle(subject);
       ReadRegion(subject);
     }
+    for (const Obstacle& obstacle : layout_.obstacles) bounds_.push_back(BoundsOf(obstacle));
     for (const Region& region : layout_.regions) CheckServicePoint(region);
     if (!mistakes_.empty()) {
       return absl::InvalidArgumentError("hall layout:\n  " + absl::StrJoin(mistakes_, "\n  "));
@@ -231,15 +232,26 @@ class LayoutReader {
     if (!layout_.outline.empty() && !Contains(layout_.outline, p)) {
       Mistake(resource, "docent:servicePoint lies outside the hall");
     }
-    for (const Obstacle& obstacle : layout_.obstacles) {
+    for (size_t i = 0; i < bounds_.size(); ++i) {
+      const Bounds& b = bounds_[i];
+      if (p.x_m < b.min_x_m || p.x_m > b.max_x_m || p.y_m < b.min_y_m || p.y_m > b.max_y_m) continue;
+      const Obstacle& obstacle = layout_.obstacles[i];
       const bool inside = obstacle.disc ? Distance(p, obstacle.disc->center) < obstacle.disc->radius_m
                                         : Contains(obstacle.outline, p);
       if (inside) Mistake(resource, "docent:servicePoint lies inside " + obstacle.iri);
     }
   }
 
+  static Bounds BoundsOf(const Obstacle& obstacle) {
+    if (!obstacle.disc) return maps::BoundsOf(obstacle.outline);
+    const Point2& c = obstacle.disc->center;
+    const double r = obstacle.disc->radius_m;
+    return {c.x_m - r, c.y_m - r, c.x_m + r, c.y_m + r};
+  }
+
   std::map<Term, std::map<std::string, std::vector<Term>>> facts_;
   std::vector<std::string> mistakes_;
+  std::vector<Bounds> bounds_;  // of the obstacles
   HallLayout layout_;
 };
 

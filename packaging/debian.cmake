@@ -9,7 +9,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL docent docent-dev docent-doc)
 if(DOCENT_BUILD_ROBOT)
-  list(APPEND CPACK_COMPONENTS_ALL docent-robot)
+  list(APPEND CPACK_COMPONENTS_ALL docent-robot docent-robot-replay)
 endif()
 if(TARGET redland_module)
   list(APPEND CPACK_COMPONENTS_ALL docent-redland)
@@ -40,18 +40,20 @@ docent_package(docent net "semantic context-reasoning server for service robots"
   "Docent keeps a live RDF graph of a place: people, robots, sensors,
 services. It reasons over the graph, answers SPARQL, and runs workflows
 whose steps start when the graph says that the situation is right. This
-package has the server, its command line, a systemd unit, ontologies and
-scenarios.")
+package has the server, its command line, a systemd unit, ontologies,
+scenarios and the gRPC definitions.")
 docent_package(docent-robot net "simulated guide robot for Docent"
   "A robot adapter that localises with a particle filter, plans paths, drives
-in a simulated hall, shows pages and speaks, as a Docent server commands.
-It also replays the recorded log of a real robot.")
+in a simulated hall, shows pages and speaks, as a Docent server commands.")
+docent_package(docent-robot-replay net "replay of recorded robots for Docent"
+  "What docent-robot needs to replay the log of a real robot: a module that
+reads the rawlogs and maps of MRPT, and depends on it.")
 docent_package(docent-redland libs "Redland RDF storage of Docent graphs"
   "A storage module of librdf: Redland programs open the graph of a running
 Docent server, or a data folder, as a storage named docent.")
 docent_package(docent-dev libdevel "SDK of robot adapters for Docent"
-  "Headers, static libraries, a CMake package and the gRPC definitions with
-which a few functions become a robot that a Docent server can command.")
+  "Headers, static libraries and a CMake package with which a few functions
+become a robot that a Docent server can command.")
 docent_package(docent-doc doc "documentation of Docent"
   "Tutorials, concepts, references and operations of Docent.")
 
@@ -61,7 +63,8 @@ set(CPACK_DEBIAN_DOCENT_PACKAGE_DEPENDS "tzdata")  # time zones; libraries are f
 set(CPACK_DEBIAN_DOCENT_PACKAGE_SUGGESTS "docent-robot, docent-doc, redland-utils")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_DEPENDS "docent (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_RECOMMENDS "espeak-ng")
-set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_SUGGESTS "mrpt-common")
+set(CPACK_DEBIAN_DOCENT-ROBOT_PACKAGE_SUGGESTS "docent-robot-replay")
+set(CPACK_DEBIAN_DOCENT-ROBOT-REPLAY_PACKAGE_DEPENDS "docent-robot (= ${PROJECT_VERSION}), mrpt-common")
 set(CPACK_DEBIAN_DOCENT-DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, protobuf-compiler-grpc, libabsl-dev, libspdlog-dev, zlib1g-dev, libssl-dev")
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCENT-DOC_PACKAGE_SHLIBDEPS OFF)

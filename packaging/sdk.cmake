@@ -20,8 +20,6 @@ foreach(header
   install(FILES ${CMAKE_SOURCE_DIR}/${header} DESTINATION ${include}/${folder} COMPONENT docent-dev)
 endforeach()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/proto/docent DESTINATION ${include} COMPONENT docent-dev FILES_MATCHING PATTERN *.h)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/proto/docent DESTINATION ${CMAKE_INSTALL_DATADIR}/docent/proto COMPONENT docent-dev
-  FILES_MATCHING PATTERN *.proto)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/docent)
 install(EXPORT docent NAMESPACE docent:: FILE docent-targets.cmake DESTINATION ${package} COMPONENT docent-dev)

@@ -67,6 +67,9 @@ def faults_of(folder):
 
 
 def main():
+    if {"-h", "--help"} & set(sys.argv[1:]) or len(sys.argv) != 2:
+        print(__doc__)
+        sys.exit(0 if len(sys.argv) == 2 else 2)
     faults, pages = faults_of(pathlib.Path(sys.argv[1]))
     print("\n".join(faults) if faults else f"{pages} pages, all links lead somewhere")
     sys.exit(1 if faults or not pages else 0)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Scenario s02 for people: what a real robot recorded goes through the localiser into the graph, and a workflow fires when
 that robot enters a region."""
+import argparse
 import csv
 import re
 import shutil
@@ -39,6 +40,7 @@ Look at:
 
 
 def main():
+    argparse.ArgumentParser(prog="scripts/demo s02", description=__doc__).parse_args()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(130))
     shutil.rmtree(FOLDER, ignore_errors=True)

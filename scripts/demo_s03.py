@@ -43,9 +43,7 @@ def main():
         timeline.line("robot", "R01 and R02 are on standby")
         john = stage_s03.John(server, on_step=lambda words, fact: timeline.line("fact", fact, more=[words]))
         john.start()
-        while not ended or not ended["run"].startswith("JohnsService"):  # sub-flows are runs, too, and end before it
-            ended.clear()
-            watch(server, timeline, "expo:R02", ended)
+        watch(server, timeline, "expo:R02", ended, of="JohnsService")  # sub-flows are runs, too, and end before it
         john.join(10)
         if john.error:
             raise john.error

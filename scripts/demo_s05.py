@@ -28,9 +28,7 @@ def deliver(server, timeline, name, answer, urgent=False):
     stage_s05.order(server, name, "care:Room2", urgent=urgent)
     thread = stage.threading.Thread(target=people, daemon=True)
     thread.start()
-    while not ended.get("run", "").startswith("Deliver"):
-        ended.clear()
-        watch(server, timeline, "care:C01", ended)
+    watch(server, timeline, "care:C01", ended, of="Deliver")
     thread.join(10)
     return ended
 

@@ -1,6 +1,6 @@
-"""Plays seeds of the simulation of a fleet (tests/kb_server/turn/robot_simulation_test.cc); makes a failing one small.
+"""Plays seeds of a simulation (tests/kb_server/turn/simulation_dice.h); makes a failing one small.
 
-    simulation_seeds.py PROGRAM SEEDS [FIRST]
+    simulation_seeds.py PROGRAM SEEDS [FIRST [TEST]]     TEST: RobotSimulationTest, or ReplaysNeverDifferTest
 
 Small: fewer steps (delta debugging), documents and worlds without what is not needed, fewer robots. What is left fails at the
 same check. Prints the command that plays it, and exits with 1.
@@ -11,16 +11,17 @@ import re
 import subprocess
 import sys
 
-FILTER = "--gtest_filter=RobotSimulationTest.*"
+FILTER = f"--gtest_filter={sys.argv[4] if len(sys.argv) > 4 else 'RobotSimulationTest'}.*"
 PARALLEL = 2
 BLOCK = 500  # seeds that one process plays
-STEPS = 70   # kSteps of the simulation
+STEPS = 70   # kSteps of the simulations
 SECONDS = 7200
 FEATURES = (
     "types", "parallel", "timeout", "retry", "failure", "incident", "repair", "output", "delay", "other-robot", "priority",
     "activator", "mode", "tell", "mark", "withdraw", "assign", "notify", "event", "after", "between", "condition", "each",
     "compensate", "holds", "subflow", "service", "repeat", "lie", "reorder", "hang", "deaf", "late", "restart", "steering", "again",
-    "remove", "die")
+    "remove", "die", "reserve", "down", "snapshot", "documents", "edit", "rules", "robot", "reading", "source", "lifetime", "load",
+    "lost")
 
 
 def play(program, **settings):

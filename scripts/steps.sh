@@ -7,6 +7,17 @@ if [ -t 2 ]; then bold=$'\e[1m' plain=$'\e[0m' clear=$'\r\e[K'; else bold='' pla
 say() { printf '%s%s[%4d s]%s %s\n' "$clear" "$bold" $((SECONDS - started)) "$plain" "$*" >&2; }
 die() { say "$*"; exit 1; }
 
+# Prints the comment at the head of the script, and ends it, where one of the arguments asks for help. For the first line of each
+# script in this folder, so that nothing is installed or built before.
+help_first() {
+  local argument
+  for argument in "$@"; do
+    case $argument in
+      -h | --help) awk 'NR > 1 && !/^#/ { exit } NR > 1 { sub(/^# ?/, ""); print }' "scripts/$(basename "$0")"; exit 0 ;;
+    esac
+  done
+}
+
 # One line that is written over again on a terminal; elsewhere a line only when `$1` (a percentage) passes a ten.
 last_ten=-1
 show_percent() {

@@ -77,10 +77,17 @@ def shorten_text(text):
     return re.sub(r"<([^<>\s]+)>", lambda iri: stage.shorten(iri[1]) if stage.shorten(iri[1]) != iri[1] else iri[0], text)
 
 
-def watch(server, timeline, robot, ended, alive=lambda: True):
-    """Follows all runs until the first ends (its state goes to `ended`) or `alive()` is false. Also shows in which region
-    `robot` is, a prefixed name."""
+def watch(server, timeline, robot, ended, alive=lambda: True, of=""):
+    """Follows all runs until the first one of the workflow `of` (of any, without a name) ends, whose state goes to `ended`, or
+    `alive()` is false. Also shows in which region `robot` is, a prefixed name."""
     process = server.stage.start("watch", [server.stage.bin / "docent", "runs", "--watch", "--json", "--server", server.grpc])
+    try:
+        follow(server, timeline, robot, ended, alive, of, process)
+    finally:
+        process.stop()  # the next one writes into the same file
+
+
+def follow(server, timeline, robot, ended, alive, of, process):
     seen, region = 0, ""
     while not ended.get("state"):
         last_look = not alive()
@@ -94,7 +101,8 @@ def watch(server, timeline, robot, ended, alive=lambda: True):
             timeline.line("fact", f"{robot} docent:isAt {region or '(nowhere)'}")
         timeline.events(events)
         for event in events:
-            if event["kind"] == "run" and event["to"] in ("done", "failed", "cancelled"):
+            is_end = event["kind"] == "run" and event["to"] in ("done", "failed", "cancelled")
+            if is_end and event["run"].startswith(of) and not ended.get("state"):
                 ended.update(state=event["to"], run=event["run"], detail=event.get("detail", ""))
         if not process.running():
             raise stage.StageError(f"docent runs --watch ended: {process.tail()}")

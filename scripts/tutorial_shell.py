@@ -14,11 +14,15 @@ SILENCE_S = 30    # after which something that goes on printing has printed enou
 
 
 class Terminal:
-    """One bash. Output and errors come together, as on a screen. Commands see no terminal, so nothing is coloured."""
+    """One bash. Output and errors come together, as on a screen. Commands see no terminal, so nothing is coloured.
 
-    def __init__(self, folder, environment):
+    root: the folder is in this system, and the shell is that system's."""
+
+    def __init__(self, folder, environment, root=None):
         commands, self.commands = os.pipe()
-        self.bash = subprocess.Popen(["bash", "--norc", f"/dev/fd/{commands}"], cwd=folder, env=environment, pass_fds=[commands],
+        shell = ["bash", "--norc", f"/dev/fd/{commands}"]
+        argv = ["/usr/sbin/chroot", root, "env", "-C", f"/{folder.relative_to(root)}", *shell] if root else shell
+        self.bash = subprocess.Popen(argv, cwd=folder, env=environment, pass_fds=[commands],
                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                      start_new_session=True)
         os.close(commands)

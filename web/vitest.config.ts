@@ -1,7 +1,7 @@
 import { defineConfig } from "vitest/config";
 
 // A busy machine makes tests slow, not wrong: what is waited for comes at last, and these are only the ends of patience.
-const patience = { testTimeout: 900_000, hookTimeout: 600_000, teardownTimeout: 120_000 };
+const patience = { testTimeout: 900_000, hookTimeout: 600_000, teardownTimeout: 120_000, expect: { poll: { timeout: 300_000 } } };
 
 export default defineConfig({
   test: {

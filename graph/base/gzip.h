@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "graph/base/memory_budget.h"
 
 namespace docent {
 
@@ -16,7 +17,10 @@ inline bool IsGzip(std::string_view bytes) {
 
 // The unpacked bytes of all members. INVALID_ARGUMENT: the data is damaged or truncated. RESOURCE_EXHAUSTED
 // naming `limit_name`: the data unpacks to more than `most_bytes`; unpacking stops there.
-absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name);
+// `memory`, if there is one, counts the unpacked bytes while they are made: where it refuses them, its error is the result,
+// and nothing is counted of them any more. Otherwise they stay counted, and the caller releases them.
+absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name,
+                                   MemoryUse* memory = nullptr);
 
 // The bytes as one member, packed quickly rather than tightly.
 std::string Gzip(std::string_view bytes);

@@ -14,6 +14,7 @@ struct MapLimits {
   size_t map_image_pixels = 100000000;  // pixels of a map's image
   size_t map_places = 100000;           // places of one topological map or building
   size_t map_connections = 1000000;     // connections between them
+  size_t map_wall_tests = 1000000000;   // walls times places of one import: each place is sought in each wall
 };
 
 inline constexpr MapLimits kMapLimits;

@@ -68,9 +68,9 @@ class MemoryUse {
     if (bytes > limit_ || used_ > limit_ - bytes) return false;
     return used_ + bytes <= granted_ || all_->HasRoom(used_ + bytes - granted_);
   }
-  void Reset() {
-    used_ = 0;
-    GiveBack(taken_);
+  // Gives back what is reserved and not used.
+  void Settle() {
+    if (granted_ > used_) GiveBack(granted_ - used_);
   }
   // True if `bytes` more would leave half of the memory free: for caches.
   bool MayKeep(size_t bytes) const {

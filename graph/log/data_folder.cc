@@ -32,6 +32,12 @@ std::string Holder(int fd) {
   return pid.empty() ? "another process" : absl::StrCat("process ", pid);
 }
 
+// Whoever may write into the folder could have the file elsewhere written over.
+absl::Status LinkError(const std::string& path) {
+  return absl::FailedPreconditionError(
+      absl::StrCat(path, " is a symbolic link, which is not followed: remove it, or put a file there"));
+}
+
 }  // namespace
 
 absl::Status FileError(int error, const std::string& what) {
@@ -60,15 +66,20 @@ absl::Status SyncPath(const std::string& path) {
   return absl::OkStatus();
 }
 
-absl::Status MakeFolders(const std::string& path) {
+absl::Status MakeFolders(const std::string& given) {
   namespace fs = std::filesystem;
   std::error_code error;
+  std::string path = given;
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
   std::vector<fs::path> above;  // the parent of each folder that is made
   for (fs::path at = fs::absolute(path, error); !fs::exists(at, error) && at.has_relative_path();
        at = at.parent_path())
     above.push_back(at.parent_path());
-  fs::create_directories(path, error);
-  if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", path));
+  const std::string what = absl::StrCat("cannot make the folder ", path);
+  if (!above.empty()) fs::create_directories(above.front(), error);
+  if (error) return FileError(error.value(), what);
+  // Whatever the umask allows, it is for owner and group alone.
+  if (mkdir(path.c_str(), 0750) != 0 && errno != EEXIST) return FileError(errno, what);
   for (const fs::path& folder : above) {
     const absl::Status synced = SyncPath(folder);
     if (!synced.ok() && !absl::IsPermissionDenied(synced))
@@ -107,7 +118,9 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
 
   DataFolder folder;
   folder.path_ = path;
-  folder.lock_ = FileHandle(open(folder.File("lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  folder.lock_ =
+      FileHandle(open(folder.File("lock").c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0640));
+  if (!folder.lock_.valid() && errno == ELOOP) return LinkError(folder.File("lock"));
   if (!folder.lock_.valid()) return FileError(errno, what);
   if (flock(folder.lock_.fd(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return FileError(errno, what);
@@ -145,7 +158,7 @@ absl::Status DataFolder::CheckPlace() const {
 }
 
 bool DataFolder::InUse(const std::string& path) {
-  FileHandle lock(open(absl::StrCat(path, "/lock").c_str(), O_RDONLY | O_CLOEXEC));
+  FileHandle lock(open(absl::StrCat(path, "/lock").c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   return lock.valid() && flock(lock.fd(), LOCK_SH | LOCK_NB) != 0;
 }
 
@@ -164,7 +177,8 @@ absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& 
 
 absl::Status DataFolder::WriteMark(const std::string& path, uint64_t offset) {
   const std::string what = absl::StrCat("cannot write ", path);
-  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0640));
+  if (!file.valid() && errno == ELOOP) return LinkError(path);
   if (!file.valid()) return FileError(errno, what);
   const Mark mark = {offset, Crc32c().Add(offset).value()};
   if (pwrite(file.fd(), &mark, sizeof(mark), 0) != sizeof(mark)) return FileError(errno, what);
@@ -172,7 +186,8 @@ absl::Status DataFolder::WriteMark(const std::string& path, uint64_t offset) {
 }
 
 absl::Status DataFolder::OpenMark() {
-  mark_ = FileHandle(open(File(kMarkName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  mark_ = FileHandle(open(File(kMarkName).c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0640));
+  if (!mark_.valid() && errno == ELOOP) return LinkError(File(kMarkName));
   return mark_.valid() ? absl::OkStatus()
                        : FileError(errno, absl::StrCat("cannot use the data folder ", path_));
 }

@@ -21,7 +21,7 @@ static_assert(static_cast<int>(TermKind::kLiteral) == record::TermEntry::LITERAL
 static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
 static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
 static_assert(static_cast<int>(Document::Action::kRemove) == 1);
-static_assert(static_cast<int>(CommandReport::Outcome::kRefused) == 7);
+static_assert(static_cast<int>(CommandReport::Outcome::kNotBegun) == 8);
 static_assert(static_cast<int>(RunRequest::Kind::kCancelCommands) == 11);
 
 // An arena whose first block lies on the stack: most records need no further block.
@@ -168,6 +168,9 @@ void EncodeBatch(const WriteBatch& batch, TermTable* terms, record::Batch* out) 
 
 // The lowest kRecordReader that reads such a record right.
 uint32_t ReaderOf(const WriteBatch& batch) {
+  for (const CommandReport& report : batch.reports) {
+    if (report.outcome == CommandReport::Outcome::kNotBegun) return 3;
+  }
   for (const Document& document : batch.documents) {
     // an earlier one would remove all of the workflow
     if (document.action == Document::Action::kRemove && !document.text.empty()) return 2;
@@ -197,6 +200,13 @@ void EncodeDecisions(const TurnRecord& record, TermTable* terms, record::Turn* t
     entry->set_guard_revision(command.guard_revision.value());
     entry->set_deadline_us(command.deadline_us);
     entry->set_idempotent(command.idempotent);
+  }
+  for (const RunTelling& telling : record.told) {
+    record::RunTelling* entry = turn->add_told();
+    entry->set_by(telling.by);
+    for (const Term* term :
+         {&telling.quad.subject, &telling.quad.predicate, &telling.quad.object, &telling.quad.graph})
+      entry->add_quad(terms->Number(*term));
   }
 }
 
@@ -304,7 +314,7 @@ class Decoder {
     }
     for (const record::Report& entry : in.reports()) {
       batch->reports.push_back({CommandId(entry.command()),
-                                EnumOf(entry.outcome(), CommandReport::Outcome::kRefused, "command outcome"),
+                                EnumOf(entry.outcome(), CommandReport::Outcome::kNotBegun, "command outcome"),
                                 entry.message(), entry.progress(), entry.incarnation(),
                                 Named(entry.results())});
     }
@@ -323,6 +333,12 @@ class Decoder {
       record->commands.push_back({CommandId(entry.id()), RobotId(entry.robot()), entry.operation(),
                                   Named(entry.arguments()), entry.expected_incarnation(),
                                   Revision(entry.guard_revision()), entry.deadline_us(), entry.idempotent()});
+    }
+    for (const record::RunTelling& entry : turn_.told()) {
+      if (entry.quad_size() != 4) return Fail("a fact of a run with less than four terms");
+      record->told.push_back(
+          {entry.by(),
+           {TermOf(entry.quad(0)), TermOf(entry.quad(1)), TermOf(entry.quad(2)), TermOf(entry.quad(3))}});
     }
   }
 

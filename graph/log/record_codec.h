@@ -13,7 +13,7 @@
 namespace docent::log {
 
 // The format version that this code writes, and the newest that it reads (record.proto, Turn.min_reader).
-inline constexpr uint32_t kRecordReader = 2;
+inline constexpr uint32_t kRecordReader = 3;
 
 // `record.offset` is not encoded: the log assigns it. INVALID_ARGUMENT if the record would be larger than 2
 // GiB, the maximum size of a protobuf message.

@@ -74,7 +74,8 @@ absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, 
 // Writes the header last: its hash is known only after the content.
 absl::Status WriteSynced(const std::string& path, Header header, std::string_view data,
                          const std::string& what) {
-  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  unlink(path.c_str());  // of a writer that was killed, or a link that somebody put there
+  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640));
   if (!file.valid()) return FileError(errno, what);
   if (lseek(file.fd(), sizeof(header), SEEK_SET) < 0) return FileError(errno, what);
   RecordHasher hasher(header.offset, header.length, header.chain);

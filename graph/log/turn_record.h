@@ -21,6 +21,14 @@
 
 namespace docent::log {
 
+// A fact that a run told. It follows from the input; it stands here for those who ask where the fact comes from.
+struct RunTelling {
+  std::string by;  // RUN/NODE, of segments (graph/rdf/docent_iris.h)
+  TermQuad quad;
+
+  friend bool operator==(const RunTelling&, const RunTelling&) = default;
+};
+
 struct TurnRecord {
   uint64_t offset = 0;         // place in the log, from 1; assigned by the log, not stored in the bytes
   TimeMicros time_us = 0;      // the turn's time
@@ -28,6 +36,7 @@ struct TurnRecord {
   WriteBatch batch;
   std::vector<Transition> transitions;  // in the order of the decisions
   std::vector<RobotCommand> commands;   // likewise
+  std::vector<RunTelling> told;         // likewise; none in records of older versions
 
   friend bool operator==(const TurnRecord&, const TurnRecord&) = default;
 };

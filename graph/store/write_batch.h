@@ -71,7 +71,8 @@ struct CommandReport {
     kCancelled,    // final
     kUnknown,      // final: the adapter restarted, and cannot tell whether it was executed
     kUnreachable,  // not final: the adapter cannot be reached now; the proxy retries until the deadline
-    kRefused       // not final: feedback of the adapter that cannot be about this command; `message` says why
+    kRefused,      // not final: feedback of the adapter that cannot be about this command; `message` says why
+    kNotBegun      // final: it was cancelled or called back, and no adapter has begun it
   };
   CommandId command;
   Outcome outcome = Outcome::kAccepted;

@@ -249,6 +249,7 @@ class Checker {
       if (parsed.document == nullptr) continue;
       for (const std::string& name : cawl::SubflowNames(*parsed.document))
         environment_.AddApplicationService(name);
+      workflows_.push_back(parsed.document);
     }
     return absl::OkStatus();
   }
@@ -264,7 +265,8 @@ class Checker {
     // Where only workflows are given, it is not known which robots, services and other flows there are.
     environment_.SetKnowsServices(has_operations_ || !rdf_texts_.empty() || !arguments_.ontologies.empty());
     const bool knows = environment_.KnowsServices() || environment_.HasWords();
-    cawl::CheckReport report = cawl::CheckDocument(text, file, knows ? &environment_ : nullptr);
+    cawl::CheckReport report =
+        cawl::CheckDocument(text, file, knows ? &environment_ : nullptr, {}, workflows_);
     std::vector<ontology::Finding> findings = AsFindings("workflow", report.diagnostics);
     if (report.ok()) {
       Append(files_.Rehearse({Document::Kind::kCawl, Document::Action::kPut, file, text,
@@ -362,6 +364,7 @@ class Checker {
   SourceTexts texts_;  // of them
   cawl::QuadEnvironment environment_;
   bool has_operations_ = false;
+  std::vector<cawl::DocumentPtr> workflows_;    // of the files
   std::map<std::string, Diagnostics> fixable_;  // with --fix: what was found, by file
   size_t scopes_ = 0;
   std::map<std::string, Diagnostics> services_;                    // what the registry says of each RSEL file

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "graph/base/text.h"
+#include "graph/rdf/hidden_character.h"
 #include "graph/rdf/utf8.h"
 
 namespace docent::server {
@@ -31,29 +32,23 @@ size_t WidthOf(char32_t c) {
   return width == U_EA_FULLWIDTH || width == U_EA_WIDE ? 2 : 1;
 }
 
-// Control characters of ASCII and ISO 8859-1; marks of the direction of writing (Unicode Standard Annex 9); what breaks lines
-// (U+2028, U+2029), and what is not seen at all (U+FEFF, tags).
-bool CommandsTerminal(char32_t c) {
-  return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x61C || c == 0x200E || c == 0x200F ||
-         (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF ||
-         (c >= 0xE0000 && c <= 0xE007F);
-}
-
-// The text with `instead` for each character that commands a terminal, or U+FFFD
-// for a byte that is not UTF-8.
+// The text with `instead` for each character that is hidden (but for joiners after letters or pictures beyond ASCII), and
+// U+FFFD for a byte that is not UTF-8.
 template <typename Instead>
 std::string Rewritten(std::string_view text, const Instead& instead) {
   std::string out;
+  char32_t before = 0;
   while (!text.empty()) {
     const std::optional<size_t> invalid = FindInvalidUtf8(text);
     const std::string_view good = text.substr(0, invalid.value_or(text.size()));
     for (size_t at = 0; at < good.size();) {
       const size_t begin = at;
       const char32_t c = NextCodePoint(good, &at);
-      if (CommandsTerminal(c))
+      if (IsHiddenCharacter(c) && !(IsJoiner(c) && before >= 0x80))
         out += instead(c);
       else
         out += good.substr(begin, at - begin);
+      before = c;
     }
     if (!invalid) break;
     out += kReplacement;

@@ -15,8 +15,8 @@ size_t DisplayWidth(std::string_view text);
 // its letter.
 std::string CutToWidth(std::string_view text, size_t columns);
 
-// The text on one line and safe for a terminal: line breaks and tabs as spaces, other control characters, and those that
-// change the direction of writing or hide text, as U+FFFD; so are bytes that are not UTF-8.
+// The text on one line and safe for a terminal: line breaks and tabs as spaces, other hidden characters
+// (graph/rdf/hidden_character.h) as U+FFFD, but for joiners after a character beyond ASCII; so are bytes that are not UTF-8.
 std::string Printable(std::string_view text);
 
 // The same of several lines: line breaks and tabs stay.

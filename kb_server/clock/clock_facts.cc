@@ -50,8 +50,9 @@ struct Fact {
 
 class ClockLook {
  public:
-  ClockLook(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph)
-      : now_(now), dictionary_(dictionary), graph_(graph), reader_(dictionary, graph) {}
+  ClockLook(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph,
+            const std::function<bool(const std::string&)>& only)
+      : now_(now), dictionary_(dictionary), graph_(graph), only_(only), reader_(dictionary, graph) {}
 
   ClockFacts Take() {
     ReadTold();
@@ -75,6 +76,7 @@ class ClockLook {
   // A graph that a simulation has left says so until a clock of this world has looked at it.
   void SayWhoTellsTheTime() {
     const Fact simulated{std::string(kClockGraph), "simulatedTime", Term::Boolean(true)};
+    if (!LooksAt(simulated.subject)) return;
     if (now_.simulated) wanted_.insert(simulated);
     if (!now_.simulated && told_.contains(simulated)) {
       out_.news.push_back(
@@ -82,7 +84,10 @@ class ClockLook {
     }
   }
 
+  bool LooksAt(const std::string& iri) const { return !only_ || only_(iri); }
+
   void Cut(std::vector<std::string>* subjects) {
+    std::erase_if(*subjects, [this](const std::string& iri) { return !LooksAt(iri); });
     if (subjects->size() <= kTimeTriggers) return;
     out_.news.push_back(absl::StrCat("the clock looks at ", kTimeTriggers, " of ", subjects->size(),
                                      " times; the limit time_triggers is ", kTimeTriggers));
@@ -94,9 +99,9 @@ class ClockLook {
     if (!clock) return;
     graph_.ForEach({{}, {}, {}, *clock}, [this](const Quad& quad) {
       const std::string predicate = dictionary_.Decode(quad.predicate).lexical;
-      if (!predicate.starts_with(kDocentNs)) return true;
-      told_.insert({dictionary_.Decode(quad.subject).lexical, predicate.substr(kDocentNs.size()),
-                    dictionary_.Decode(quad.object)});
+      const std::string subject = dictionary_.Decode(quad.subject).lexical;
+      if (!predicate.starts_with(kDocentNs) || !LooksAt(subject)) return true;
+      told_.insert({subject, predicate.substr(kDocentNs.size()), dictionary_.Decode(quad.object)});
       return true;
     });
   }
@@ -199,6 +204,7 @@ class ClockLook {
   const ClockTimes now_;
   const Dictionary& dictionary_;
   const GraphVersion& graph_;
+  const std::function<bool(const std::string&)>& only_;
   const GraphReader reader_;
   std::set<Fact> told_, wanted_;
   ClockFacts out_;
@@ -206,8 +212,9 @@ class ClockLook {
 
 }  // namespace
 
-ClockFacts ClockFactsAt(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph) {
-  ClockFacts facts = ClockLook(now, dictionary, graph).Take();
+ClockFacts ClockFactsAt(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph,
+                        const std::function<bool(const std::string& iri)>& only) {
+  ClockFacts facts = ClockLook(now, dictionary, graph, only).Take();
   // what occurred before is taken back in the next look, which is due at once
   for (const QuadOperation& operation : facts.operations) {
     if (operation.kind == QuadOperation::Kind::kAdd &&

@@ -7,6 +7,7 @@
 #ifndef DOCENT_KB_SERVER_CLOCK_CLOCK_FACTS_H_
 #define DOCENT_KB_SERVER_CLOCK_CLOCK_FACTS_H_
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,7 +41,9 @@ struct ClockFacts {
   std::vector<std::string> news;  // for the server's own log: what is late or left out
 };
 
-ClockFacts ClockFactsAt(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph);
+// `only` (null: all): whether a trigger or place, by its IRI, is looked at; what the graph has of others stays as it is.
+ClockFacts ClockFactsAt(const ClockTimes& now, const Dictionary& dictionary, const GraphVersion& graph,
+                        const std::function<bool(const std::string& iri)>& only = nullptr);
 
 // Whether facts with this predicate describe times. rdf:type is not among them.
 bool DescribesTime(std::string_view predicate);

@@ -21,11 +21,10 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
 }
 
-// Runs `work` now where `bytes` are few, on a worker otherwise. RESOURCE_EXHAUSTED: too much waits.
-absl::Status RunWhereThereIsTime(WorkerPool* workers, size_t bytes, std::function<void()> work) {
-  if (workers != nullptr && bytes > kLargeMessageBytes) return workers->Submit(std::move(work));
-  work();
-  return absl::OkStatus();
+// Runs `work` now where `bytes` are few, on a worker otherwise.
+void RunWhereThereIsTime(WorkerPool* workers, size_t bytes, Work work) {
+  if (workers == nullptr || bytes <= kLargeMessageBytes) return work.run();
+  workers->Submit(std::move(work));
 }
 
 class UnaryReply final : public RpcSink, public std::enable_shared_from_this<UnaryReply> {
@@ -43,9 +42,13 @@ class UnaryReply final : public RpcSink, public std::enable_shared_from_this<Una
     if (!message_)
       return exchange_->Respond(
           ConnectErrorResponse({grpc::StatusCode::INTERNAL, "the call ended without an answer"}));
-    const absl::Status begun = RunWhereThereIsTime(ports_.workers, message_->size(),
-                                                   [self = shared_from_this()] { self->Answer(); });
-    if (!begun.ok()) exchange_->Respond(ConnectErrorResponse(ToGrpcStatus(begun)));
+    RunWhereThereIsTime(ports_.workers, message_->size(),
+                        {.run = [self = shared_from_this()] { self->Answer(); },
+                         .refuse =
+                             [exchange = exchange_](const absl::Status& why) {
+                               exchange->Respond(ConnectErrorResponse(ToGrpcStatus(why)));
+                             },
+                         .client = exchange_->client()});
   }
 
  private:
@@ -91,11 +94,12 @@ class StreamReply final : public RpcSink, public std::enable_shared_from_this<St
   void OnHead() override { exchange_->Begin(StreamHead(head_)); }
   void OnMessage(std::string bytes, const std::shared_ptr<RpcCall>& call) override {
     const size_t size = bytes.size();
-    const absl::Status begun = RunWhereThereIsTime(
-        ports_.workers, size, [self = shared_from_this(), bytes = std::move(bytes), call]() mutable {
-          self->Send(std::move(bytes), call);
-        });
-    if (!begun.ok()) Fail(begun, call);
+    RunWhereThereIsTime(
+        ports_.workers, size,
+        {.run = [self = shared_from_this(), bytes = std::move(bytes),
+                 call]() mutable { self->Send(std::move(bytes), call); },
+         .refuse = [self = shared_from_this(), call](const absl::Status& why) { self->Fail(why, call); },
+         .client = exchange_->client()});
   }
   void OnEnd(const grpc::Status& status) override {
     exchange_->Begin(StreamHead(head_));  // unless it has begun

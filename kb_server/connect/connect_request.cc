@@ -14,9 +14,13 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "graph/base/gzip.h"
+#include "graph/base/network_limits.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/connect_envelope.h"
 #include "kb_server/connect/connect_error.h"
+#include "kb_server/door/message_sizes.h"
+#include "kb_server/http/http_guard.h"
 
 namespace docent::server {
 namespace {
@@ -148,11 +152,21 @@ std::optional<HttpResponse> ReadPostHead(const HttpRequest& http, const pb::Meth
   return std::nullopt;
 }
 
-absl::StatusOr<std::string> Unpacked(std::string_view bytes, bool gzip, const Limits& limits) {
-  if (!gzip) return std::string(bytes);
-  absl::StatusOr<std::string> unpacked = Gunzip(bytes, limits.http_body_bytes, "http_body_bytes");
-  if (unpacked.ok()) return unpacked;
-  return absl::Status(unpacked.status().code(), absl::StrCat("the message: ", unpacked.status().message()));
+// One message as it was sent, in its binary form.
+absl::StatusOr<std::string> ReadMessage(std::string_view bytes, bool gzip, const pb::MethodDescriptor& method,
+                                        MessageCodec codec, const Limits& limits, MemoryUse* memory) {
+  const MessageSize largest = codec == MessageCodec::kJson
+                                  ? LargestJson(method.full_name(), limits, kNetworkLimits)
+                                  : LargestMessage(method.full_name(), limits, kNetworkLimits);
+  const absl::Status size = CheckMessageSize(method.full_name(), bytes.size(), largest);
+  if (!size.ok()) return size;
+  if (!gzip) return ToBinary(*method.input_type(), codec, bytes, memory);
+  const absl::StatusOr<std::string> unpacked = Gunzip(bytes, largest.bytes, largest.limit, memory);
+  if (!unpacked.ok())
+    return WithMessage(unpacked.status(), absl::StrCat("the message: ", unpacked.status().message()));
+  absl::StatusOr<std::string> message = ToBinary(*method.input_type(), codec, *unpacked, memory);
+  if (memory != nullptr) memory->Release(unpacked->size());
+  return message;
 }
 
 absl::StatusOr<std::string> GetMessage(const HttpRequest& http) {
@@ -184,9 +198,7 @@ std::optional<HttpResponse> ReadConnectHead(const HttpRequest& http, const pb::M
   const bool post = http.method == "POST";
   head->stream = method.client_streaming() || method.server_streaming();
   if (!post && !IsRead(method)) return WrongMethod(http, method);
-  // A page of another site may name this address in a link or a picture, and browsers send no Origin with that.
-  const std::string site = http.Header("sec-fetch-site");
-  if (!post && (site == "cross-site" || site == "same-site") && http.Header("origin").empty()) {
+  if (!post && IsAskedByAnotherSite(http)) {
     return ConnectErrorResponse(
         {grpc::StatusCode::PERMISSION_DENIED, "a page of another site asks for this"});
   }
@@ -202,12 +214,11 @@ std::optional<HttpResponse> ReadConnectHead(const HttpRequest& http, const pb::M
 
 absl::StatusOr<std::vector<std::string>> ReadConnectMessages(const HttpRequest& http,
                                                              const pb::MethodDescriptor& method,
-                                                             const ConnectHead& head, const Limits& limits) {
+                                                             const ConnectHead& head, const Limits& limits,
+                                                             MemoryUse* memory) {
   std::vector<std::string> messages;
   const auto add = [&](std::string_view bytes, bool gzip) -> absl::Status {
-    absl::StatusOr<std::string> text = Unpacked(bytes, gzip, limits);
-    if (!text.ok()) return text.status();
-    absl::StatusOr<std::string> message = ToBinary(*method.input_type(), head.codec, *text);
+    absl::StatusOr<std::string> message = ReadMessage(bytes, gzip, method, head.codec, limits, memory);
     if (!message.ok()) return message.status();
     messages.push_back(*std::move(message));
     return absl::OkStatus();

@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
 #include "kb_server/connect/message_codec.h"
 #include "kb_server/work/http_message.h"
 
@@ -43,10 +44,12 @@ std::optional<HttpResponse> ReadConnectHead(const HttpRequest& http,
                                             ConnectHead* head);
 
 // The messages of a request whose head is good, in their binary form. INVALID_ARGUMENT, UNIMPLEMENTED (more than one for a
-// method that takes one), RESOURCE_EXHAUSTED (unpacked it is larger than http_body_bytes).
+// method that takes one), RESOURCE_EXHAUSTED (larger than the method's largest message, unpacked; all together larger than
+// http_body_bytes; no room for them at the moment). `memory`: of the request, which counts them; null: they are not counted.
 absl::StatusOr<std::vector<std::string>> ReadConnectMessages(const HttpRequest& http,
                                                              const google::protobuf::MethodDescriptor& method,
-                                                             const ConnectHead& head, const Limits& limits);
+                                                             const ConnectHead& head, const Limits& limits,
+                                                             MemoryUse* memory = nullptr);
 
 }  // namespace docent::server
 

@@ -15,8 +15,6 @@ namespace {
 
 namespace pb = google::protobuf;
 
-constexpr size_t kLargePackedBytes = 4u << 10;  // gzip makes at most about a thousand times as much of them
-
 HttpResponse NoSuchMethod(const pb::ServiceDescriptor& service, const std::string& path) {
   std::string known;
   for (int i = 0; i < service.method_count(); ++i)
@@ -31,11 +29,11 @@ HttpResponse NoSuchMethod(const pb::ServiceDescriptor& service, const std::strin
 void Call(const ConnectPorts* ports, const pb::MethodDescriptor* method, const ConnectHead& head,
           const std::shared_ptr<HttpExchange>& exchange) {
   absl::StatusOr<std::vector<std::string>> messages =
-      ReadConnectMessages(exchange->request(), *method, head, ports->limits);
+      ReadConnectMessages(exchange->request(), *method, head, ports->limits, exchange->memory());
   if (!messages.ok()) return RefuseConnect(head, messages.status(), exchange.get());
   const std::weak_ptr<RpcCall> call = ports->calls->Start(
       absl::StrCat("/", method->service()->full_name(), "/", method->name()), *std::move(messages),
-      absl::Now() + head.timeout, MakeConnectReply(ports, method, head, exchange));
+      absl::Now() + head.timeout, MakeConnectReply(ports, method, head, exchange), exchange->client());
   exchange->OnGone([call] {
     if (const std::shared_ptr<RpcCall> running = call.lock()) running->Cancel();
   });
@@ -50,11 +48,13 @@ void Handle(const ConnectPorts* ports, const pb::ServiceDescriptor* service,
   ConnectHead head;
   if (std::optional<HttpResponse> refusal = ReadConnectHead(http, *method, &head))
     return exchange->Respond(*std::move(refusal));
-  const size_t small = head.gzip_request ? kLargePackedBytes : kLargeMessageBytes;
-  if (ports->workers == nullptr || http.body.size() <= small) return Call(ports, method, head, exchange);
-  const absl::Status begun =
-      ports->workers->Submit([ports, method, head, exchange] { Call(ports, method, head, exchange); });
-  if (!begun.ok()) RefuseConnect(head, begun, exchange.get());
+  // What is packed may become a thousand times as much.
+  const bool quick = http.body.size() <= kLargeMessageBytes && !head.gzip_request;
+  if (ports->workers == nullptr || quick) return Call(ports, method, head, exchange);
+  ports->workers->Submit(
+      {.run = [ports, method, head, exchange] { Call(ports, method, head, exchange); },
+       .refuse = [head, exchange](const absl::Status& why) { RefuseConnect(head, why, exchange.get()); },
+       .client = exchange->client()});
 }
 
 }  // namespace

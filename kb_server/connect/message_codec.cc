@@ -2,15 +2,19 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
-#include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/type_resolver_util.h>
 
+#include <algorithm>
 #include <climits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/network_limits.h"
 #include "graph/base/text.h"
+#include "graph/wire/message_memory.h"
 
 namespace docent::server {
 namespace {
@@ -27,27 +31,62 @@ absl::Status NotOfType(const pb::Descriptor& type, std::string_view form, std::s
                                                  ToAbsl(form), reason.empty() ? "" : ": ", ToAbsl(reason)));
 }
 
+// What the conversion takes: the text without its escapes, twice the result, which grows, and what is noted of each value.
+size_t MemoryOfJson(std::string_view text) {
+  constexpr size_t kCopies = 3, kValue = 32;
+  size_t values = 1;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') in_string = !in_string;
+    if (in_string && c == '\\') ++i;
+    if (!in_string && (c == ',' || c == '{' || c == '[')) ++values;
+  }
+  return kCopies * text.size() + kValue * values;
+}
+
+// Straight to the binary form: an object of the message would take many times as much.
+absl::StatusOr<std::string> JsonToBinary(const pb::Descriptor& type, std::string_view text) {
+  static const std::string kPrefix = "type.googleapis.com";
+  static pb::util::TypeResolver* const resolver =
+      pb::util::NewTypeResolverForDescriptorPool(kPrefix, pb::DescriptorPool::generated_pool());
+  std::string binary;
+  const auto status = pb::util::JsonToBinaryString(resolver, absl::StrCat(kPrefix, "/", type.full_name()),
+                                                   {text.data(), text.size()}, &binary);
+  if (status.ok()) return binary;
+  return NotOfType(type, "JSON", std::string_view(status.message().data(), status.message().size()));
+}
+
+absl::Status TooMuchMemory(const pb::Descriptor& type) {
+  return absl::ResourceExhaustedError(absl::StrCat(
+      "a ", type.full_name(), " of so many parts takes more memory than the limit request_memory_bytes = ",
+      kNetworkLimits.request_memory_bytes, "; send it in several"));
+}
+
 }  // namespace
 
 const pb::ServiceDescriptor* FindService(const std::string& name) {
   return pb::DescriptorPool::generated_pool()->FindServiceByName(name);
 }
 
-absl::StatusOr<std::string> ToBinary(const pb::Descriptor& type, MessageCodec codec, std::string_view text) {
+absl::StatusOr<std::string> ToBinary(const pb::Descriptor& type, MessageCodec codec, std::string_view text,
+                                     MemoryUse* memory) {
   if (text.size() > INT_MAX) return absl::ResourceExhaustedError("the message has more than 2 GiB");
   if (text.empty()) return std::string();
-  const std::unique_ptr<pb::Message> message = NewMessage(type);
-  if (codec == MessageCodec::kProto) {
-    const pb::LogSilencer quiet;  // the client is told
-    if (!message->ParseFromArray(text.data(), static_cast<int>(text.size())))
-      return NotOfType(type, "its binary form", "");
-    return std::string(text);
+  const bool json = codec == MessageCodec::kJson;
+  const size_t needed = json ? MemoryOfJson(text) : text.size();
+  if (memory != nullptr && !memory->Add(needed)) {
+    memory->Release(needed);
+    return memory->Refusal(absl::ResourceExhaustedError("the message is too large"), needed);
   }
-  const auto status = pb::util::JsonStringToMessage({text.data(), text.size()}, message.get());
-  if (!status.ok()) {
-    return NotOfType(type, "JSON", std::string_view(status.message().data(), status.message().size()));
+  absl::StatusOr<std::string> binary = json ? JsonToBinary(type, text) : std::string(text);
+  if (binary.ok()) {
+    const std::optional<size_t> parsed = MemoryOfMessage(type, *binary, kNetworkLimits.request_memory_bytes);
+    if (!parsed) binary = NotOfType(type, "its binary form", "");
+    if (parsed && *parsed > kNetworkLimits.request_memory_bytes) binary = TooMuchMemory(type);
   }
-  return message->SerializeAsString();
+  if (memory != nullptr) memory->Release(binary.ok() ? needed - std::min(needed, binary->size()) : needed);
+  return binary;
 }
 
 absl::StatusOr<std::string> FromBinary(const pb::Descriptor& type, MessageCodec codec, std::string bytes) {

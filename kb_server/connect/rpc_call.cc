@@ -46,8 +46,10 @@ RpcChannel::Place::~Place() {
 }
 
 std::shared_ptr<RpcCall> RpcChannel::Start(const std::string& method, std::vector<std::string> requests,
-                                           absl::Time deadline, std::shared_ptr<RpcSink> sink) {
+                                           absl::Time deadline, std::shared_ptr<RpcSink> sink,
+                                           const ClientPtr& client) {
   std::shared_ptr<RpcCall> call(new RpcCall(this, std::move(requests), std::move(sink)));
+  if (client != nullptr) call->context_.AddMetadata(kClientKey, client->name());
   call->Begin(&stub_, method, deadline);
   return call;
 }

@@ -16,6 +16,7 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "kb_server/door/client.h"
 
 namespace docent::server {
 
@@ -42,9 +43,11 @@ class RpcChannel {
   RpcChannel(const RpcChannel&) = delete;
   RpcChannel& operator=(const RpcChannel&) = delete;
 
-  // Calls "/docent.v1.Fleet/List" with `requests` and then no more. Until `deadline`; InfiniteFuture: as long as it takes.
+  // Calls "/docent.v1.Fleet/List" with `requests` and then no more. Until `deadline`; InfiniteFuture: as long as it takes. The
+  // call counts as one of `client`.
   std::shared_ptr<RpcCall> Start(const std::string& method, std::vector<std::string> requests,
-                                 absl::Time deadline, std::shared_ptr<RpcSink> sink);
+                                 absl::Time deadline, std::shared_ptr<RpcSink> sink,
+                                 const ClientPtr& client = nullptr);
   // Calls that have not ended.
   size_t open() const;
 

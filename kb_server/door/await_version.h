@@ -1,18 +1,15 @@
-// Read your writes: the version that a request has to see. On a worker of the pool.
+// Read your writes: work on a version that may not be here yet.
 #ifndef DOCENT_KB_SERVER_DOOR_AWAIT_VERSION_H_
 #define DOCENT_KB_SERVER_DOOR_AWAIT_VERSION_H_
 
-#include "absl/status/statusor.h"
-#include "absl/time/time.h"
-#include "graph/base/cancellation.h"
+#include "graph/base/ids.h"
 #include "kb_server/door/ports.h"
 
 namespace docent::server {
 
-// The newest version that is at least `revision`; others have the worker's place while it is not there.
-// DEADLINE_EXCEEDED after `deadline`; CANCELLED soon after the caller went away.
-absl::StatusOr<GraphVersionPtr> AwaitVersion(const ReadPorts& ports, Revision revision, absl::Time deadline,
-                                             Cancellation* cancellation);
+// Gives `work` to a worker as soon as the newest version is at least `revision`; until then it has neither a thread nor a place
+// in a queue. It is refused as WorkerPool::Submit and QueryPort::Await say. Any thread.
+void SubmitOnVersion(const ReadPorts& ports, Revision revision, Work work);
 
 }  // namespace docent::server
 

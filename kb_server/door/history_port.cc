@@ -7,7 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/values/time_text.h"
-#include "kb_server/door/await_version.h"
+#include "kb_server/door/ports.h"
 
 namespace docent::server {
 
@@ -29,21 +29,17 @@ std::optional<TimeMicros> TimeAsOf(const std::string& text) {
   return std::get<TimeMicros>(*when);
 }
 
-absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, Revision min_revision,
-                                         const std::string& as_of, absl::Time deadline,
+absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, const std::string& as_of,
                                          Cancellation* cancellation) {
-  absl::StatusOr<AsOf> when;
   if (!as_of.empty()) {
-    when = ParseAsOf(as_of);
+    const absl::StatusOr<AsOf> when = ParseAsOf(as_of);
     if (!when.ok()) return when.status();
     if (ports.history == nullptr) return absl::UnimplementedError("this server keeps no history");
+    return ports.history->At(*when, cancellation);
   }
-  absl::StatusOr<GraphVersionPtr> newest = AwaitVersion(ports, min_revision, deadline, cancellation);
-  if (!newest.ok()) return newest.status();
-  if (!as_of.empty()) return ports.history->At(*when, cancellation);
   // the server's dictionary outlives all queries
   return QueryGraph{std::shared_ptr<const Dictionary>(std::shared_ptr<void>(), ports.dictionary),
-                    *std::move(newest)};
+                    ports.queries->Newest()};
 }
 
 }  // namespace docent::server

@@ -42,10 +42,8 @@ class HistoryPort {
   virtual absl::StatusOr<QueryGraph> At(const AsOf& when, Cancellation* cancellation) = 0;
 };
 
-// What a query reads: the version as of `as_of`, or where that is empty the newest that is at least
-// `min_revision` (see AwaitVersion). On a worker of the pool.
-absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, Revision min_revision,
-                                         const std::string& as_of, absl::Time deadline,
+// What a query reads: the version as of `as_of`, or where that is empty the newest. On a worker of the pool.
+absl::StatusOr<QueryGraph> GraphForQuery(const ReadPorts& ports, const std::string& as_of,
                                          Cancellation* cancellation);
 
 }  // namespace docent::server

@@ -9,6 +9,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
@@ -45,6 +46,7 @@ struct ReadPorts {
   const sparql::FunctionRegistry* functions = nullptr;
   KnownPrefixes* prefixes = nullptr;     // of queries and updates; null: the well-known ones
   WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
+  Clients* clients = nullptr;            // who asks; null: all are the server itself
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
   HistoryPort* history = nullptr;        // null: only the newest version is there
   RemoteAccess* remote = nullptr;        // null: nothing is fetched

@@ -14,6 +14,7 @@
 #include "graph/rdf/term.h"
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/door/client.h"
 
 namespace docent::server {
 
@@ -44,7 +45,8 @@ class WhatIfPort {
   using Answered = std::function<void(const absl::StatusOr<WhatIfAnswer>&)>;
   // What the batch would do to the newest state. Answers once, from any thread. Errors as if it were told, and
   // RESOURCE_EXHAUSTED for more than what_if_operations; CANCELLED or DEADLINE_EXCEEDED by `cancellation`.
-  virtual void Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) = 0;
+  virtual void Ask(WriteBatch batch, ClientPtr client, std::shared_ptr<Cancellation> cancellation,
+                   Answered answered) = 0;
 };
 
 }  // namespace docent::server

@@ -27,7 +27,9 @@ using AssertStreamPump =
 class AssertStreamReactor final : public AssertStreamPump {
  public:
   AssertStreamReactor(grpc::CallbackServerContext* context, const RunPorts& ports)
-      : AssertStreamPump(context, ports.send_budget), ports_(ports) {
+      : AssertStreamPump(context, ports.send_budget),
+        ports_(ports),
+        client_(ClientOf(*context, ports.clients)) {
     StartRead(&request_);
   }
 
@@ -48,14 +50,17 @@ class AssertStreamReactor final : public AssertStreamPump {
       return ReadOn(link(), this);
     }
     auto request = std::make_shared<v1::AssertRequest>(std::move(request_));
-    const absl::Status accepted =
-        ports_.workers->Submit([stream = link(), self = this, &ports = ports_, slot, request] {
-          Push(stream, self, ports, slot, *request);
-          ReadOn(stream, self);  // the next one is read after it
-        });
-    if (accepted.ok()) return;
-    Answer(link(), this, slot, accepted);
-    ReadOn(link(), this);
+    ports_.workers->Submit({.run =
+                                [stream = link(), self = this, &ports = ports_, slot, request] {
+                                  Push(stream, self, ports, slot, *request);
+                                  ReadOn(stream, self);  // the next one is read after it
+                                },
+                            .refuse =
+                                [stream = link(), self = this, slot](const absl::Status& why) {
+                                  Answer(stream, self, slot, why);
+                                  ReadOn(stream, self);
+                                },
+                            .client = client_});
   }
 
  private:
@@ -115,6 +120,7 @@ class AssertStreamReactor final : public AssertStreamPump {
   }
 
   const RunPorts& ports_;
+  const ClientPtr client_;
   v1::AssertRequest request_;
   std::deque<Slot> slots_;  // open requests, in order; references stay valid
   uint64_t first_slot_ = 0;
@@ -138,7 +144,7 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
       reactor->Finish(ToGrpc(outcome.status()));
     });
   };
-  if (cancellation) return OnWorker(new CancellableReactor(cancellation), ports_.workers, push);
+  if (cancellation) return OnWorker(ports_, context, cancellation, push);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   push(reactor);
   return reactor;

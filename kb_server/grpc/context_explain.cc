@@ -113,7 +113,7 @@ absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::E
 }
 
 absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request, Cancellation* cancellation,
-                    absl::Time deadline, v1::ExplainReply* reply) {
+                    v1::ExplainReply* reply) {
   std::optional<sparql::Query> query;
   TermQuad fact;
   if (request.question_case() == v1::ExplainRequest::kWhyFact) {
@@ -128,8 +128,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }
-  const absl::StatusOr<QueryGraph> graph =
-      GraphForQuery(ports, Revision(request.min_revision()), request.as_of(), deadline, cancellation);
+  const absl::StatusOr<QueryGraph> graph = GraphForQuery(ports, request.as_of(), cancellation);
   if (!graph.ok()) return graph.status();
 
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
@@ -170,21 +169,16 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext* context,
                                                   const v1::ExplainRequest* request,
                                                   v1::ExplainReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  auto* reactor = new CancellableReactor(cancellation);
-  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const absl::Status accepted = ports_.workers->Submit(
-      [this, reactor, cancellation, deadline, request, reply] {
-        reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), deadline, reply)));
-      },
-      {deadline, [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
-  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
-  return reactor;
+  const auto answer = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+  };
+  return OnWorker(ports_, context, cancellation, answer, Revision(request->min_revision()));
 }
 
 }  // namespace docent::server

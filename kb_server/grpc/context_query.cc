@@ -1,5 +1,7 @@
 // Context.Query: SPARQL on the newest version or a past one, rows as they are found.
 #include "absl/strings/str_cat.h"
+#include "kb_server/door/await_version.h"
+#include "kb_server/grpc/client_of.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/stream_reactor.h"
@@ -11,13 +13,12 @@ namespace {
 // The answer's way to the client.
 struct Output {
   std::shared_ptr<StreamHandle<v1::QueryReply>> stream;
-  WorkerPool* workers;
   absl::Time deadline;
 
   // False: nobody takes more of it. A slow client is waited for, within limits, while others are served.
   bool Send(v1::QueryReply reply) const {
     if (stream->full()) {
-      WorkerPool::Waiting waiting(workers, WorkerPool::Waiting::What::kClient);
+      WorkerPool::Waiting waiting(WorkerPool::Waiting::What::kClient);
       if (!stream->AwaitRoom(deadline, [&waiting] { return waiting.Crowded(); })) return false;
     }
     return stream->TryPush(std::move(reply));
@@ -96,10 +97,8 @@ absl::Status Answer(const ReadPorts& ports, const v1::QueryRequest& request, Can
   }
   QueryRequest query;
   query.text = request.query();
-  query.min_revision = Revision(request.min_revision());
   query.as_of = request.as_of();
   query.explain = request.explain();
-  query.deadline = out.deadline;
   if (request.default_graph() == v1::QueryRequest::UNION) query.default_graph = sparql::DefaultGraph::kUnion;
   if (request.default_graph() == v1::QueryRequest::STRICT)
     query.default_graph = sparql::DefaultGraph::kStrict;
@@ -117,13 +116,16 @@ grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackSe
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   stream->OnGone([cancellation] { cancellation->Cancel(); });
-  Output out{stream, ports_.workers, absl::Now() + absl::Milliseconds(timeout_ms)};
-  const absl::Status accepted = ports_.workers->Submit(
-      [this, out, cancellation, request = *request] {
-        out.stream->End(ToGrpc(Answer(ports_, request, cancellation.get(), out)));
-      },
-      {out.deadline, [stream, timeout_ms] { stream->End(ToGrpc(NotBegun(timeout_ms))); }});
-  if (!accepted.ok()) stream->End(ToGrpc(accepted));
+  Output out{stream, absl::Now() + absl::Milliseconds(timeout_ms)};
+  SubmitOnVersion(ports_, Revision(request->min_revision()),
+                  {.run =
+                       [this, out, cancellation, request = *request] {
+                         out.stream->End(ToGrpc(Answer(ports_, request, cancellation.get(), out)));
+                       },
+                   .refuse = [stream](const absl::Status& why) { stream->End(ToGrpc(why)); },
+                   .client = ClientOf(*context, ports_.clients),
+                   .until = out.deadline,
+                   .cancellation = cancellation});
   return reactor;
 }
 

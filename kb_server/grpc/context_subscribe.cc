@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "kb_server/grpc/answer_cursor.h"
+#include "kb_server/grpc/client_of.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/write_pump.h"
@@ -18,6 +19,7 @@ class SubscribeReactor final : public SubscribePump {
   SubscribeReactor(grpc::CallbackServerContext* context, const ServicePorts& ports,
                    const v1::SubscribeRequest& request)
       : SubscribePump(context, ports.send_budget),
+        asks_(ClientOf(*context, ports.clients)),
         subscriptions_(*ports.subscriptions),
         cursor_(ports.subscriptions, request),
         client_(std::make_shared<Client>(link(), this)) {
@@ -26,12 +28,15 @@ class SubscribeReactor final : public SubscribePump {
 
   void Start(const SubscribedQuery& query) {
     const std::shared_ptr<Client> client = client_;  // this may be gone before Open returns
-    subscriptions_.Open(query, client, [client](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-      absl::MutexLock lock(&client->link->mutex);
-      if (client->link->pump == nullptr) return false;
-      client->reactor->Begin(answer);
-      return true;
-    });
+    subscriptions_.Open(
+        query, client,
+        [client](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
+          absl::MutexLock lock(&client->link->mutex);
+          if (client->link->pump == nullptr) return false;
+          client->reactor->Begin(answer);
+          return true;
+        },
+        asks_);
   }
 
  private:
@@ -65,6 +70,7 @@ class SubscribeReactor final : public SubscribePump {
   }
   void OnEnd() override { subscriptions_.Close(client_); }  // who opens after that finds no stream
 
+  const ClientPtr asks_;
   Subscriptions& subscriptions_;
   AnswerCursor cursor_;
   const std::shared_ptr<Client> client_;

@@ -9,6 +9,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/grpc/answer_cursor.h"
+#include "kb_server/grpc/client_of.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/write_pump.h"
@@ -34,7 +35,9 @@ using SubscribeStreamPump =
 class SubscribeStreamReactor final : public SubscribeStreamPump {
  public:
   SubscribeStreamReactor(grpc::CallbackServerContext* context, const ServicePorts& ports)
-      : SubscribeStreamPump(context, ports.send_budget), subscriptions_(*ports.subscriptions) {
+      : SubscribeStreamPump(context, ports.send_budget),
+        client_(ClientOf(*context, ports.clients)),
+        subscriptions_(*ports.subscriptions) {
     StartSendInitialMetadata();
     StartRead(&request_);
   }
@@ -108,12 +111,15 @@ class SubscribeStreamReactor final : public SubscribeStreamPump {
 
   // Its callback may outlive the stream.
   void Open(const std::shared_ptr<Followed>& followed, const SubscribedQuery& query) {
-    subscriptions_.Open(query, followed, [followed](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-      absl::MutexLock lock(&followed->link->mutex);
-      const bool there = followed->link->pump != nullptr;
-      if (there) followed->reactor->Begin(*followed, answer);
-      return there && !followed->ended;
-    });
+    subscriptions_.Open(
+        query, followed,
+        [followed](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
+          absl::MutexLock lock(&followed->link->mutex);
+          const bool there = followed->link->pump != nullptr;
+          if (there) followed->reactor->Begin(*followed, answer);
+          return there && !followed->ended;
+        },
+        client_);
   }
 
   // Everything below: with the mutex held, but OnEnd.
@@ -194,6 +200,7 @@ class SubscribeStreamReactor final : public SubscribeStreamPump {
     return false;
   }
 
+  const ClientPtr client_;
   Subscriptions& subscriptions_;
   v1::SubscribeStreamRequest request_;
   absl::flat_hash_map<uint64_t, std::shared_ptr<Followed>>

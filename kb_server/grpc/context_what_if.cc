@@ -79,11 +79,12 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext* context,
                                                  const v1::WhatIfRequest* request, v1::WhatIfReply* reply) {
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+  const ClientPtr client = ClientOf(*context, ports_.clients);
+  const auto work = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     v1::AssertRequest told;
     *told.mutable_add() = request->add();
     *told.mutable_remove() = request->remove();
@@ -96,13 +97,13 @@ grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*,
       for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
     }
     ports_.what_if->Ask(
-        *std::move(batch), cancellation,
+        *std::move(batch), client, cancellation,
         [reactor, reply, display = Display(std::move(prefixes))](const absl::StatusOr<WhatIfAnswer>& answer) {
           if (answer.ok()) Fill(*answer, display, reply);
           reactor->Finish(ToGrpc(answer.status()));
         });
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
+  return OnWorker(ports_, context, cancellation, work);
 }
 
 }  // namespace docent::server

@@ -2,10 +2,8 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "absl/strings/str_cat.h"
-#include "docent/v1/robot_adapter.grpc.pb.h"
 #include "graph/base/cut_text.h"
 #include "graph/base/text_limits.h"
 #include "graph/wire/text_cut.h"
@@ -137,21 +135,6 @@ std::string TooLong(const v1::JoinRequest& request) {
   return too_long;
 }
 
-constexpr std::chrono::milliseconds kProbe{1000};
-
-// Whether surely nothing listens at the address any more. What does not answer in time may be there.
-bool IsGone(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  const auto stub = v1::RobotAdapter::NewStub(
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kProbe);
-  v1::RobotDescription description;
-  return stub->Describe(&context, {}, &description).error_code() == grpc::StatusCode::UNAVAILABLE;
-}
-
 }  // namespace
 
 grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context,
@@ -167,6 +150,8 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   robot.set_iri(description.robot());
   if (auto term = FromProto(robot, "description.robot"); !term.ok())
     return refuse(std::string(term.status().message()));
+  if (const std::string fault = RobotNameFault(description.robot()); !fault.empty())
+    return refuse(absl::StrCat("description.robot: ", fault));
   if (request->address().empty())
     return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
   if (absl::Status address = CheckTarget(request->address()); !address.ok())
@@ -178,18 +163,18 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     Accept(reactor, *request, reply);
     return reactor;
   }
-  return OnWorker(reactor, ports_.workers,
-                  [this, request, reply, speaker](grpc::ServerUnaryReactor* waiting) {
-                    ClaimFrom(speaker, waiting, *request, reply);
-                  });
+  probes_.Ask(speaker, [this, reactor, request, reply, speaker](bool gone) {
+    ClaimFrom(speaker, gone, reactor, *request, reply);
+  });
+  return reactor;
 }
 
-// Another adapter speaks for the robot, as its lease says. If it is there, this one is refused.
-void FleetService::ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,
+// If the other one is there, this one is refused.
+void FleetService::ClaimFrom(const std::string& speaker, bool gone, grpc::ServerUnaryReactor* reactor,
                              const v1::JoinRequest& request, v1::JoinReply* reply) {
   const std::string& robot = request.description().robot();
   std::string holder = speaker;
-  if (IsGone(speaker)) holder = leases_.Claim(robot, request.address(), speaker);
+  if (gone) holder = leases_.Claim(robot, request.address(), speaker);
   if (holder.empty()) return Accept(reactor, request, reply);
   leases_.CountRefused();
   const std::string why =
@@ -259,12 +244,11 @@ grpc::ServerUnaryReactor* FleetService::Leave(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
                                              const v1::ListRobotsRequest* request,
                                              v1::ListRobotsReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-                    const GraphVersionPtr version = ports_.queries->Newest();
-                    FillPage(ReadRobots(*ports_.dictionary, *version), *request, reply);
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    const GraphVersionPtr version = ports_.queries->Newest();
+    FillPage(ReadRobots(*ports_.dictionary, *version), *request, reply);
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace docent::server

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "docent/v1/replays.grpc.pb.h"
+#include "kb_server/door/message_sizes.h"
 
 namespace docent::server {
 namespace {
 
-constexpr size_t kBesideDocument = 1u << 20;  // of a message that brings a document
 constexpr int kKeepaliveMs = 60000;
 constexpr int kHandshakeMs = 10000;  // from a connection's begin to the first frame of HTTP/2
 
@@ -40,12 +40,14 @@ class UnreadableRequest : public grpc::experimental::Interceptor {
 
 class UnreadableRequests : public grpc::experimental::ServerInterceptorFactoryInterface {
  public:
+  explicit UnreadableRequests(const MessageGate* gate) : gate_(*gate) {}
+  // A method that is not there stays UNIMPLEMENTED.
   grpc::experimental::Interceptor* CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) override {
-    using Type = grpc::experimental::ServerRpcInfo::Type;
-    // A method that is not there is a stream in both directions; it stays UNIMPLEMENTED.
-    const bool takes_one = info->type() == Type::UNARY || info->type() == Type::SERVER_STREAMING;
-    return takes_one ? new UnreadableRequest() : nullptr;
+    return gate_.TakesOne(info->method()) ? new UnreadableRequest() : nullptr;
   }
+
+ private:
+  const MessageGate& gate_;
 };
 
 // gRPC unpacks a message whole before it looks at its size: a small one could take all memory. The client is told that
@@ -56,10 +58,27 @@ void RefuseCompression(grpc::ServerBuilder* builder) {
     builder->SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
+// Of what arrives beside the gate, such as messages of streams: gRPC ends calls where it holds too much of all of them.
+// Streams whose message nobody reads have a window of 64 KiB; gRPC would widen it for quick clients.
+void BoundMemory(const Limits& limits, grpc::ServerBuilder* builder) {
+  const size_t largest = LargestMessage("docent.v1.Context.AssertStream", limits, kNetworkLimits).bytes;
+  builder->SetMaxReceiveMessageSize(static_cast<int>(largest));
+  builder->AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(kNetworkLimits.grpc_streams));
+  builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  grpc::ResourceQuota quota("docent");
+  quota.Resize(kNetworkLimits.grpc_memory_bytes);
+  builder->SetResourceQuota(quota);
+}
+
 }  // namespace
 
 GrpcServer::GrpcServer(const ServicePorts& ports, FleetLeases* leases)
-    : context_(ports), ontologies_(ports), workflows_(ports), robot_services_(ports), fleet_(ports, leases) {}
+    : context_(ports),
+      ontologies_(ports),
+      workflows_(ports),
+      robot_services_(ports),
+      fleet_(ports, leases),
+      gate_(ports.limits) {}
 
 absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(const std::string& address, size_t connections,
                                                               const ServicePorts& ports, FleetLeases* leases,
@@ -80,9 +99,7 @@ absl::Status GrpcServer::Build(const Limits& limits, grpc::Service* replays) {
   listener_->AddTo(&builder);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
-  // A message holds a document and little else; what is larger than document_bytes is refused by that name.
-  const size_t message_bytes = std::max(limits.grpc_message_bytes, limits.document_bytes + kBesideDocument);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
+  BoundMemory(limits, &builder);
   std::vector<std::pair<const char*, grpc::Service*>> services = {
       {v1::Context::service_full_name(), &context_},
       {v1::Ontologies::service_full_name(), &ontologies_},
@@ -90,10 +107,13 @@ absl::Status GrpcServer::Build(const Limits& limits, grpc::Service* replays) {
       {v1::RobotServices::service_full_name(), &robot_services_},
       {v1::Fleet::service_full_name(), &fleet_}};
   if (replays != nullptr) services.emplace_back(v1::Replays::service_full_name(), replays);
-  for (const auto& [name, service] : services) builder.RegisterService(service);
+  for (const auto& [name, service] : services) {
+    const auto* descriptor = google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(name);
+    builder.RegisterService(gate_.Guard(service, *descriptor));
+  }
   RefuseCompression(&builder);
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
-  interceptors.push_back(std::make_unique<UnreadableRequests>());
+  interceptors.push_back(std::make_unique<UnreadableRequests>(&gate_));
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::InternalError("the gRPC server does not start");
@@ -115,6 +135,7 @@ std::shared_ptr<grpc::Channel> GrpcServer::InProcess() {
 
 void GrpcServer::Stop(std::chrono::system_clock::time_point deadline) {
   listener_->Stop();
+  gate_.Stop();
   if (server_) server_->Shutdown(deadline);
 }
 

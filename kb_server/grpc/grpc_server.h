@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "kb_server/grpc/grpc_listener.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/message_gate.h"
 
 namespace docent::server {
 
@@ -31,6 +32,7 @@ class GrpcServer {
   std::shared_ptr<grpc::Channel> InProcess();
 
   GrpcListener& listener() { return *listener_; }
+  const MessageGate& gate() const { return gate_; }
 
  private:
   GrpcServer(const ServicePorts& ports, FleetLeases* leases);
@@ -41,6 +43,7 @@ class GrpcServer {
   WorkflowsService workflows_;
   RobotServicesService robot_services_;
   FleetService fleet_;
+  MessageGate gate_;
   std::unique_ptr<GrpcListener> listener_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -17,6 +17,7 @@
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/grpc/adapter_probes.h"
 #include "kb_server/robots/fleet_leases.h"
 #include "kb_server/robots/reservations.h"
 
@@ -166,12 +167,14 @@ class FleetService final : public v1::Fleet::CallbackService {
                                     v1::ReleaseReply* reply) override;
 
  private:
-  void ClaimFrom(const std::string& speaker, grpc::ServerUnaryReactor* reactor,
+  // Another adapter, at `speaker`, speaks for the robot, as its lease says; `gone`: surely nothing is there any more.
+  void ClaimFrom(const std::string& speaker, bool gone, grpc::ServerUnaryReactor* reactor,
                  const v1::JoinRequest& request, v1::JoinReply* reply);
   void Accept(grpc::ServerUnaryReactor* reactor, const v1::JoinRequest& request, v1::JoinReply* reply);
 
   const WritePorts& ports_;
   FleetLeases& leases_;
+  AdapterProbes probes_;
 };
 
 }  // namespace docent::server

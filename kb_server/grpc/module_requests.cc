@@ -9,6 +9,7 @@
 #include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/rdf/formats/parser.h"
+#include "graph/rdf/text_bytes.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
@@ -39,13 +40,22 @@ std::optional<RdfFormat> FormatFor(const v1::LoadRequest& request) {
 
 // The quads of an RDF text, each in `graph` unless the text names one.
 absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
-                        Cancellation* cancellation, Diagnostics* warnings, WriteBatch* batch) {
+                        Cancellation* cancellation, Diagnostics* warnings, MemoryUse* memory,
+                        WriteBatch* batch) {
   const auto format = FormatFor(request);
   if (!format) return absl::InvalidArgumentError(UnknownMediaType(request.media_type()));
   if (absl::Status base = CheckBase(request.base_iri()); !base.ok()) return base;
   ParseRdfOptions options = OptionsFor(request, limits);
   options.cancellation = cancellation;
+  options.memory = memory;
   absl::Status other_graph;
+  const auto fits = [&](size_t bytes) {
+    if (memory == nullptr || memory->Add(bytes)) return true;
+    other_graph = memory->Refusal(absl::ResourceExhaustedError(
+        absl::StrCat(request.name(), ": the text says more than fits into the limit query_memory_bytes = ",
+                     limits.query_memory_bytes, "; load it in parts")));
+    return false;
+  };
   const auto add = [&](TermQuad quad) {
     if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
       other_graph = absl::InvalidArgumentError(absl::StrCat(
@@ -60,13 +70,18 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
     return true;
   };
   if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
-    const absl::Status status = ToStatus(ParseLines(request.text(), *format, options, add), request.text());
+    const auto count_and_add = [&](const TermQuad& quad) {
+      return fits(2 * sizeof(QuadOperation) + TextBytes(quad)) && add(quad);  // in an array that grows
+    };
+    const absl::Status status =
+        ToStatus(ParseLines(request.text(), *format, options, count_and_add), request.text());
     return status.ok() ? other_graph : status;
   }
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
   if (!parsed.ok()) return ToStatus(parsed, request.text());
   if (warnings != nullptr) *warnings = parsed.diagnostics;
   for (Document& document : batch->documents) document.text = DeclarePrefixes(parsed.prefixes);
+  if (!fits(parsed.quads.size() * sizeof(QuadOperation))) return other_graph;
   batch->operations.reserve(parsed.quads.size());
   for (TermQuad& quad : parsed.quads) {
     if (!add(std::move(quad))) break;
@@ -85,7 +100,7 @@ LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
 }
 
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
-                                       Cancellation* cancellation, Diagnostics* warnings) {
+                                       Cancellation* cancellation, Diagnostics* warnings, MemoryUse* memory) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
   if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
@@ -111,10 +126,11 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
       break;
     case v1::LoadRequest::ONTOLOGY:
       batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
-      status = ParseQuads(request, OntologyGraph(request.name()), limits, cancellation, warnings, &batch);
+      status =
+          ParseQuads(request, OntologyGraph(request.name()), limits, cancellation, warnings, memory, &batch);
       break;
     default:
-      status = ParseQuads(request, request.graph(), limits, cancellation, warnings, &batch);
+      status = ParseQuads(request, request.graph(), limits, cancellation, warnings, memory, &batch);
       break;
   }
   if (!status.ok()) return status;

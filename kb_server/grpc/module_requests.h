@@ -6,6 +6,7 @@
 #include "docent/v1/ontologies.pb.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
 #include "graph/store/write_batch.h"
 #include "kb_server/work/load_judge.h"
 
@@ -13,9 +14,11 @@ namespace docent::server {
 
 // INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
 // CANCELLED, DEADLINE_EXCEEDED: what `cancellation`, which may be null, said meanwhile.
-// Warnings about the text go to `warnings`, which may be null.
+// Warnings about the text go to `warnings`, which may be null. `memory` counts the batch, which stays counted; null: it is
+// not counted.
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
-                                       Cancellation* cancellation = nullptr, Diagnostics* warnings = nullptr);
+                                       Cancellation* cancellation = nullptr, Diagnostics* warnings = nullptr,
+                                       MemoryUse* memory = nullptr);
 
 // Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
 // are not the document's) and rules have no places.

@@ -7,6 +7,7 @@
 #include "graph/base/cancellation.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
@@ -86,21 +87,25 @@ void FillVersion(const GraphVersion& version, const Dictionary& dictionary,
 
 }  // namespace
 
-grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+  const ClientPtr client = ClientOf(*context, ports_.clients);
+  const auto work = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     Diagnostics of_text;
-    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text);
+    const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports_);
+    absl::StatusOr<WriteBatch> batch =
+        ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text, memory.get());
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
     job.batch = *std::move(batch);
     job.text = TextOf(*request, ports_.limits);
     job.prepare = CheckMode(*request, ports_);
     job.cancellation = cancellation;
-    job.done = [reactor, reply, of_text = std::move(of_text)](const absl::StatusOr<BatchOutcome>& outcome,
-                                                              const Diagnostics& warnings) {
+    job.client = client;
+    job.done = [reactor, reply, memory, of_text = std::move(of_text)](
+                   const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
       if (outcome.ok()) Fill(*outcome, reply);
       for (const Diagnostic& warning : of_text) ToProto(warning, reply->add_diagnostics());
       for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
@@ -108,42 +113,39 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext*,
     };
     ports_.loads->Run(std::move(job));
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
+  return OnWorker(ports_, context, cancellation, work);
 }
 
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
                                                   const v1::ListOntologiesRequest*,
                                                   v1::ListOntologiesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    const GraphVersionPtr version = ports_.queries->Newest();
-                    const auto catalog = ports_.catalog->Get();
-                    for (const ModuleEntry& module : catalog->modules) {
-                      auto* out = reply->add_modules();
-                      out->set_name(module.name);
-                      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES
-                                                                          : v1::LoadRequest::ONTOLOGY);
-                      out->set_size(module.size);
-                      out->set_revision(module.revision.value());
-                      if (module.kind == Document::Kind::kOntology)
-                        FillVersion(*version, *ports_.dictionary, out);
-                    }
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    const GraphVersionPtr version = ports_.queries->Newest();
+    const auto catalog = ports_.catalog->Get();
+    for (const ModuleEntry& module : catalog->modules) {
+      auto* out = reply->add_modules();
+      out->set_name(module.name);
+      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES
+                                                          : v1::LoadRequest::ONTOLOGY);
+      out->set_size(module.size);
+      out->set_revision(module.revision.value());
+      if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Prefixes(grpc::CallbackServerContext* context,
                                                       const v1::PrefixesRequest*, v1::PrefixesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    const auto names = ports_.prefixes->Get();
-                    for (const auto& [prefix, name_space] : names->prefixes()) {
-                      v1::PrefixesReply::Prefix* out = reply->add_prefixes();
-                      out->set_name(prefix);
-                      out->set_namespace_(name_space);
-                    }
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    const auto names = ports_.prefixes->Get();
+    for (const auto& [prefix, name_space] : names->prefixes()) {
+      v1::PrefixesReply::Prefix* out = reply->add_prefixes();
+      out->set_name(prefix);
+      out->set_namespace_(name_space);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
@@ -166,7 +168,7 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
   return reactor;
 }
 
-grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
   auto cancellation =
@@ -178,6 +180,7 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
       return reactor->Finish(ToGrpc(absl::InvalidArgumentError(
           absl::StrCat("the name of the rule set ", *fault, "; name it otherwise"))));
     }
+    const WorkerPool::SharedWork shared(ports_.workers, cancellation.get());
     std::optional<std::string> text;
     if (!request->remove()) text = request->text();
     const auto change = PreviewRuleChange(ports_, request->name(), text,
@@ -191,7 +194,7 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
     for (const std::string& triple : facts.removed_triples) reply->add_removed_triples(triple);
     reactor->Finish(grpc::Status::OK);
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
+  return OnWorker(ports_, context, cancellation, work);
 }
 
 }  // namespace docent::server

@@ -8,13 +8,14 @@
 #include "absl/time/clock.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/store/graph_writer.h"
-#include "kb_server/door/await_version.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/validation_proto.h"
 #include "kb_server/work/load_judge.h"
+#include "kb_server/work/rule_change.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
@@ -98,19 +99,19 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   return absl::OkStatus();
 }
 
-absl::Status Validate(const ReadPorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
-                      Cancellation* cancellation, v1::ValidateReply* reply) {
-  GivenShapes given(ports.dictionary);
+absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request, Cancellation* cancellation,
+                      v1::ValidateReply* reply) {
+  const GraphVersionPtr version = ports.queries->Newest();
+  GivenShapes given(ports.dictionary);  // it knows the terms of the version
   if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
     return status;
-  auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
-  if (!version.ok()) return version.status();
   const bool own = request.shapes().empty();
-  const Dictionary& dictionary = own ? *ports.dictionary : given.dictionary;
-  const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
+  Dictionary& dictionary = given.dictionary;
+  const shapes::GraphView graph = own ? shapes::GraphView(*version, ModuleGraphs(*version, dictionary))
                                       : shapes::GraphView(given.writer.current());
+  const std::vector<std::string> regimes = RegimesOf(ports);
   const shapes::ParsedShapes parsed =
-      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions);
+      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions, &regimes);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
   if (!parsed.shapes.HasTargets()) {
     return absl::InvalidArgumentError(
@@ -120,21 +121,21 @@ absl::Status Validate(const ReadPorts& ports, const v1::ValidateRequest& request
   }
   for (const Diagnostic& diagnostic : parsed.diagnostics)
     server::ToProto(diagnostic, reply->add_diagnostics());
-  shapes::ValidateOptions options;
-  options.memory_bytes = ports.limits.query_memory_bytes;
-  options.cancellation = cancellation;
+  const shapes::ValidateOptions options = ValidateOptionsOf(ports, cancellation);
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
-  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
+  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(*version), dictionary, options);
   if (!report.ok()) return report.status();
-  reply->set_revision((*version)->revision().value());
+  reply->set_revision(version->revision().value());
   return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
 }
 
 absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
                    v1::CheckModuleReply* reply) {
-  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation);
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
+  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation, nullptr, memory.get());
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);
   if (!verdict.ok()) return verdict.status();
   reply->set_revision(version->revision().value());
@@ -156,20 +157,19 @@ absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cance
 
 }  // namespace
 
-grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext* context,
                                                       const v1::ValidateRequest* request,
                                                       v1::ValidateReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const auto validate = [this, request, reply, cancellation, deadline](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(server::Validate(ports_, *request, deadline, cancellation.get(), reply)));
+  const auto validate = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(server::Validate(ports_, *request, cancellation.get(), reply)));
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
+  return OnWorker(ports_, context, cancellation, validate, Revision(request->min_revision()));
 }
 
-grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext* context,
                                                    const v1::LoadRequest* request,
                                                    v1::CheckModuleReply* reply) {
   auto cancellation =
@@ -177,7 +177,7 @@ grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
   const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
     reactor->Finish(ToGrpc(server::Check(ports_, *request, cancellation.get(), reply)));
   };
-  return OnWorker(new CancellableReactor(cancellation), ports_.workers, check);
+  return OnWorker(ports_, context, cancellation, check);
 }
 
 }  // namespace docent::server

@@ -11,6 +11,7 @@ namespace docent::server {
 namespace {
 
 absl::StatusOr<templates::ImportedTemplates> Import(const RunPorts& ports,
+                                                    const grpc::CallbackServerContext& context,
                                                     const v1::ImportTemplatesRequest& request) {
   using From = v1::ImportTemplatesRequest;
   switch (request.from_case()) {
@@ -20,10 +21,10 @@ absl::StatusOr<templates::ImportedTemplates> Import(const RunPorts& ports,
       return templates::ReadWsdl(request.wsdl(), request.name(), ports.limits);
     case From::kGrpcTarget:
       if (absl::Status may = CheckMayReach(request.grpc_target(), ports.remote); !may.ok()) return may;
-      return ImportFromGrpc(request.grpc_target());
+      return ImportFromGrpc(request.grpc_target(), &context);
     case From::kAdapter:
       if (absl::Status may = CheckMayReach(request.adapter(), ports.remote); !may.ok()) return may;
-      return ImportFromAdapter(request.adapter());
+      return ImportFromAdapter(request.adapter(), &context);
     case From::FROM_NOT_SET:
       break;
   }
@@ -35,19 +36,19 @@ absl::StatusOr<templates::ImportedTemplates> Import(const RunPorts& ports,
 grpc::ServerUnaryReactor* RobotServicesService::ImportTemplates(grpc::CallbackServerContext* context,
                                                                 const v1::ImportTemplatesRequest* request,
                                                                 v1::ImportTemplatesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-                    // While another server is waited for, the worker's place is free.
-                    std::optional<WorkerPool::Waiting> waiting;
-                    if (ports_.workers != nullptr && !request->has_wsdl()) waiting.emplace(ports_.workers);
-                    const absl::StatusOr<templates::ImportedTemplates> imported = Import(ports_, *request);
-                    waiting.reset();
-                    if (!imported.ok()) return reactor->Finish(ToGrpc(imported.status()));
-                    if (HasErrors(imported->diagnostics))
-                      return reactor->Finish(ToGrpc(ToStatus(imported->diagnostics, request->wsdl())));
-                    ToProto(*imported, reply);
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, context, request, reply](grpc::ServerUnaryReactor* reactor) {
+    // While another server is waited for, the worker's place is free.
+    std::optional<WorkerPool::Waiting> waiting;
+    if (!request->has_wsdl()) waiting.emplace();
+    if (waiting && !waiting->status().ok()) return reactor->Finish(ToGrpc(waiting->status()));
+    const absl::StatusOr<templates::ImportedTemplates> imported = Import(ports_, *context, *request);
+    waiting.reset();
+    if (!imported.ok()) return reactor->Finish(ToGrpc(imported.status()));
+    if (HasErrors(imported->diagnostics))
+      return reactor->Finish(ToGrpc(ToStatus(imported->diagnostics, request->wsdl())));
+    ToProto(*imported, reply);
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace docent::server

@@ -71,54 +71,51 @@ void Fill(const rsel::ParsedRsel& parsed, v1::RegisterReply* reply) {
 grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
-        if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
-        rsel::ParsedRsel& parsed = *read;
-        if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
-        // What the registry refuses is left to the writer's turn to say.
-        if (const Diagnostics here = CheckHere(ports_, parsed); !HasErrors(here))
-          parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
-        Fill(parsed, reply);
-        WriteBatch batch;
-        batch.documents.push_back({Document::Kind::kRsel, Document::Action::kPut, request->name(),
-                                   request->rsel(), std::make_shared<const ParsedDocument>(parsed.document)});
-        ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-          if (outcome.ok()) reply->set_revision(outcome->offset);
-          reactor->Finish(ToGrpc(outcome.status()));
-        });
-      });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
+    if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
+    rsel::ParsedRsel& parsed = *read;
+    if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+    // What the registry refuses is left to the writer's turn to say.
+    if (const Diagnostics here = CheckHere(ports_, parsed); !HasErrors(here))
+      parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
+    Fill(parsed, reply);
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kRsel, Document::Action::kPut, request->name(),
+                               request->rsel(), std::make_shared<const ParsedDocument>(parsed.document)});
+    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) reply->set_revision(outcome->offset);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
+  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::Check(grpc::CallbackServerContext* context,
                                                       const v1::RegisterRequest* request,
                                                       v1::RegisterReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-                    absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
-                    if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
-                    rsel::ParsedRsel& parsed = *read;
-                    if (parsed.ok()) {
-                      const Diagnostics here = CheckHere(ports_, parsed);
-                      parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
-                    }
-                    Fill(parsed, reply);
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<rsel::ParsedRsel> read = Parse(*request, ports_.limits);
+    if (!read.ok()) return reactor->Finish(ToGrpc(read.status()));
+    rsel::ParsedRsel& parsed = *read;
+    if (parsed.ok()) {
+      const Diagnostics here = CheckHere(ports_, parsed);
+      parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
+    }
+    Fill(parsed, reply);
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
                                                      const v1::ListServicesRequest*,
                                                      v1::ListServicesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    const auto offered = OfferedOperations(*ports_.dictionary, *ports_.queries->Newest());
-                    const std::shared_ptr<const Catalog> catalog = ports_.catalog->Get();
-                    for (const rsel::PlanPtr& plan : catalog->services.Plans())
-                      Fill(offered, *plan, *catalog, reply->add_services());
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    const auto offered = OfferedOperations(*ports_.dictionary, *ports_.queries->Newest());
+    const std::shared_ptr<const Catalog> catalog = ports_.catalog->Get();
+    for (const rsel::PlanPtr& plan : catalog->services.Plans())
+      Fill(offered, *plan, *catalog, reply->add_services());
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerContext* context,
@@ -159,25 +156,24 @@ grpc::ServerUnaryReactor* RobotServicesService::ListVersions(grpc::CallbackServe
 grpc::ServerUnaryReactor* RobotServicesService::Generate(grpc::CallbackServerContext* context,
                                                          const v1::GenerateRequest* request,
                                                          v1::GenerateReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        const auto offered = OfferedOperations(*ports_.dictionary, *ports_.queries->Newest());
-        const rsel::GeneratorRequest wanted{request->name(),
-                                            request->process(),
-                                            {request->operations().begin(), request->operations().end()},
-                                            RobotId(request->robot())};
-        absl::StatusOr<std::string> text =
-            rsel::GenerateDocument(wanted, offered, ports_.catalog->Get()->services);
-        if (!text.ok()) return reactor->Finish(ToGrpc(text.status()));
-        rsel::ParsedRsel parsed = rsel::ParseRsel(*text, request->name(), ports_.limits);
-        if (parsed.ok()) {
-          const Diagnostics here = CheckHere(ports_, parsed);
-          parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
-        }
-        for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-        reply->set_rsel(*std::move(text));
-        reactor->Finish(grpc::Status::OK);
-      });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    const auto offered = OfferedOperations(*ports_.dictionary, *ports_.queries->Newest());
+    const rsel::GeneratorRequest wanted{request->name(),
+                                        request->process(),
+                                        {request->operations().begin(), request->operations().end()},
+                                        RobotId(request->robot())};
+    absl::StatusOr<std::string> text =
+        rsel::GenerateDocument(wanted, offered, ports_.catalog->Get()->services);
+    if (!text.ok()) return reactor->Finish(ToGrpc(text.status()));
+    rsel::ParsedRsel parsed = rsel::ParseRsel(*text, request->name(), ports_.limits);
+    if (parsed.ok()) {
+      const Diagnostics here = CheckHere(ports_, parsed);
+      parsed.diagnostics.insert(parsed.diagnostics.end(), here.begin(), here.end());
+    }
+    for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    reply->set_rsel(*std::move(text));
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace docent::server

@@ -13,6 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "graph/base/cut_text.h"
 #include "graph/base/text.h"
+#include "graph/calendar/time_spec.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
@@ -24,6 +25,8 @@
 namespace docent::server {
 namespace {
 
+// Changes of a time of day that are looked at to find when it holds next: of more than a year.
+constexpr int kLooksAhead = 1000;
 // Of runs nested in runs, as many as the engine nests.
 constexpr int kDeepest = 64;
 
@@ -149,18 +152,46 @@ class WaitCollector {
       if (answer.holds && !answer.robot.empty()) {
         AddRobot(place, node, answer.robot, "its condition holds with this robot");
       } else if (answer.holds && absl::StrContains(ask, DocentIri("Event"))) {
-        New(place, node, "fact")->set_detail("an event that is told from now on");
+        AddNextTime(ask, New(place, node, "fact"), "an event that is told from now on");
       } else if (answer.holds) {
         AddTime(run, node, ask, place);
       } else {
         v1::Wait* wait = New(place, node, "fact");
         wait->set_missing(answer.missing);
-        wait->set_detail(answer.missing.empty()
-                             ? Concat("its condition holds: ", OneLine(ask))
-                             : Concat("a fact: ", answer.missing, answer.remarks.empty() ? "" : " (",
-                                      answer.remarks, answer.remarks.empty() ? "" : ")"));
+        AddNextTime(ask, wait,
+                    answer.missing.empty()
+                        ? Concat("its condition holds: ", OneLine(ask))
+                        : Concat("a fact: ", answer.missing, answer.remarks.empty() ? "" : " (",
+                                 answer.remarks, answer.remarks.empty() ? "" : ")"));
       }
     }
+  }
+
+  // With when a time of the condition holds or occurs next, where it does not now.
+  void AddNextTime(const std::string& ask, v1::Wait* wait, const std::string& detail) {
+    std::optional<TimeMicros> next;
+    for (const std::string& iri : calendar::TimeIrisIn(ask)) {
+      const std::optional<TimeMicros> of_one = NextOf(iri);
+      if (of_one && (!next || *of_one > *next)) next = of_one;  // all of them are needed
+    }
+    wait->set_detail(next ? absl::StrCat(detail, "; its time comes at ", DateTimeTerm(*next).lexical)
+                          : detail);
+    if (next) wait->set_until_us(*next);
+  }
+
+  std::optional<TimeMicros> NextOf(const std::string& iri) const {
+    if (const std::string next = graph_.Object(iri, DocentIri("nextOccurrence")); !next.empty())
+      return MicrosOfDateTime(next);
+    const auto words = calendar::WordsOfTimeIri(iri);
+    calendar::TimeFault fault;
+    const auto spec = words ? calendar::ParseTimeSpec(*words, &fault) : std::nullopt;
+    if (!spec || !spec->is_level() || spec->Holds(sources_.now_us)) return std::nullopt;
+    TimeMicros at = sources_.now_us;
+    for (int looks = 0; looks < kLooksAhead; ++looks) {
+      at = spec->NextLook(at);
+      if (spec->Holds(at)) return at;
+    }
+    return std::nullopt;
   }
 
   // Its condition holds, and a time of it is not over: that of <ext:time after="20s"/>, or of an ext:for. The notes of the
@@ -217,12 +248,21 @@ class WaitCollector {
     wait->set_detail(absl::StrCat(
         "robot ", Angled(robot), ", which is ", ToAbsl(ToString(RobotStateOf(graph_, robot))),
         out ? absl::StrCat(", out of service (", *out, ")") : "", held_by.empty() ? "" : ", held by run ",
-        held_by, ReservedText(robot, why), why.empty() ? "" : absl::StrCat(": ", why)));
+        held_by, PausedText(held_by), ReservedText(robot, why), why.empty() ? "" : absl::StrCat(": ", why)));
   }
 
   // The outermost run that holds it; empty: none.
   std::string HolderOf(const std::string& robot) const {
     return RunOfIri(graph_.Object(robot, DocentIri("heldBy"))).value_or(RunId()).value();
+  }
+
+  // Where the run that holds a robot goes on only when somebody resumes it.
+  std::string PausedText(const std::string& run) const {
+    const std::string iri = RunIri(RunId(run));
+    if (run.empty() || graph_.Object(iri, DocentIri("pausedAt")).empty()) return "";
+    const std::string reason = graph_.Object(iri, DocentIri("pauseReason"));
+    return absl::StrCat(", which is paused", reason.empty() ? "" : absl::StrCat(" (", reason, ")"),
+                        "; docent runs resume ", run);
   }
 
   // Who the robot is kept for, unless `why` says so.

@@ -9,7 +9,11 @@
 #include <utility>
 
 #include "graph/base/cancellation.h"
+#include "graph/base/ids.h"
+#include "kb_server/door/await_version.h"
+#include "kb_server/door/ports.h"
 #include "kb_server/door/worker_pool.h"
+#include "kb_server/grpc/client_of.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent::server {
@@ -18,15 +22,6 @@ namespace docent::server {
 inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context, const grpc::Status& status) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(status);
-  return reactor;
-}
-
-// Of a call whose answer takes more than moments, for which gRPC's callback thread has others to serve: `work`, which
-// finishes the reactor, runs on a worker. RESOURCE_EXHAUSTED if too much waits.
-inline grpc::ServerUnaryReactor* OnWorker(grpc::ServerUnaryReactor* reactor, WorkerPool* workers,
-                                          std::function<void(grpc::ServerUnaryReactor*)> work) {
-  const absl::Status accepted = workers->Submit([reactor, work = std::move(work)] { work(reactor); });
-  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
   return reactor;
 }
 
@@ -41,6 +36,36 @@ class CancellableReactor final : public grpc::ServerUnaryReactor {
  private:
   const std::shared_ptr<Cancellation> cancellation_;
 };
+
+// Work of a unary call, which finishes the reactor.
+using UnaryWork = std::function<void(grpc::ServerUnaryReactor*)>;
+
+// Of a call whose answer takes more than moments, for which gRPC's callback thread has others to serve: `work` runs on a
+// worker. It is short, or ends by itself.
+inline grpc::ServerUnaryReactor* OnWorker(const ReadPorts& ports, grpc::CallbackServerContext* context,
+                                          UnaryWork work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports.workers->Submit({.run = [reactor, work = std::move(work)] { work(reactor); },
+                         .refuse = [reactor](const absl::Status& why) { reactor->Finish(ToGrpc(why)); },
+                         .client = ClientOf(*context, ports.clients)});
+  return reactor;
+}
+
+// The same for work that stops by `cancellation`, which has its time limit. It begins when there is a version that is at least
+// `revision`.
+inline grpc::ServerUnaryReactor* OnWorker(const ReadPorts& ports, grpc::CallbackServerContext* context,
+                                          std::shared_ptr<Cancellation> cancellation, UnaryWork work,
+                                          Revision revision = Revision()) {
+  auto* reactor = new CancellableReactor(cancellation);
+  const absl::Time until = absl::Now() + absl::FromChrono(cancellation->Left());
+  SubmitOnVersion(ports, revision,
+                  {.run = [reactor, work = std::move(work)] { work(reactor); },
+                   .refuse = [reactor](const absl::Status& why) { reactor->Finish(ToGrpc(why)); },
+                   .client = ClientOf(*context, ports.clients),
+                   .until = until,
+                   .cancellation = std::move(cancellation)});
+  return reactor;
+}
 
 }  // namespace docent::server
 

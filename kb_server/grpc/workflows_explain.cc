@@ -75,9 +75,8 @@ class ConditionAsker {
 };
 
 absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request, Cancellation* cancellation,
-                    absl::Time deadline, v1::ExplainRunReply* reply) {
-  const absl::StatusOr<QueryGraph> of_then =
-      GraphForQuery(ports, Revision(0), request.as_of(), deadline, cancellation);
+                    v1::ExplainRunReply* reply) {
+  const absl::StatusOr<QueryGraph> of_then = GraphForQuery(ports, request.as_of(), cancellation);
   if (!of_then.ok()) return of_then.status();
   const TimeMicros now_us = TimeAsOf(request.as_of()).value_or(ports.clock->Now());
   const GraphReader graph(*of_then->dictionary, *of_then->version);
@@ -108,20 +107,15 @@ absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request,
 
 }  // namespace
 
-grpc::ServerUnaryReactor* WorkflowsService::Explain(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* WorkflowsService::Explain(grpc::CallbackServerContext* context,
                                                     const v1::ExplainRunRequest* request,
                                                     v1::ExplainRunReply* reply) {
-  const int timeout_ms = ports_.limits.query_timeout_ms;
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  auto* reactor = new CancellableReactor(cancellation);
-  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const absl::Status accepted = ports_.workers->Submit(
-      [this, reactor, cancellation, deadline, request, reply] {
-        reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), deadline, reply)));
-      },
-      {deadline, [reactor, timeout_ms] { reactor->Finish(ToGrpc(NotBegun(timeout_ms))); }});
-  if (!accepted.ok()) reactor->Finish(ToGrpc(accepted));
-  return reactor;
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto answer = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+  };
+  return OnWorker(ports_, context, cancellation, answer);
 }
 
 }  // namespace docent::server

@@ -23,9 +23,13 @@ namespace docent::server {
 namespace {
 
 cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, const std::string& name) {
-  auto environment =
-      GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get(), ports.functions);
-  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
+  const std::shared_ptr<const Catalog> catalog = ports.catalog->Get();
+  auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), catalog, ports.functions);
+  std::vector<cawl::DocumentPtr> beside;
+  for (const auto& [workflow, revision] : catalog->workflows) {
+    if (catalog->disabled_workflows.count(workflow->name.value) == 0) beside.push_back(workflow);
+  }
+  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits, beside);
   for (Diagnostic& warning : CostWarnings(report, name, ports))
     report.diagnostics.push_back(std::move(warning));
   return report;
@@ -67,45 +71,41 @@ absl::Status CheckVariables(const Catalog& catalog, const RunRequest& start) {
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits);
-            !size.ok()) {
-          return reactor->Finish(ToGrpc(size));
-        }
-        cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-        for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-        for (const cawl::ConditionText& condition : report.conditions) {
-          v1::CompiledCondition* out = reply->add_conditions();
-          out->set_place(condition.place);
-          out->set_ask(condition.ask);
-        }
-        reactor->Finish(grpc::Status::OK);
-      });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    for (const cawl::ConditionText& condition : report.conditions) {
+      v1::CompiledCondition* out = reply->add_conditions();
+      out->set_place(condition.place);
+      out->set_ask(condition.ask);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits);
-            !size.ok()) {
-          return reactor->Finish(ToGrpc(size));
-        }
-        cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-        if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
-        for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-        reply->set_workflow(report.document->name.value);
-        WriteBatch batch;
-        Document& document = batch.documents.emplace_back(
-            Document{Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl(),
-                     std::make_shared<const ParsedDocument>(report.document)});
-        if (request->has_replaces()) document.replaces = request->replaces();
-        ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-          if (outcome.ok()) reply->set_revision(outcome->offset);
-          reactor->Finish(ToGrpc(outcome.status()));
-        });
-      });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    reply->set_workflow(report.document->name.value);
+    WriteBatch batch;
+    Document& document = batch.documents.emplace_back(
+        Document{Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl(),
+                 std::make_shared<const ParsedDocument>(report.document)});
+    if (request->has_replaces()) document.replaces = request->replaces();
+    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) reply->set_revision(outcome->offset);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
+  });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
@@ -151,11 +151,10 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        GraphVersionPtr version = ports_.queries->Newest();
-        reactor->Finish(ToGrpc(ReadRuns(GraphReader(*ports_.dictionary, *version), *request, reply)));
-      });
+  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    reactor->Finish(ToGrpc(ReadRuns(GraphReader(*ports_.dictionary, *version), *request, reply)));
+  });
 }
 
 }  // namespace docent::server

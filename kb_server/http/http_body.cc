@@ -5,6 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/gzip.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 
 namespace docent::server {
@@ -26,14 +27,19 @@ std::optional<HttpResponse> RefuseEncoding(std::string_view content_encoding) {
   return refusal;
 }
 
-void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, HttpBody* body) {
-  body->text = http.body;
+bool IsPacked(const HttpRequest& http) {
   const std::string given = http.Header("content-encoding");
-  if (!IsGzipCoding(FromAbsl(absl::StripAsciiWhitespace(given)))) return;
-  absl::StatusOr<std::string> unpacked = Gunzip(http.body, most_bytes, limit_name);
+  return IsGzipCoding(FromAbsl(absl::StripAsciiWhitespace(given)));
+}
+
+void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, MemoryUse* memory,
+                HttpBody* body) {
+  body->text = http.body;
+  if (!IsPacked(http)) return;
+  absl::StatusOr<std::string> unpacked = Gunzip(http.body, most_bytes, limit_name, memory);
   if (!unpacked.ok()) {
-    const bool large = absl::IsResourceExhausted(unpacked.status());
-    body->refusal = TextResponse(large ? 413 : 400, absl::StrCat("the body: ", unpacked.status().message()));
+    body->refusal = ErrorResponse(
+        WithMessage(unpacked.status(), absl::StrCat("the body: ", unpacked.status().message())));
     return;
   }
   body->unpacked = *std::move(unpacked);

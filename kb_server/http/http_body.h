@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "graph/base/memory_budget.h"
 #include "kb_server/work/http_message.h"
 
 namespace docent::server {
@@ -14,12 +15,16 @@ namespace docent::server {
 std::optional<HttpResponse> RefuseEncoding(std::string_view content_encoding);
 
 struct HttpBody {
-  std::optional<HttpResponse> refusal;  // 400: it is damaged; 413: unpacked it exceeds the limit
-  std::string_view text;                // of the request, or of `unpacked`
+  std::optional<HttpResponse>
+      refusal;            // 400: it is damaged; 413: unpacked it exceeds the limit; 503: no room for it now
+  std::string_view text;  // of the request, or of `unpacked`
   std::string unpacked;
 };
-// Fills *body for a request that RefuseEncoding let pass. Unpacking takes time: for a worker, where `most_bytes` is large.
-void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, HttpBody* body);
+// Fills *body for a request that RefuseEncoding let pass. Unpacking takes time: for a worker, where IsPacked. `memory`: of
+// the request, which counts what is unpacked until it ends; null: it is not counted.
+void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, MemoryUse* memory,
+                HttpBody* body);
+bool IsPacked(const HttpRequest& http);
 
 }  // namespace docent::server
 

@@ -72,7 +72,11 @@ std::string ChunkOf(std::string_view data) {
 }  // namespace
 
 HttpConnection::HttpConnection(Socket socket, HttpShared* shared)
-    : stream_(std::move(socket)), shared_(*shared), buffer_(kReadBytes), wake_(stream_.get_executor()) {
+    : stream_(std::move(socket)),
+      shared_(*shared),
+      client_(shared->options.clients == nullptr ? nullptr : shared->options.clients->Make("http")),
+      buffer_(kReadBytes),
+      wake_(stream_.get_executor()) {
   wake_.expires_at(net::steady_timer::time_point::max());
   ErrorCode ignored;
   stream_.socket().set_option(net::ip::tcp::no_delay(true), ignored);
@@ -165,7 +169,8 @@ net::awaitable<bool> HttpConnection::ServeOne() {
     HttpExchange(std::move(request), answer_).Respond(*std::move(refusal));
   } else {
     WatchClient(answer_);
-    route->handler(std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory)));
+    route->handler(
+        std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory), client_));
   }
   ++shared_.requests;
   const bool sent = co_await SendAnswer(*answer_, head_only, head.minor_version > 0, head.keep_alive);
@@ -220,7 +225,8 @@ net::awaitable<bool> HttpConnection::ReadBody(const HttpHead& head, std::string*
     refusal = TextResponse(503, std::string(shared_.bodies->Refusal().message()));
     refusal->headers.emplace_back("Retry-After", "1");
     std::string().swap(*body);
-    memory.Reset();
+    memory.Release(memory.used());
+    memory.Settle();
     break;
   }
   if (reader.state() == HttpBodyReader::State::kRefused) refusal = std::move(reader.refusal());

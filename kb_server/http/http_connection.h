@@ -97,6 +97,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   boost::beast::tcp_stream stream_;
   HttpShared& shared_;
+  const ClientPtr client_;
   std::vector<char> buffer_;          // what is read at once
   std::string_view unread_;           // of it; the next request where the client does not wait for answers
   boost::asio::steady_timer wake_;    // never expires; cancelled to wake the coroutine

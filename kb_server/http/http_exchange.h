@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/synchronization/mutex.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/send_budget.h"
 #include "kb_server/work/http_message.h"
 
@@ -77,15 +78,21 @@ class HttpAnswer {
 
 class HttpExchange {
  public:
-  // `memory`: counts the request's body, and lives as long.
+  // `memory`: counts the request's body, and lives as long. `client`: who asks; null: the server itself.
   HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer,
-               std::shared_ptr<MemoryUse> memory = nullptr)
-      : request_(std::move(request)), answer_(std::move(answer)), memory_(std::move(memory)) {}
+               std::shared_ptr<MemoryUse> memory = nullptr, ClientPtr client = nullptr)
+      : request_(std::move(request)),
+        answer_(std::move(answer)),
+        memory_(std::move(memory)),
+        client_(std::move(client)) {}
   ~HttpExchange();
   HttpExchange(const HttpExchange&) = delete;
   HttpExchange& operator=(const HttpExchange&) = delete;
 
   const HttpRequest& request() const { return request_; }
+  // What the request takes, of its body's first byte on; may be null. For one thread at a time: whoever works on it.
+  MemoryUse* memory() const { return memory_.get(); }
+  const ClientPtr& client() const { return client_; }
 
   // The whole answer. Later calls of any answering method do nothing.
   void Respond(HttpResponse response);
@@ -121,6 +128,7 @@ class HttpExchange {
   const HttpRequest request_;
   const std::shared_ptr<HttpAnswer> answer_;
   const std::shared_ptr<MemoryUse> memory_;
+  const ClientPtr client_;
 };
 
 using HttpHandler = std::function<void(std::shared_ptr<HttpExchange>)>;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,11 +17,15 @@
 #include "graph/rdf/iri.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/server_graphs.h"
+#include "kb_server/door/await_version.h"
 #include "kb_server/door/history_port.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/http/http_body.h"
 #include "kb_server/http/http_formats.h"
+#include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_multipart.h"
 #include "kb_server/http/http_sparql.h"
 #include "kb_server/http/http_sparql_request.h"
@@ -107,13 +112,11 @@ Address ReadAddress(const HttpRequest& http) {
 }
 
 // Answers with a whole graph.
-void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exchange) {
+void ReadGraph(const ReadPorts& ports, const Address& address, Cancellation* cancellation,
+               HttpExchange& exchange) {
   const std::string accept = exchange.request().Header("accept");
   if (ChooseGraphType(accept) == nullptr) return exchange.Respond(NoGraphType());
-  const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
-  Cancellation waiting(std::chrono::milliseconds(ports.limits.query_timeout_ms));
-  absl::StatusOr<QueryGraph> read =
-      GraphForQuery(ports, address.min_revision, address.as_of, absl::Now() + patience, &waiting);
+  absl::StatusOr<QueryGraph> read = GraphForQuery(ports, address.as_of, cancellation);
   if (!read.ok()) return exchange.Respond(ErrorResponse(read.status()));
   const std::shared_ptr<const Dictionary> dictionary = read->dictionary;
   GraphVersionPtr version = std::move(read->version);
@@ -155,18 +158,16 @@ void ReadGraph(const ReadPorts& ports, const Address& address, HttpExchange& exc
   head.content_type = answer.told;
   memory.Release(memory.used() - std::min(memory.used(), answer.text.size()));
   const size_t seconds = answer.text.size() / kSlowestBytesASecond;
-  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) +
-                            std::chrono::seconds(seconds));
-  LongAnswer(std::move(head), &exchange, ports.workers)
-      .SendAll(std::move(answer.text), &cancellation)
-      .IgnoreError();
+  Cancellation sending(std::chrono::milliseconds(ports.limits.query_timeout_ms) +
+                       std::chrono::seconds(seconds));
+  LongAnswer(std::move(head), &exchange).SendAll(std::move(answer.text), &sending).IgnoreError();
 }
 
 // What a body says.
 struct Content {
   std::optional<HttpResponse> refusal;
   std::vector<TermQuad> triples;
-  std::unique_ptr<MemoryUse> memory;  // counts them
+  std::shared_ptr<MemoryUse> memory;  // counts them
 };
 
 // What relative IRIs of a body are relative to. The default graph has a name of the server's own, which is no base: with it
@@ -175,18 +176,14 @@ std::string BaseOf(const Address& address) {
   return address.graph.lexical == kDefaultGraph ? std::string() : address.graph.lexical;
 }
 
-HttpResponse TooLarge(const ReadPorts& ports, const Content& content) {
-  return ErrorResponse(content.memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
-      "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
-}
-
-// `part`: its number among several.
+// `number`: of the part among several. `memory`: of the request.
 void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& address, size_t number,
-              Cancellation* cancellation, Content* content) {
-  const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
+              MemoryUse* memory, Cancellation* cancellation, Content* content) {
+  const std::string type = MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
-  if (!format && (type == "application/octet-stream" || type == "application/gzip"))
-    format = FormatOfFile(part.file);  // of clients that know no better
+  const bool untyped = type.empty() || type == "application/octet-stream" || type == "application/gzip";
+  if (untyped) format = FormatOfFile(part.file);  // of clients that know no better
+  if (type.empty() && !format) format = RdfFormat::kTurtle;
   if (!format) {
     content->refusal = TextResponse(415, UnknownMediaType(type));
     return;
@@ -201,22 +198,21 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   options.blank_node_scope = absl::StrCat("p", number);
   options.limits = ports.limits;
   options.cancellation = cancellation;
+  options.memory = content->memory.get();
   absl::StatusOr<std::string> unpacked;
   std::string_view text = part.body;
   if (IsGzip(text)) {  // a .gz file as it is
-    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes");
+    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes", memory);
     if (!unpacked.ok()) {
-      content->refusal = TextResponse(absl::IsResourceExhausted(unpacked.status()) ? 413 : 400,
-                                      std::string(unpacked.status().message()));
+      content->refusal = ErrorResponse(unpacked.status());
       return;
     }
     text = *unpacked;
   }
   ParsedRdf parsed = ParseRdf(text, *format, options);
-  if (!parsed.ok()) {
-    content->refusal = ErrorResponse(ToStatus(parsed, text));
-    return;
-  }
+  if (!parsed.ok()) content->refusal = ErrorResponse(ToStatus(parsed, text));
+  if (unpacked.ok() && memory != nullptr) memory->Release(unpacked->size());
+  if (content->refusal) return;
   for (TermQuad& quad : parsed.quads) {
     if (!quad.graph.lexical.empty() && quad.graph != address.graph) {
       content->refusal = TextResponse(400, "the body names the graph " + ToDisplay(quad.graph) +
@@ -224,18 +220,19 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
       return;
     }
     quad.graph = Term();
-    const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
-    content->triples.push_back(std::move(quad));
-    if (fits) continue;
-    content->refusal = TooLarge(ports, *content);
-    return;
+  }
+  if (content->triples.empty()) {
+    content->triples = std::move(parsed.quads);
+  } else {
+    std::move(parsed.quads.begin(), parsed.quads.end(), std::back_inserter(content->triples));
   }
 }
 
-Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Address& address,
+Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const Address& address,
                     Cancellation* cancellation) {
+  const HttpRequest& http = exchange.request();
   Content content;
-  content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
+  content.memory = MemoryOfRequest(ports);
   const std::string type = http.Header("content-type");
   // RFC 9110 section 14.5: a part of a graph is not put in place of the graph.
   if (!http.Header("content-range").empty()) {
@@ -244,15 +241,10 @@ Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Addre
     return content;
   }
   HttpBody body;
-  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", &body);
+  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", exchange.memory(), &body);
   if ((content.refusal = std::move(body.refusal))) return content;
-  if (!content.memory->Add(body.unpacked.size())) {
-    content.refusal = TooLarge(ports, content);
-    return content;
-  }
   if (MediaTypeOnly(type) != "multipart/form-data") {
-    ReadPart(ports, {type, "", body.text}, address, 1, cancellation, &content);
-    content.memory->Release(body.unpacked.size());
+    ReadPart(ports, {type, "", body.text}, address, 1, exchange.memory(), cancellation, &content);
     return content;
   }
   const absl::StatusOr<std::vector<HttpPart>> parts =
@@ -262,9 +254,8 @@ Content ReadContent(const ReadPorts& ports, const HttpRequest& http, const Addre
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
-    ReadPart(ports, (*parts)[i], address, i + 1, cancellation, &content);
+    ReadPart(ports, (*parts)[i], address, i + 1, exchange.memory(), cancellation, &content);
   }
-  content.memory->Release(body.unpacked.size());
   return content;
 }
 
@@ -273,8 +264,7 @@ struct Change {
   UpdateRequest request;
   Address address;
   bool existed = false;
-  bool condition_failed = false;      // of If-Match or If-None-Match
-  std::unique_ptr<MemoryUse> memory;  // of what it loads
+  bool condition_failed = false;  // of If-Match or If-None-Match
 };
 
 // RFC 9110 section 13.1, of a graph that is there or not. Graphs have no entity tags, so that none that is named can match.
@@ -294,7 +284,7 @@ std::shared_ptr<Cancellation> CancellationOf(const ReadPorts& ports, const Excha
 
 void Submit(const WritePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
   change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
-  if (change->request.cancellation == nullptr) change->request.cancellation = CancellationOf(ports, exchange);
+  change->request.client = exchange->client();
   const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
   change->request.precondition = [&ports, must_exist, exchange,
                                   weak = std::weak_ptr(change)](const GraphVersion& version) {
@@ -332,44 +322,60 @@ Operation MakeOperation(Operation::Kind kind, const Address& address) {
 }
 
 // PUT and POST: DROP where it replaces, then LOAD of the body.
-void Write(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Write(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+           const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   auto change = std::make_shared<Change>();
-  change->request.cancellation = CancellationOf(ports, exchange);
-  Content content = ReadContent(ports, http, address, change->request.cancellation.get());
+  change->request.cancellation = std::move(cancellation);
+  Content content = ReadContent(ports, *exchange, address, change->request.cancellation.get());
   if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   std::vector<Operation>& operations = change->request.update.operations;
   if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
   operations.push_back(MakeOperation(Operation::Kind::kLoad, address));
-  change->request.load =
-      [triples = std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
-          const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *triples; };
-  change->memory = std::move(content.memory);
+  change->request.load = [triples =
+                              std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
+                             const std::string&) -> absl::StatusOr<sparql::DocumentQuads> { return triples; };
+  change->request.memory = std::move(content.memory);
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
 }
 
+// GRAPH around a part of a pattern, EXISTS and sub-SELECT included. What another server is asked is about its graphs.
+bool NamesAGraph(const sparql::Algebra& pattern) {
+  if (pattern.kind == sparql::Algebra::Kind::kGraph) return true;
+  if (pattern.kind == sparql::Algebra::Kind::kService) return false;
+  bool named = std::any_of(pattern.children.begin(), pattern.children.end(),
+                           [](const sparql::AlgebraPtr& child) { return NamesAGraph(*child); });
+  sparql::ForEachExpression(pattern, [&named](const sparql::Expression& expression) {
+    named = named || (expression.pattern && NamesAGraph(*expression.pattern));
+  });
+  return named;
+}
+
 // The update's default graph becomes the graph of the request; an update that is about others is refused.
 absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
-  const auto names_a_graph = [](const std::vector<sparql::QuadTemplate>& quads) {
-    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph.has_value(); });
+  const auto names_a_graph = [](const sparql::QuadTemplates& quads) {
+    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph != nullptr; });
   };
   for (Operation& operation : update->operations) {
     const bool quads = operation.kind == Operation::Kind::kInsertData ||
                        operation.kind == Operation::Kind::kDeleteData ||
                        operation.kind == Operation::Kind::kModify;
     if (!quads || operation.with || !operation.from.empty() || !operation.from_named.empty() ||
-        names_a_graph(operation.insert) || names_a_graph(operation.remove)) {
+        names_a_graph(operation.insert) || names_a_graph(operation.remove) ||
+        (operation.where != nullptr && NamesAGraph(*operation.where))) {
       return absl::InvalidArgumentError(
-          "a PATCH changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING; POST others "
-          "to /sparql");
+          "a PATCH reads and changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING, "
+          "and no "
+          "GRAPH in WHERE; POST others to /sparql");
     }
     operation.with = graph;
   }
   return absl::OkStatus();
 }
 
-void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Patch(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+           const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   const std::string type = http.Header("content-type");
   if (std::optional<HttpResponse> refusal = RefuseCharset(type))
@@ -389,34 +395,42 @@ void Patch(const WritePorts& ports, Address address, const Exchange& exchange) {
   options.known = known.get();
   options.base_iri = BaseOf(address);
   HttpBody body;
-  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", &body);
+  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", exchange->memory(), &body);
   if (body.refusal) return exchange->Respond(*std::move(body.refusal));
+  auto change = std::make_shared<Change>();
+  change->request.memory = MemoryOfRequest(ports);
+  change->request.cancellation = std::move(cancellation);
+  options.memory = change->request.memory.get();
+  options.cancellation = change->request.cancellation.get();
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
-  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, body.text)));
+  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed, body.text)));
   if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
     return exchange->Respond(TextResponse(422, std::string(status.message())));
   }
-  auto change = std::make_shared<Change>();
   change->request.update = std::move(parsed.update);
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
 }
 
 // On a worker.
-void Answer(const WritePorts& ports, Address address, const Exchange& exchange) {
+void Answer(const WritePorts& ports, Address address, std::shared_ptr<Cancellation> cancellation,
+            const Exchange& exchange) {
   const std::string& method = exchange->request().method;
   if (method == "GET" || method == "HEAD") {
-    return ReadGraph(ports, address, *exchange);
+    return ReadGraph(ports, address, cancellation.get(), *exchange);
   }
-  if (method == "PATCH") return Patch(ports, std::move(address), exchange);
-  if (method != "DELETE") return Write(ports, std::move(address), exchange);
+  if (method == "PATCH") return Patch(ports, std::move(address), std::move(cancellation), exchange);
+  if (method != "DELETE") return Write(ports, std::move(address), std::move(cancellation), exchange);
   auto change = std::make_shared<Change>();
+  change->request.cancellation = std::move(cancellation);
   change->request.update.operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
 }
 
 void Handle(const WritePorts& ports, Exchange exchange) {
+  if (std::optional<HttpResponse> refusal = RefuseAnotherSite(exchange->request()))
+    return exchange->Respond(*std::move(refusal));
   Address address = ReadAddress(exchange->request());
   if (address.refusal) return exchange->Respond(*std::move(address.refusal));
   if (address.is_new) {
@@ -424,12 +438,15 @@ void Handle(const WritePorts& ports, Exchange exchange) {
                                            absl::EndsWith(exchange->request().raw_path, "/") ? "" : "/", "g",
                                            ports.clock->Now(), "n", ports.updates->NextNumber()));
   }
-  const int timeout_ms = ports.limits.query_timeout_ms;
-  const absl::Status accepted = ports.workers->Submit(
-      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
-      {absl::Now() + absl::Milliseconds(timeout_ms),
-       [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
-  if (!accepted.ok()) exchange->Respond(ErrorResponse(accepted));
+  const Revision revision = address.min_revision;
+  const std::shared_ptr<Cancellation> cancellation = CancellationOf(ports, exchange);
+  SubmitOnVersion(ports, revision,
+                  {.run = [&ports, exchange, cancellation,
+                           address = std::move(address)] { Answer(ports, address, cancellation, exchange); },
+                   .refuse = [exchange](const absl::Status& why) { exchange->Respond(ErrorResponse(why)); },
+                   .client = exchange->client(),
+                   .until = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms),
+                   .cancellation = cancellation});
 }
 
 }  // namespace

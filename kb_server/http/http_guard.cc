@@ -36,6 +36,20 @@ bool IsAddress(const std::string& host) {
 
 }  // namespace
 
+bool IsAskedByAnotherSite(const HttpRequest& request) {
+  const std::string site = request.Header("sec-fetch-site");
+  return (site == "cross-site" || site == "same-site") && request.Header("origin").empty();
+}
+
+std::optional<HttpResponse> RefuseAnotherSite(const HttpRequest& request) {
+  if (!IsAskedByAnotherSite(request)) return std::nullopt;
+  return TextResponse(
+      403,
+      "a page of another site asks for this, by a link or as a part of itself; open the address "
+      "yourself, or start the server with --http-origin and that page's origin and let the page "
+      "fetch it");
+}
+
 HttpGuard::HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts,
                      std::vector<std::string> allowed_origins)
     : port_(port), allowed_hosts_(std::move(allowed_hosts)), allowed_origins_(std::move(allowed_origins)) {}

@@ -14,6 +14,12 @@
 
 namespace docent::server {
 
+// True where a browser says that the page of another site asks (Sec-Fetch-Site), without an Origin that HttpGuard could look
+// at: a link, a picture or a frame there may name any address here. What does work for its asker refuses it.
+bool IsAskedByAnotherSite(const HttpRequest& request);
+// The refusal of such a request, 403; nullopt: it is none.
+std::optional<HttpResponse> RefuseAnotherSite(const HttpRequest& request);
+
 class HttpGuard {
  public:
   // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "graph/sparql/results/results.h"
 #include "kb_server/http/http_formats.h"
 #include "kb_server/http/long_answer.h"
@@ -20,10 +19,9 @@ using Form = sparql::Query::Form;
 // Writes the answer in the format that the client accepts.
 class HttpSink final : public QuerySink {
  public:
-  HttpSink(std::shared_ptr<HttpExchange> exchange, WorkerPool* workers, Cancellation* cancellation)
+  HttpSink(std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation)
       : exchange_(std::move(exchange)),
         accept_(exchange_->request().Header("accept")),
-        workers_(workers),
         cancellation_(cancellation) {}
 
   bool OnBegin(Form form, Revision revision) override {
@@ -45,7 +43,7 @@ class HttpSink final : public QuerySink {
   }
 
   void OnHeader(const std::vector<std::string>& variables) override {
-    answer_.emplace(Head(row_type_->told), exchange_.get(), workers_);
+    answer_.emplace(Head(row_type_->told), exchange_.get());
     writer_ = sparql::ResultWriter::Make(row_type_->format, &rows_);
     writer_->Begin(variables);
   }
@@ -68,8 +66,7 @@ class HttpSink final : public QuerySink {
       Respond(*std::move(text.refusal));
       return absl::OkStatus();
     }
-    return LongAnswer(Head(text.told), exchange_.get(), workers_)
-        .SendAll(std::move(text.text), cancellation_);
+    return LongAnswer(Head(text.told), exchange_.get()).SendAll(std::move(text.text), cancellation_);
   }
 
   // The answer is this error, as far as that can still be said.
@@ -99,7 +96,6 @@ class HttpSink final : public QuerySink {
 
   const std::shared_ptr<HttpExchange> exchange_;
   const std::string accept_;
-  WorkerPool* const workers_;
   Cancellation* const cancellation_;
   Revision revision_;
   int status_ = 200;
@@ -119,10 +115,8 @@ int AnswerQuery(const ReadPorts& ports, const SparqlRequest& request, std::share
   query.base_iri = request.base_iri;
   query.default_graphs = request.default_graphs;
   query.named_graphs = request.named_graphs;
-  query.min_revision = request.min_revision;
   query.as_of = request.as_of;
-  query.deadline = absl::Now() + absl::Milliseconds(request.timeout_ms);
-  HttpSink sink(std::move(exchange), ports.workers, cancellation);
+  HttpSink sink(std::move(exchange), cancellation);
   const absl::Status status = QueryRunner(&ports).Run(query, cancellation, &sink);
   if (!status.ok()) sink.OnError(status);
   return sink.status();

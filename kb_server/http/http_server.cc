@@ -43,10 +43,14 @@ void HttpRoutes::SetFallback(std::function<bool(const HttpRequest&)> takes, Http
 const HttpRoute* HttpRoutes::Find(const HttpRequest& request, HttpResponse* refusal) const {
   const std::string& path = request.path;
   auto methods = routes_.find(path);
-  for (size_t end = path.size(); methods == routes_.end() && end != 0;) {
-    end = path.rfind('/', end - 1);
-    if (end == std::string::npos) break;
-    methods = routes_.find(path.substr(0, end) + "/*");
+  if (methods == routes_.end()) {  // the longest "/…/*" that it lies below
+    size_t longest = 0;
+    for (auto below = routes_.begin(); below != routes_.end(); ++below) {
+      const std::string_view prefix = std::string_view(below->first).substr(0, below->first.size() - 1);
+      if (!below->first.ends_with("/*") || prefix.size() <= longest || !path.starts_with(prefix)) continue;
+      longest = prefix.size();
+      methods = below;
+    }
   }
   if (methods == routes_.end()) {
     const bool reads = request.method == "GET" || request.method == "HEAD";

@@ -62,6 +62,7 @@ class HttpRoutes {
 };
 
 struct HttpServerOptions {
+  Clients* clients = nullptr;                      // each connection is one; null: none counts
   std::string listen = "127.0.0.1:7480";           // address or host name, and port; port 0 takes a free one
   std::vector<std::string> allowed_hosts;          // beside the loopback names: see HttpGuard
   std::vector<std::string> allowed_origins;        // of other servers' pages: see HttpGuard

@@ -8,8 +8,12 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
+#include "graph/rdf/text_bytes.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/await_version.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
+#include "kb_server/http/http_guard.h"
 #include "kb_server/http/http_query.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
@@ -57,13 +61,22 @@ void Respond(const std::shared_ptr<HttpExchange>& exchange, const Measured& meas
 }
 
 // The data set that the protocol's parameters give (protocol, section 2.2.3).
-absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
+absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update, MemoryUse* memory) {
   if (request.default_graphs.empty() && request.named_graphs.empty()) return absl::OkStatus();
+  size_t bytes = 0;
+  for (const Term& graph : request.default_graphs) bytes += sizeof(Term) + TextBytes(graph);
+  for (const Term& graph : request.named_graphs) bytes += sizeof(Term) + TextBytes(graph);
   for (sparql::UpdateOperation& operation : update->operations) {
     if (operation.with || !operation.from.empty() || !operation.from_named.empty()) {
       return absl::InvalidArgumentError(
           "using-graph-uri and using-named-graph-uri do not go with USING or WITH in the update; leave one "
           "out");
+    }
+    if (!memory->Add(bytes)) {
+      return memory->Refusal(
+          absl::ResourceExhaustedError("the graphs of using-graph-uri and using-named-graph-uri, for each "
+                                       "operation, are more than fit into the limit "
+                                       "query_memory_bytes; write USING into the operations that need it"));
     }
     operation.from = request.default_graphs;
     operation.from_named = request.named_graphs;
@@ -88,15 +101,20 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.known = known.get();
   options.base_iri = request.base_iri;
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
+  options.memory = memory.get();
+  options.cancellation = cancellation.get();
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
-  absl::Status status =
-      parsed.ok() ? SetUsing(request, &parsed.update) : ToStatus(parsed.diagnostics, request.text);
+  absl::Status status = ToStatus(parsed, request.text);
+  if (status.ok()) status = SetUsing(request, &parsed.update, memory.get());
   if (!status.ok()) return Respond(exchange, measured, ErrorResponse(status));
   UpdateRequest update;
   update.update = std::move(parsed.update);
+  update.memory = memory;
   update.request_id = request.request_id;
   update.request_digest = DigestOf(request);
   update.min_revision = request.min_revision;
+  update.client = exchange->client();
   update.cancellation = std::move(cancellation);
   update.timeout = std::max(absl::ZeroDuration(), until - absl::Now());
   ports.updates->Submit(std::move(update), [measured, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
@@ -105,30 +123,71 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   });
 }
 
+// Ends what is done for the request at its time limit and when the client leaves.
+std::shared_ptr<Cancellation> CancellationOf(const SparqlRequest& request,
+                                             const std::shared_ptr<HttpExchange>& exchange) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(request.timeout_ms));
+  exchange->OnGone([cancellation] { cancellation->Cancel(); });
+  return cancellation;
+}
+
+// On a worker.
+void Answer(const WritePorts& ports, const Measured& measured, const SparqlRequest& request,
+            const std::shared_ptr<HttpExchange>& exchange, std::shared_ptr<Cancellation> cancellation,
+            absl::Time until) {
+  switch (request.kind) {
+    case Kind::kQuery:
+      return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
+    case Kind::kUpdate:
+      return Update(ports, measured, request, exchange, std::move(cancellation), until);
+    case Kind::kDescription:
+      return Respond(exchange, measured,
+                     DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
+  }
+}
+
+// Has a worker answer, a query as soon as there is the version that it needs.
+void Begin(const WritePorts& ports, const Measured& measured, SparqlRequest request,
+           const std::shared_ptr<HttpExchange>& exchange) {
+  const auto cancellation = CancellationOf(request, exchange);
+  const absl::Time until = absl::Now() + absl::Milliseconds(request.timeout_ms);
+  // An update is read before it waits for its revision.
+  const Revision revision = request.kind == Kind::kQuery ? request.min_revision : Revision();
+  SubmitOnVersion(
+      ports, revision,
+      {.run = [&ports, measured, exchange, cancellation, until,
+               request =
+                   std::move(request)] { Answer(ports, measured, request, exchange, cancellation, until); },
+       .refuse = [measured,
+                  exchange](const absl::Status& why) { Respond(exchange, measured, ErrorResponse(why)); },
+       .client = exchange->client(),
+       .until = until,
+       .cancellation = cancellation});
+}
+
+// A large or packed body is read by a worker: the network's threads serve others meanwhile.
+void ReadAndAnswer(const WritePorts& ports, const Measured& measured,
+                   const std::shared_ptr<HttpExchange>& exchange) {
+  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits, exchange->memory());
+  if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
+  Begin(ports, measured, std::move(read.request), exchange);
+}
+
 void Handle(const WritePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
   const Measured measured(metrics);
-  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
-  if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
-  exchange->OnGone([cancellation] { cancellation->Cancel(); });
-  const int timeout_ms = read.request.timeout_ms;
-  const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
-  const absl::Status accepted = ports.workers->Submit(
-      [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
-        switch (request.kind) {
-          case Kind::kQuery:
-            return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
-          case Kind::kUpdate:
-            return Update(ports, measured, request, exchange, cancellation, until);
-          case Kind::kDescription:
-            return Respond(exchange, measured,
-                           DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
-        }
-      },
-      {until, [measured, exchange, timeout_ms] {
-         Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
-       }});
-  if (!accepted.ok()) Respond(exchange, measured, ErrorResponse(accepted));
+  std::optional<HttpResponse> refusal = RefuseAnotherSite(exchange->request());
+  if (refusal) return Respond(exchange, measured, *std::move(refusal));
+  if (IsQuicklyRead(exchange->request())) {
+    ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
+    if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
+    return Begin(ports, measured, std::move(read.request), exchange);
+  }
+  ports.workers->Submit(
+      {.run = [&ports, measured, exchange] { ReadAndAnswer(ports, measured, exchange); },
+       .refuse = [measured,
+                  exchange](const absl::Status& why) { Respond(exchange, measured, ErrorResponse(why)); },
+       .client = exchange->client(),
+       .until = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms)});
 }
 
 }  // namespace

@@ -97,7 +97,12 @@ std::string AddressOf(const HttpRequest& http) {
   return "http://" + (host.empty() ? "localhost" : host) + http.raw_path;
 }
 
-ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
+bool IsQuicklyRead(const HttpRequest& http) {
+  constexpr size_t kFew = 64u << 10;
+  return http.body.size() <= kFew && !IsPacked(http);
+}
+
+ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, MemoryUse* memory) {
   SparqlRequest request;
   request.timeout_ms = limits.query_timeout_ms;
   request.base_iri = AddressOf(http);
@@ -121,7 +126,7 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
   const std::string type = MediaTypeOnly(given);
   if (std::optional<HttpResponse> refusal = RefuseCharset(given)) return {std::move(refusal), {}};
   HttpBody body;
-  UnpackBody(http, limits.update_text_bytes, "update_text_bytes", &body);
+  UnpackBody(http, limits.update_text_bytes, "update_text_bytes", memory, &body);
   if (body.refusal) return {std::move(body.refusal), {}};
   if (type == "application/sparql-query" || type == "application/sparql-update") {
     request.kind = type == "application/sparql-update" ? Kind::kUpdate : Kind::kQuery;

@@ -13,7 +13,7 @@ bool LongAnswer::Send(std::string* piece) {
   bool there = true;
   if (exchange_.begun()) {
     if (exchange_.full()) {
-      WorkerPool::Waiting waiting(&workers_, WorkerPool::Waiting::What::kClient);
+      WorkerPool::Waiting waiting(WorkerPool::Waiting::What::kClient);
       there = exchange_.Write(*piece, [&waiting] { return waiting.Crowded(); });
     } else {
       there = exchange_.Write(*piece);

@@ -19,9 +19,8 @@ class LongAnswer {
  public:
   static constexpr size_t kPieceBytes = 64u << 10;  // worth sending
 
-  // `head` has no body. All must outlive it.
-  LongAnswer(HttpResponse head, HttpExchange* exchange, WorkerPool* workers)
-      : head_(std::move(head)), exchange_(*exchange), workers_(*workers) {}
+  // `head` has no body. `exchange` must outlive it.
+  LongAnswer(HttpResponse head, HttpExchange* exchange) : head_(std::move(head)), exchange_(*exchange) {}
 
   // The next piece, which is empty then. False: the client has gone.
   bool Send(std::string* piece);
@@ -33,7 +32,6 @@ class LongAnswer {
  private:
   HttpResponse head_;
   HttpExchange& exchange_;
-  WorkerPool& workers_;
 };
 
 }  // namespace docent::server

@@ -19,13 +19,13 @@ void AddParts(const google::protobuf::RepeatedPtrField<std::string>& names,
 
 }  // namespace
 
-absl::StatusOr<templates::ImportedTemplates> ImportFromAdapter(const std::string& target) {
+absl::StatusOr<templates::ImportedTemplates> ImportFromAdapter(const std::string& target,
+                                                               const grpc::CallbackServerContext* parent) {
   if (absl::Status status = CheckTarget(target); !status.ok()) return status;
-  grpc::ClientContext context;
-  SetImportDeadline(&context);
+  const std::unique_ptr<grpc::ClientContext> context = ImportContext(parent);
   v1::RobotDescription description;
   const grpc::Status status = v1::RobotAdapter::NewStub(ImportChannel(target))
-                                  ->Describe(&context, v1::DescribeRequest(), &description);
+                                  ->Describe(context.get(), v1::DescribeRequest(), &description);
   if (!status.ok()) return ImportError(target, status, "is no robot adapter");
   templates::ImportedTemplates out;
   for (const v1::OperationDescription& operation : description.operations()) {

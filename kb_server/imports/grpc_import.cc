@@ -28,9 +28,8 @@ namespace pb = google::protobuf;
 // One call of ServerReflectionInfo: questions and answers in turn.
 class ReflectionCall {
  public:
-  ReflectionCall(std::string target, const char* version)
-      : target_(std::move(target)), channel_(ImportChannel(target_)) {
-    SetImportDeadline(&context_);
+  ReflectionCall(std::string target, const char* version, const grpc::CallbackServerContext* parent)
+      : target_(std::move(target)), channel_(ImportChannel(target_)), context_(ImportContext(parent)) {
     const std::string name =
         absl::StrCat("/grpc.reflection.", version, ".ServerReflection/ServerReflectionInfo");
     method_name_ = name;
@@ -39,9 +38,9 @@ class ReflectionCall {
     stream_.reset(
         grpc::internal::ClientReaderWriterFactory<imports::ReflectionRequest,
                                                   imports::ReflectionResponse>::Create(channel_.get(), method,
-                                                                                       &context_));
+                                                                                       context_.get()));
   }
-  ~ReflectionCall() { context_.TryCancel(); }
+  ~ReflectionCall() { context_->TryCancel(); }
 
   absl::StatusOr<imports::ReflectionResponse> Ask(const imports::ReflectionRequest& request) {
     imports::ReflectionResponse response;
@@ -67,7 +66,7 @@ class ReflectionCall {
   const std::string target_;
   const std::shared_ptr<grpc::Channel> channel_;
   std::string method_name_;
-  grpc::ClientContext context_;
+  const std::unique_ptr<grpc::ClientContext> context_;
   std::unique_ptr<grpc::ClientReaderWriter<imports::ReflectionRequest, imports::ReflectionResponse>> stream_;
   bool ended_ = false;
   grpc::Status status_;
@@ -274,12 +273,13 @@ absl::StatusOr<templates::ImportedTemplates> Import(const std::string& target, R
 
 }  // namespace
 
-absl::StatusOr<templates::ImportedTemplates> ImportFromGrpc(const std::string& target) {
+absl::StatusOr<templates::ImportedTemplates> ImportFromGrpc(const std::string& target,
+                                                            const grpc::CallbackServerContext* parent) {
   if (absl::Status status = CheckTarget(target); !status.ok()) return status;
-  ReflectionCall older(target, "v1alpha");
+  ReflectionCall older(target, "v1alpha", parent);
   absl::StatusOr<templates::ImportedTemplates> out = Import(target, &older);
   if (out.ok() || !older.unimplemented()) return out;
-  ReflectionCall newer(target, "v1");
+  ReflectionCall newer(target, "v1", parent);
   return Import(target, &newer);
 }
 

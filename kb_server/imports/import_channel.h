@@ -25,9 +25,15 @@ inline std::shared_ptr<grpc::Channel> ImportChannel(const std::string& target) {
   return grpc::CreateCustomChannel(target, grpc::InsecureChannelCredentials(), arguments);
 }
 
-inline void SetImportDeadline(grpc::ClientContext* context) {
+// Of a call of an import, which ends at its time limit and with `parent`, if there is one.
+inline std::unique_ptr<grpc::ClientContext> ImportContext(const grpc::CallbackServerContext* parent) {
+  std::unique_ptr<grpc::ClientContext> context =
+      parent == nullptr ? std::make_unique<grpc::ClientContext>()
+                        : grpc::ClientContext::FromCallbackServerContext(
+                              *parent, grpc::PropagationOptions().disable_deadline_propagation());
   context->set_deadline(std::chrono::system_clock::now() +
                         std::chrono::milliseconds(kWorkflowLimits.import_timeout_ms));
+  return context;
 }
 
 // In one line.

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/memory_budget.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/connect_error.h"
 
@@ -62,7 +63,12 @@ void LiveSession::OnBytes(std::string_view bytes) {
     if (closed_) return;
     heard_ = absl::Now();
   }
-  for (const WebSocketReader::Event& event : reader_.Read(bytes)) {
+  const std::vector<WebSocketReader::Event> events = reader_.Read(bytes);
+  if (!CountHeld()) {
+    return Close(WebSocketClose(kWebSocketTryAgain,
+                                "too much is in work at the same time (http_bodies_bytes); try again later"));
+  }
+  for (const WebSocketReader::Event& event : events) {
     bool patient = true;
     {
       absl::MutexLock lock(&mutex_);
@@ -86,6 +92,21 @@ void LiveSession::OnBytes(std::string_view bytes) {
         break;
     }
   }
+}
+
+bool LiveSession::CountHeld() {
+  const size_t held = reader_.held();
+  {
+    absl::MutexLock lock(&mutex_);
+    if (held == 0) begun_ = absl::InfiniteFuture();
+    if (held > 0) begun_ = std::min(begun_, absl::Now());
+  }
+  MemoryUse* const memory = exchange_->memory();
+  const size_t before = std::exchange(held_, held);
+  if (memory == nullptr) return true;
+  if (held < before) memory->Release(before - held);
+  if (held == 0) memory->Settle();  // a connection that only listens keeps nothing of the budget
+  return held <= before || memory->Add(held - before);
 }
 
 void LiveSession::Take(const std::string& text) {
@@ -130,20 +151,40 @@ void LiveSession::BeginStream(const LiveRequest& request) {
 }
 
 void LiveSession::Look(absl::Time now, uint64_t newest) {
-  std::vector<std::shared_ptr<LiveStream>> streams;
-  bool silent = false, probe = false;
+  std::vector<std::pair<absl::Time, std::shared_ptr<LiveStream>>> streams;  // and when each was asked
+  bool silent = false, late = false, probe = false;
   {
     absl::MutexLock lock(&mutex_);
     if (closed_) return;
     silent = now - heard_ > absl::Milliseconds(ports_.limits.live_silence_ms);
+    late = now - begun_ > absl::Milliseconds(ports_.limits.live_silence_ms);
     probe = now - std::max(heard_, probed_) > absl::Milliseconds(ports_.limits.live_ping_ms);
     if (probe) probed_ = now;
-    for (const auto& [id, stream] : streams_) streams.push_back(stream);
+    for (const auto& [id, stream] : streams_) streams.emplace_back(absl::InfinitePast(), stream);
   }
   if (silent)
     return Close(WebSocketClose(kWebSocketGoingAway, "nothing came for the time of live_silence_ms"));
+  if (late)
+    return Close(
+        WebSocketClose(kWebSocketPolicy, "a message did not arrive within the time of live_silence_ms"));
   if (probe) exchange_->Push(WebSocketFrame(WebSocketOpcode::kPing, ""));
-  for (const auto& stream : streams) stream->Look(now, newest);
+  for (auto& [asked, stream] : streams) asked = stream->asked();
+  std::sort(streams.begin(), streams.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [asked, stream] : streams) stream->Look(now, newest);
+}
+
+bool LiveSession::TakeReadPlace(absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  std::erase_if(resting_, [now](absl::Time until) { return until <= now; });
+  if (reads_asked_ + resting_.size() >= ports_.limits.live_reads_asked) return false;
+  ++reads_asked_;
+  return true;
+}
+
+void LiveSession::LeaveReadPlace(absl::Time asked, absl::Time answered) {
+  absl::MutexLock lock(&mutex_);
+  --reads_asked_;
+  resting_.push_back(answered + (answered - asked));
 }
 
 void LiveSession::Close(std::string_view frame) {

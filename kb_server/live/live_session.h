@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/container/flat_hash_map.h"
@@ -25,7 +26,9 @@ class LiveStream {
   // Before the first message. `newest` is the newest revision.
   virtual absl::Status Begin(uint64_t newest) = 0;
   // Now and then. Must not block.
-  virtual void Look(absl::Time now, uint64_t newest) = 0;
+  virtual void Look(absl::Time /*now*/, uint64_t /*newest*/) {}
+  // When it last began to look for an answer: who has waited for the longest goes first.
+  virtual absl::Time asked() const { return absl::InfinitePast(); }
   // Nothing more is sent under its id.
   virtual void End() = 0;
 };
@@ -41,14 +44,21 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   // For its streams, any thread.
 
   const LivePorts& ports() const { return ports_; }
+  // Reads that are followed have live_reads_asked places in a connection, however many there are: one that is asked holds a
+  // place until it is answered, and then for as long again. False: they are taken.
+  bool TakeReadPlace(absl::Time now);
+  void LeaveReadPlace(absl::Time asked, absl::Time answered);
   // One message, whole JSON. Its stream asks `exchange` for room before it makes the next one.
   void Send(std::string_view json);
   // `stream` ends by itself: says so, unless the tab has ended it.
   void StreamEnded(const LiveStream* stream, const std::string& id, const grpc::Status& status);
   const std::shared_ptr<HttpExchange>& exchange() const { return exchange_; }
+  const ClientPtr& client() const { return exchange_->client(); }
 
  private:
   void Take(const std::string& text);
+  // Counts what reader_ holds, and since when. False: there is no room for it.
+  bool CountHeld();
   void BeginStream(const LiveRequest& request);
   // False: the tab goes on asking and does not read the answers.
   bool HasPatience() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -57,12 +67,17 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
 
   const LivePorts& ports_;
   const std::shared_ptr<HttpExchange> exchange_;
-  WebSocketReader reader_;  // of the network thread
+  WebSocketReader reader_;  // of the network thread, as is held_
+  size_t held_ = 0;         // counted of what it holds
   absl::Mutex mutex_;
   absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
   absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
   absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged
-  size_t unread_ ABSL_GUARDED_BY(mutex_) = 0;  // messages of the tab since it last read
+  size_t reads_asked_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<absl::Time> resting_ ABSL_GUARDED_BY(mutex_);  // places of reads that are answered: until when
+  size_t unread_ ABSL_GUARDED_BY(mutex_) = 0;                // messages of the tab since it last read
+  absl::Time begun_ ABSL_GUARDED_BY(mutex_) =
+      absl::InfiniteFuture();  // when the message began that is not whole
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

@@ -45,10 +45,9 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
 }
 
-absl::Status RunWhereThereIsTime(WorkerPool* workers, size_t bytes, std::function<void()> work) {
-  if (workers != nullptr && bytes > kLargeBytes) return workers->Submit(std::move(work));
-  work();
-  return absl::OkStatus();
+void RunWhereThereIsTime(WorkerPool* workers, size_t bytes, Work work) {
+  if (workers == nullptr || bytes <= kLargeBytes) return work.run();
+  workers->Submit(std::move(work));
 }
 
 // What both kinds have: one call at a time, whose sink lets go of the stream when the tab has ended it.
@@ -81,8 +80,8 @@ class StreamBase : public LiveStream, public std::enable_shared_from_this<Stream
     session_->StreamEnded(this, request_.id, status);
   }
   void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink) {
-    const std::shared_ptr<RpcCall> call =
-        session_->ports().calls->Start(PathOf(method_), {std::move(request)}, deadline, std::move(sink));
+    const std::shared_ptr<RpcCall> call = session_->ports().calls->Start(
+        PathOf(method_), {std::move(request)}, deadline, std::move(sink), session_->client());
     bool ended = false;
     {
       absl::MutexLock lock(&mutex_);
@@ -119,19 +118,21 @@ class ServiceStream final : public StreamBase {
     Start(request->SerializeAsString(), absl::InfiniteFuture(), std::make_shared<Sink>(Self()));
     return absl::OkStatus();
   }
-  void Look(absl::Time, uint64_t) override {}
 
  private:
   struct Sink final : RpcSink {
     explicit Sink(std::shared_ptr<ServiceStream> of) : stream(std::move(of)) {}
     void OnMessage(std::string bytes, const std::shared_ptr<RpcCall>& call) override {
       const size_t size = bytes.size();
-      const absl::Status begun = RunWhereThereIsTime(
+      RunWhereThereIsTime(
           stream->session_->ports().workers, size,
-          [stream = stream, bytes = std::move(bytes), call] { stream->Tell(bytes, call); });
-      if (begun.ok()) return;
-      stream->EndLive(ToGrpcStatus(begun));
-      call->Cancel();
+          {.run = [stream = stream, bytes = std::move(bytes), call] { stream->Tell(bytes, call); },
+           .refuse =
+               [stream = stream, call](const absl::Status& why) {
+                 stream->EndLive(ToGrpcStatus(why));
+                 call->Cancel();
+               },
+           .client = stream->session_->client()});
     }
     void OnEnd(const grpc::Status& status) override { stream->EndLive(status); }
     const std::shared_ptr<ServiceStream> stream;
@@ -167,16 +168,30 @@ class FollowedRead final : public StreamBase {
     binary_ = *std::move(binary);
     every_ = std::max(request_.every, absl::Milliseconds(session_->ports().limits.live_follow_ms));
     SendLive(Concat("{\"id\":", request_.id, ",\"begun\":true}"));
-    Ask(absl::Now(), newest);
+    {
+      absl::MutexLock lock(&state_mutex_);
+      begun_ = true;
+    }
+    Look(absl::Now(), newest);
     return absl::OkStatus();
   }
+  // A tab that reads slowly, or follows much, gets the newest answer later.
   void Look(absl::Time now, uint64_t newest) override {
     {
       absl::MutexLock lock(&state_mutex_);
-      if (asking_ || now < due_ || newest == asked_) return;
+      if (!begun_ || asking_ || now < due_ || newest == asked_) return;
+      if (session_->exchange()->full() || !session_->TakeReadPlace(now)) return;
+      asking_ = true;
+      asked_ = newest;
+      asked_at_ = now;
+      due_ = now + every_;
     }
-    if (!session_->exchange()->full())
-      Ask(now, newest);  // a tab that reads slowly gets the newest answer later
+    Start(binary_, now + kReadTime,
+          std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())));
+  }
+  absl::Time asked() const override {
+    absl::MutexLock lock(&state_mutex_);
+    return asked_at_;
   }
 
  private:
@@ -187,26 +202,23 @@ class FollowedRead final : public StreamBase {
       call->Next();
     }
     void OnEnd(const grpc::Status& status) override {
+      read->LeavePlace();
       if (!status.ok()) return read->EndLive(status);
       const size_t size = answer.size();
-      const absl::Status begun =
-          RunWhereThereIsTime(read->session_->ports().workers, size,
-                              [read = read, answer = std::move(answer)] { read->Tell(answer); });
-      if (!begun.ok()) read->EndLive(ToGrpcStatus(begun));
+      RunWhereThereIsTime(
+          read->session_->ports().workers, size,
+          {.run = [read = read, answer = std::move(answer)] { read->Tell(answer); },
+           .refuse = [read = read](const absl::Status& why) { read->EndLive(ToGrpcStatus(why)); },
+           .client = read->session_->client()});
     }
     const std::shared_ptr<FollowedRead> read;
     std::string answer;
   };
 
-  void Ask(absl::Time now, uint64_t newest) {
-    {
-      absl::MutexLock lock(&state_mutex_);
-      asking_ = true;
-      asked_ = newest;
-      due_ = now + every_;
-    }
-    Start(binary_, now + kReadTime,
-          std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())));
+  // The answer is there, or will not come.
+  void LeavePlace() {
+    absl::MutexLock lock(&state_mutex_);
+    session_->LeaveReadPlace(asked_at_, absl::Now());
   }
 
   void Tell(const std::string& answer) {
@@ -229,9 +241,11 @@ class FollowedRead final : public StreamBase {
 
   std::string binary_;  // the request
   absl::Duration every_;
-  absl::Mutex state_mutex_;
-  bool asking_ ABSL_GUARDED_BY(state_mutex_) = true;  // until it has begun, too
-  uint64_t asked_ ABSL_GUARDED_BY(state_mutex_) = 0;  // the revision
+  mutable absl::Mutex state_mutex_;
+  bool begun_ ABSL_GUARDED_BY(state_mutex_) = false;
+  bool asking_ ABSL_GUARDED_BY(state_mutex_) = false;
+  std::optional<uint64_t> asked_ ABSL_GUARDED_BY(state_mutex_);  // the revision
+  absl::Time asked_at_ ABSL_GUARDED_BY(state_mutex_) = absl::InfinitePast();
   absl::Time due_ ABSL_GUARDED_BY(state_mutex_) = absl::InfinitePast();
   std::string told_ ABSL_GUARDED_BY(state_mutex_);  // mark of the answer that the tab has
 };

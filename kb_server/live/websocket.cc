@@ -118,6 +118,7 @@ std::vector<WebSocketReader::Event> WebSocketReader::Read(std::string_view bytes
     TakeFrame(*head, std::move(payload), &events);
   }
   buffer_.erase(0, at);
+  if (buffer_.empty()) buffer_.shrink_to_fit();
   return events;
 }
 

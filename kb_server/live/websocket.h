@@ -26,7 +26,7 @@ enum class WebSocketOpcode : uint8_t {
 // Status codes of the end of a connection (section 7.4.1).
 constexpr uint16_t kWebSocketNormal = 1000, kWebSocketGoingAway = 1001, kWebSocketProtocolError = 1002,
                    kWebSocketUnsupported = 1003, kWebSocketInvalidData = 1007, kWebSocketPolicy = 1008,
-                   kWebSocketTooLarge = 1009;
+                   kWebSocketTooLarge = 1009, kWebSocketTryAgain = 1013;
 
 // Checks the request of a handshake (section 4.2.1). Fills `*headers` of the answer 101; or the refusal: 400, or 426 for a
 // request that asks for no WebSocket, or for another version.
@@ -50,6 +50,8 @@ class WebSocketReader {
   // connection like a close frame of its own.
   std::vector<Event> Read(std::string_view bytes);
   bool closed() const { return closed_; }
+  // Bytes of messages and frames that are not whole.
+  size_t held() const { return buffer_.size() + (text_ ? text_->size() : 0); }
 
  private:
   struct Head {

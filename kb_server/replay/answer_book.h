@@ -1,5 +1,7 @@
-// The answers that robots gave in a recorded life, by command: a command of a replay is answered as the recorded command of the
-// same node and operation was, first one with the same robot and values, else the next one that is left.
+// The answers that robots gave in a recorded life, by command. A report is given to the replay in its recorded turn, if the
+// replay has sent the same command in the same turn; else after the same time. A command of the run is answered as the recorded
+// one of the same node and operation was, first one with the same robot and values, else the next one that is left; a command of
+// another run as that of the same attempt.
 //
 // One thread.
 #ifndef DOCENT_KB_SERVER_REPLAY_ANSWER_BOOK_H_
@@ -7,6 +9,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,9 +19,8 @@
 
 namespace docent::server {
 
-// A report that is to be given to the replay.
+// A report that is to be given to the replay at a time of its own.
 struct DueReport {
-  uint64_t offset = 0;  // with this recorded turn; 0: at the time
   TimeMicros time_us = 0;
   CommandReport report;
 };
@@ -28,21 +30,31 @@ class AnswerBook {
   // `recorded` must outlive it.
   explicit AnswerBook(const RunCase& recorded);
 
-  // What was reported of the command that answers this one; the ids are those of the replay. One that was sent in the same turn
-  // is answered in the same turns, another one after the same times. False: there is none that was not used.
+  // The run has sent this command; the ids are those of the replay. What is not answered in the recorded turns is added to
+  // `due`. False: there is no recorded command that was not used.
   bool Answer(const Decision& command, std::vector<DueReport>* due);
+  // Another run has.
+  void AnswerOther(const RobotCommand& command, TimeMicros now_us, std::vector<DueReport>* due);
+  // What the replay is to be told where this report was recorded; nullopt: nothing.
+  std::optional<CommandReport> Told(const CommandReport& recorded) const;
+  // The replay has ended this command: what was recorded of it is told no more.
+  void Drop(const CommandId& played);
   // Whether the recorded run cancelled the command that answered this one.
   bool WasCancelled(const CommandId& played) const;
 
  private:
+  using Reports = std::vector<std::pair<const CaseTurn*, const CommandReport*>>;
   struct Recorded {
     const Decision* command = nullptr;
-    std::vector<std::pair<const CaseTurn*, const CommandReport*>> reports;
     bool used = false;
     bool cancelled = false;
   };
+  std::map<CommandId, Reports> reports_;
   std::map<std::pair<std::string, std::string>, std::vector<Recorded>> commands_;  // by node and operation
-  std::set<CommandId> cancelled_;                                                  // ids of the replay
+  std::set<CommandId> own_;                // recorded commands of the run
+  std::map<CommandId, CommandId> played_;  // recorded → of the replay, which is answered in the same turns
+  std::map<std::string, CommandId> others_;  // attempt → recorded command of another run
+  std::set<CommandId> cancelled_;            // ids of the replay
 };
 
 }  // namespace docent::server

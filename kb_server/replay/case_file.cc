@@ -1,16 +1,15 @@
 #include "kb_server/replay/case_file.h"
 
-#include <algorithm>
-#include <set>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/time.h"
+#include "graph/base/gzip.h"
 #include "kb_server/replay/saved_words.h"
 #include "nlohmann/json.hpp"
-#include "workflow/cawl/parser.h"
 
 namespace docent::server {
 namespace {
@@ -22,8 +21,9 @@ std::string Show(TimeMicros time_us) {
 }
 
 std::string Line(const TermQuad& quad) {
+  const std::string graph = quad.graph == Term() ? "" : absl::StrCat(" ", ToNTriples(quad.graph));
   return absl::StrCat(ToNTriples(quad.subject), " ", ToNTriples(quad.predicate), " ", ToNTriples(quad.object),
-                      " ", ToNTriples(quad.graph), " .");
+                      graph, " .");
 }
 
 Json Lines(const std::string& text) {
@@ -44,12 +44,6 @@ Json Of(const Document& document) {
   return out;
 }
 
-Json Of(const Holds& holds) {
-  Json out = Json::object();
-  for (const auto& [robot, run] : holds) out[robot.value()] = run.value();
-  return out;
-}
-
 Json Of(const CommandReport& report) {
   Json out = {{"command", report.command.value()}, {"outcome", WordOf(report.outcome)}};
   if (!report.message.empty()) out["message"] = report.message;
@@ -59,13 +53,11 @@ Json Of(const CommandReport& report) {
   return out;
 }
 
-Json Of(const CaseRequest& asked) {
-  const RunRequest& request = asked.request;
+Json Of(const RunRequest& request) {
   Json out = {{"kind", WordOf(request.kind)}};
   const auto put = [&out](const char* name, const std::string& value) {
     if (!value.empty()) out[name] = value;
   };
-  put("run", asked.run);
   put("target", request.target);
   put("node", request.node);
   put("robot", request.robot);
@@ -76,19 +68,43 @@ Json Of(const CaseRequest& asked) {
   return out;
 }
 
+Json Of(const SensorReading& reading) {
+  Json out = {{"sensor", reading.sensor}, {"value", ToNTriples(reading.value)}};
+  if (reading.time_us != 0) out["time"] = Show(reading.time_us);
+  return out;
+}
+
+void Add(const WriteBatch& batch, Json* out) {
+  Json& turn = *out;
+  if (!batch.source.empty()) turn["source"] = batch.source;
+  if (batch.mode == WriteBatch::Mode::kLoad) turn["loads"] = true;
+  if (batch.lifetime_ms != 0) turn["lifetimeMs"] = batch.lifetime_ms;
+  if (batch.clock_tick) turn["tick"] = true;
+  for (const QuadOperation& operation : batch.operations)
+    turn["facts"].push_back(
+        absl::StrCat(operation.kind == QuadOperation::Kind::kAdd ? "+ " : "- ", Line(operation.quad)));
+  for (const SensorReading& reading : batch.readings) turn["readings"].push_back(Of(reading));
+  for (const Document& document : batch.documents) turn["documents"].push_back(Of(document));
+  for (const CommandReport& report : batch.reports) turn["reports"].push_back(Of(report));
+  for (const RunRequest& request : batch.run_requests) turn["requests"].push_back(Of(request));
+}
+
 Json Of(const CaseTurn& turn) {
   Json out = {{"turn", turn.offset}, {"time", Show(turn.time_us)}};
-  for (const auto& [name, kind] :
-       {std::pair("remove", QuadOperation::Kind::kRemove), std::pair("add", QuadOperation::Kind::kAdd)}) {
-    for (const QuadOperation& operation : turn.changes) {
-      if (operation.kind == kind) out[name].push_back(Line(operation.quad));
-    }
-  }
-  for (const Document& document : turn.documents) out["documents"].push_back(Of(document));
-  for (const CommandReport& report : turn.reports) out["reports"].push_back(Of(report));
-  for (const CaseRequest& request : turn.requests) out["requests"].push_back(Of(request));
-  if (turn.held) out["held"] = Of(*turn.held);
+  Add(turn.batch, &out);
+  if (turn.due_us) out["due"] = *turn.due_us;
+  if (!turn.asked.empty()) out["asksFor"] = turn.asked;
+  if (!turn.asked_no_more.empty()) out["asksNoMore"] = turn.asked_no_more;
   return out;
+}
+
+// In lines that version control can show.
+Json Packed(const std::string& bytes) {
+  constexpr size_t kLine = 120;
+  const std::string text = absl::Base64Escape(Gzip(bytes));
+  Json lines = Json::array();
+  for (size_t at = 0; at < text.size(); at += kLine) lines.push_back(text.substr(at, kLine));
+  return lines;
 }
 
 Json Of(const Decision& decision) {
@@ -129,45 +145,11 @@ std::string EncodeCase(const RunCase& saved) {
   for (const Decision& decision : saved.course.decisions) course["decisions"].push_back(Of(decision));
   out["turns"] = Json::array();
   for (const CaseTurn& turn : saved.turns) out["turns"].push_back(Of(turn));
-  out["held"] = Of(saved.held);
   out["document"] = Of(saved.document);
-  out["documents"] = Json::array();
-  for (const Document& document : saved.documents) out["documents"].push_back(Of(document));
-  std::vector<std::string> lines;
-  for (const TermQuad& fact : saved.facts) lines.push_back(Line(fact));
-  std::sort(lines.begin(), lines.end());
-  out["facts"] = std::move(lines);
+  out["nested"] = Json::object();
+  for (const auto& [run, path] : saved.nested) out["nested"][run.value()] = path;
+  out["state"] = Packed(saved.state);
   return absl::StrCat(out.dump(1, ' ', false, Json::error_handler_t::replace), "\n");
-}
-
-RunCase WithoutOtherWorkflows(RunCase recorded) {
-  std::set<std::string> needed;
-  const auto need = [&needed](const std::string& text) {
-    const cawl::ParsedCawl parsed = cawl::ParseCawl(text, "");
-    size_t before = needed.size();
-    if (parsed.document == nullptr) return false;
-    for (const cawl::Flow& flow : parsed.document->flows) {
-      for (const cawl::Node& node : flow.nodes) {
-        for (const cawl::Invoke& invoke : node.invokes) {
-          for (const auto& [workflow, name] : cawl::StartTargets(invoke.subflow.value))
-            needed.insert(workflow);
-        }
-      }
-    }
-    return needed.size() > before;
-  };
-  bool more = need(recorded.document.text);
-  while (more) {
-    more = false;
-    for (const Document& document : recorded.documents) {
-      if (document.kind == Document::Kind::kCawl && needed.contains(document.name))
-        more = need(document.text) || more;
-    }
-  }
-  std::erase_if(recorded.documents, [&needed](const Document& document) {
-    return document.kind == Document::Kind::kCawl && !needed.contains(document.name);
-  });
-  return recorded;
 }
 
 }  // namespace docent::server

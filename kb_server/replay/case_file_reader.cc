@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/gzip.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/formats/parser.h"
 #include "kb_server/replay/case_file.h"
@@ -14,6 +17,9 @@ namespace docent::server {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// The format version whose files have facts, changes of facts, and which robots others held, in place of a state and batches.
+constexpr uint64_t kOfWorlds = 1;
 
 class Decoder {
  public:
@@ -39,6 +45,7 @@ class Decoder {
                                                      ", and this program reads up to ", kCaseVersion,
                                                      "; use the newer docent that saved it"));
     }
+    version_ = version;
     RunCase saved = ReadCase(root);
     if (wrong_.ok()) return saved;
     return absl::Status(wrong_.code(), absl::StrCat(file_, ": ", wrong_.message(),
@@ -58,10 +65,15 @@ class Decoder {
     saved.last_turn = run.At("lastTurn").Number();
     saved.ended = run.At("ended").IsTrue();
     saved.document = ReadDocument(root.At("document"));
-    for (const JsonPlace& document : root.At("documents").Items())
-      saved.documents.push_back(ReadDocument(document));
-    saved.facts = ReadFacts(root.At("facts"));
-    saved.held = ReadHolds(root.At("held"));
+    if (version_ == kOfWorlds) {
+      for (const JsonPlace& document : root.At("documents").Items())
+        saved.documents.push_back(ReadDocument(document));
+      saved.facts = ReadFacts(root.At("facts"));
+      saved.held = ReadHolds(root.At("held"));
+    } else {
+      for (const auto& [run, path] : root.At("nested").Members()) saved.nested[RunId(run)] = path.Text();
+      saved.state = ReadPacked(root.At("state"));
+    }
     for (const JsonPlace& turn : root.At("turns").Items()) ReadTurn(turn, &saved);
     if (saved.turns.empty()) root.At("turns").Wrong("has no turn");
     const JsonPlace course = root.At("course");
@@ -99,7 +111,8 @@ class Decoder {
     return time_us;
   }
 
-  std::vector<TermQuad> ReadFacts(const JsonPlace& place) {
+  // `signed_lines`: "+ " or "- " stands before each.
+  std::vector<TermQuad> ReadFacts(const JsonPlace& place, bool signed_lines = false) {
     if (!wrong_.ok()) return {};
     std::string text;
     const std::vector<JsonPlace> lines = place.Items();
@@ -108,7 +121,13 @@ class Decoder {
           absl::StrCat("it has more than ", limits_.replay_facts, " facts; the limit is replay_facts"));
       return {};
     }
-    for (const JsonPlace& line : lines) absl::StrAppend(&text, line.Text(), "\n");
+    for (const JsonPlace& line : lines) {
+      std::string fact = line.Text();
+      if (signed_lines && !fact.starts_with("+ ") && !fact.starts_with("- "))
+        line.Wrong("begins neither with \"+ \" nor with \"- \"");
+      absl::StrAppend(&text, signed_lines ? fact.substr(std::min<size_t>(2, fact.size())) : fact, "\n");
+    }
+    if (!wrong_.ok()) return {};
     ParseRdfOptions options;
     options.file = place.place();
     ParsedRdf parsed = ParseRdf(text, RdfFormat::kNQuads, options);
@@ -154,10 +173,8 @@ class Decoder {
     return report;
   }
 
-  CaseRequest ReadRequest(const JsonPlace& place) {
-    CaseRequest asked;
-    asked.run = place.At("run").TextOr("");
-    RunRequest& request = asked.request;
+  RunRequest ReadRequest(const JsonPlace& place) {
+    RunRequest request;
     request.kind = ReadWord<RunRequest::Kind>(place.At("kind"));
     request.target = place.At("target").TextOr("");
     request.node = place.At("node").TextOr("");
@@ -166,7 +183,80 @@ class Decoder {
     request.arguments = ReadValues(place.At("values"));
     request.cancels_commands = place.At("cancelsCommands").IsTrue();
     request.compensates = place.At("compensates").IsTrue();
-    return asked;
+    return request;
+  }
+
+  // Of a file of worlds: about the run at a path, or about the workflow.
+  RunRequest ReadRequestOfWorld(const JsonPlace& place, RunCase* saved) {
+    using Kind = RunRequest::Kind;
+    RunRequest request = ReadRequest(place);
+    if (request.kind == Kind::kPauseWorkflow || request.kind == Kind::kResumeWorkflow) {
+      request.target = saved->workflow;
+    } else if (request.kind != Kind::kCancelCommands) {
+      const std::string path = place.At("run").TextOr("");
+      request.target = path.empty() ? saved->run.value() : path;
+      if (!path.empty()) saved->nested[RunId(path)] = path;
+    }
+    return request;
+  }
+
+  SensorReading ReadReading(const JsonPlace& place) {
+    SensorReading reading;
+    reading.sensor = place.At("sensor").Text();
+    reading.value = ReadTerm(place.At("value"));
+    if (place.At("time").there()) reading.time_us = ReadTime(place.At("time"));
+    return reading;
+  }
+
+  std::string ReadPacked(const JsonPlace& place) {
+    std::string text, packed;
+    for (const JsonPlace& line : place.Items()) text += line.Text();
+    if (!wrong_.ok()) return "";
+    absl::StatusOr<std::string> bytes = absl::InvalidArgumentError("");
+    if (absl::Base64Unescape(text, &packed) && IsGzip(packed))
+      bytes = Gunzip(packed, limits_.saved_run_bytes, "saved_run_bytes");
+    if (absl::IsResourceExhausted(bytes.status())) wrong_ = bytes.status();
+    if (!bytes.ok()) place.Wrong("is no packed state");
+    return bytes.ok() ? *std::move(bytes) : "";
+  }
+
+  std::vector<QuadOperation> ReadOperations(const JsonPlace& place) {
+    std::vector<QuadOperation> operations;
+    for (TermQuad& quad : ReadFacts(place, true))
+      operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    size_t at = 0;
+    if (!wrong_.ok()) return operations;
+    for (const JsonPlace& line : place.Items()) {
+      if (line.Text().starts_with("- ")) operations[at].kind = QuadOperation::Kind::kRemove;
+      ++at;
+    }
+    return operations;
+  }
+
+  void ReadBatch(const JsonPlace& place, RunCase* saved, CaseTurn* turn) {
+    WriteBatch& batch = turn->batch;
+    batch.source = place.At("source").TextOr("");
+    if (place.At("loads").IsTrue()) batch.mode = WriteBatch::Mode::kLoad;
+    if (place.At("lifetimeMs").there()) batch.lifetime_ms = place.At("lifetimeMs").Number();
+    batch.clock_tick = place.At("tick").IsTrue();
+    batch.time_us = turn->time_us;
+    for (const JsonPlace& reading : place.At("readings").Items())
+      batch.readings.push_back(ReadReading(reading));
+    for (const JsonPlace& document : place.At("documents").Items())
+      batch.documents.push_back(ReadDocument(document));
+    for (const JsonPlace& report : place.At("reports").Items()) batch.reports.push_back(ReadReport(report));
+    for (const JsonPlace& request : place.At("requests").Items())
+      batch.run_requests.push_back(version_ == kOfWorlds ? ReadRequestOfWorld(request, saved)
+                                                         : ReadRequest(request));
+    if (version_ != kOfWorlds) {
+      batch.operations = ReadOperations(place.At("facts"));
+      return;
+    }
+    batch.mode = WriteBatch::Mode::kLoad;
+    for (const auto& [name, kind] :
+         {std::pair("remove", QuadOperation::Kind::kRemove), std::pair("add", QuadOperation::Kind::kAdd)}) {
+      for (TermQuad& quad : ReadFacts(place.At(name))) batch.operations.push_back({kind, std::move(quad)});
+    }
   }
 
   void ReadTurn(const JsonPlace& place, RunCase* saved) {
@@ -176,15 +266,10 @@ class Decoder {
     const bool later = saved->turns.empty() || (turn.offset > saved->turns.back().offset &&
                                                 turn.time_us >= saved->turns.back().time_us);
     if (turn.offset == 0 || !later) place.Wrong("does not come after the turn before it");
-    for (const auto& [name, kind] :
-         {std::pair("remove", QuadOperation::Kind::kRemove), std::pair("add", QuadOperation::Kind::kAdd)}) {
-      for (TermQuad& quad : ReadFacts(place.At(name))) turn.changes.push_back({kind, std::move(quad)});
-    }
-    for (const JsonPlace& document : place.At("documents").Items())
-      turn.documents.push_back(ReadDocument(document));
-    for (const JsonPlace& report : place.At("reports").Items()) turn.reports.push_back(ReadReport(report));
-    for (const JsonPlace& request : place.At("requests").Items())
-      turn.requests.push_back(ReadRequest(request));
+    ReadBatch(place, saved, &turn);
+    if (place.At("due").there()) turn.due_us = static_cast<TimeMicros>(place.At("due").Number());
+    for (const JsonPlace& time : place.At("asksFor").Items()) turn.asked.push_back(time.Text());
+    for (const JsonPlace& time : place.At("asksNoMore").Items()) turn.asked_no_more.push_back(time.Text());
     if (place.At("held").there()) turn.held = ReadHolds(place.At("held"));
     if (saved->turns.size() >= limits_.replay_turns && wrong_.ok()) {
       wrong_ = absl::ResourceExhaustedError(
@@ -217,6 +302,7 @@ class Decoder {
 
   const std::string& file_;
   const ReplayLimits limits_;
+  uint64_t version_ = kCaseVersion;
   size_t facts_ = 0;
   absl::Status wrong_;
 };

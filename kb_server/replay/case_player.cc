@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -14,22 +13,23 @@
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/store/server_graphs.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/replay/answer_book.h"
 #include "kb_server/replay/play_questions.h"
+#include "kb_server/replay/play_stages.h"
+#include "kb_server/replay/played_clock.h"
 #include "kb_server/replay/played_document.h"
+#include "kb_server/replay/recording.h"
 #include "kb_server/replay/run_course.h"
 #include "kb_server/replay/run_tree.h"
 #include "kb_server/turn/turn.h"
-#include "workflow/engine/engine_state.h"
 
 namespace docent::server {
 namespace {
 
-// A timer that the recorded server noticed with a turn of its own goes off with that turn, which was a little later.
+// In a file of an older version, which has no ticks: a timer that the server noticed with a turn of its own goes off with that
+// turn, which was a little later.
 constexpr TimeMicros kLateTurn = 1'000'000;
-constexpr size_t kFactsOfTurn = 20000;  // of those before the run
 
 bool IsFinalState(const std::string& state) {
   return state == "done" || state == "failed" || state == "cancelled";
@@ -48,17 +48,16 @@ class Player {
  public:
   Player(const RunCase& recorded, const cawl::DocumentPtr& document, const PlayOptions& options)
       : recorded_(recorded),
+        given_(document),
         document_(*document),
         options_(options),
         answers_(recorded),
-        stages_(&dictionary_, options.functions, options.limits) {
-    stages_.freezes = false;
-    stages_.cancellation = options.cancellation;
-  }
+        clock_(ClockOf(recorded)),
+        stages_(recorded_, document_, options) {}
 
   absl::StatusOr<Play> Run() {
     if (absl::Status ready = SetUp(); !ready.ok()) return ready;
-    if (absl::Status begun = Begin(recorded_.turns.front()); !begun.ok()) return begun;
+    if (absl::Status begun = is_world() ? BeginWorld() : BeginRun(); !begun.ok()) return begun;
     for (size_t i = 1; i < recorded_.turns.size() && GoesOn(); ++i) {
       if (absl::Status until = PlayUntil(recorded_.turns[i].time_us); !until.ok()) return until;
       if (!GoesOn()) break;
@@ -70,98 +69,82 @@ class Player {
 
  private:
   bool simulated() const { return options_.simulated_until_us != 0; }
+  bool is_world() const { return recorded_.state.empty(); }
+  // An old file has what the recorded clock told as changes of facts; what that was not asked is not known.
+  static PlayedClock::Tells ClockOf(const RunCase& recorded) {
+    if (!recorded.state.empty()) return PlayedClock::Tells::kUnrecorded;
+    return recorded.course.decisions.empty() ? PlayedClock::Tells::kAll : PlayedClock::Tells::kNothing;
+  }
   bool GoesOn() const { return tree_.has_value() && !ended_ && play_.stopped.empty(); }
 
-  // Facts and documents before the first turn.
   absl::Status SetUp() {
-    if (recorded_.turns.empty()) return absl::InvalidArgumentError("the recorded run has no turns");
-    engine::EngineState state;
-    state.next_run = recorded_.number;
-    stages_.engine.Restore(std::move(state));
-    stages_.Commit();
+    if (absl::Status ready = stages_.SetUp(); !ready.ok()) return ready;
     offset_ = recorded_.turns.front().offset - 1;
     now_us_ = recorded_.turns.front().time_us;
-    std::vector<const Document*> rules, others;
-    for (const Document& document : recorded_.documents)
-      (document.kind == Document::Kind::kRules ? rules : others).push_back(&document);
-    if (absl::Status put = PutDocuments(rules); !put.ok()) return put;
-    for (const bool modules : {true, false}) {  // ontologies first: rules follow the schema
-      if (absl::Status loaded = Load(modules); !loaded.ok()) return loaded;
-    }
-    if (absl::Status put = PutDocuments(others); !put.ok()) return put;
-    WriteBatch own;
-    own.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, document_.name.value,
-                             document_.source,
-                             std::make_shared<const ParsedDocument>(WithoutFiring(document_))});
-    if (auto deployed = Turn(std::move(own)); !deployed.ok()) return deployed.status();
-    stages_.engine.HoldForOthers(recorded_.held);
+    clock_.Begin(stages_.dictionary(), stages_->writer.current());
     return absl::OkStatus();
   }
 
-  // Facts of modules of ontology, or the others, in turns of a bounded length.
-  absl::Status Load(bool modules) {
-    WriteBatch batch;
-    const auto load = [&] {
-      batch.mode = WriteBatch::Mode::kLoad;
-      return Turn(std::exchange(batch, {})).status();
-    };
-    for (const TermQuad& fact : recorded_.facts) {
-      if (IsModuleGraph(fact.graph.lexical) != modules) continue;
-      batch.operations.push_back({QuadOperation::Kind::kAdd, fact});
-      if (batch.operations.size() < kFactsOfTurn) continue;
-      if (absl::Status loaded = load(); !loaded.ok()) return loaded;
+  // A recorded run begins where it did, in its place among all that its first turn does.
+  absl::Status BeginRun() {
+    engine::PlayedRun played;
+    played.number = recorded_.number;
+    played.document = given_;
+    played.flow = recorded_.flow;
+    for (const auto& [run, path] : recorded_.nested) played.nested.push_back(NumberOf(run));
+    std::sort(played.nested.begin(), played.nested.end());
+    if (!recorded_.asked && !ActivatesAsRecorded()) {
+      absl::StatusOr<Activation> activation = TryActivation();
+      if (!activation.ok()) return activation.status();
+      if (!activation->fires) return DoesNotFire(*activation);
+      played.variables = activation->values;
+      if (absl::Status again = SetUp(); !again.ok()) return again;
     }
-    return batch.operations.empty() ? absl::OkStatus() : load();
+    if (!recorded_.asked) played.flow = document_.activator->flow.value;
+    root_ = RunId(absl::StrCat(IriSegment(played.flow), "-", played.number));
+    stages_->engine.PlayInstead(std::move(played));
+    tree_.emplace(root_, &stages_.dictionary());
+    if (absl::Status begun = PlayTurn(recorded_.turns.front()); !begun.ok()) return begun;
+    if (!begun_) Stop(kActivator, "what started the recorded run does not start it in the replay");
+    return absl::OkStatus();
   }
 
-  // One after the other: a process may contain one of a document that comes later.
-  absl::Status PutDocuments(std::vector<const Document*> left) {
-    std::erase_if(left, [this](const Document* document) {
-      return document->kind == Document::Kind::kCawl && document->name == document_.name.value;
-    });
-    absl::Status refused;
-    for (size_t before = left.size() + 1; !left.empty() && left.size() < before;) {
-      before = left.size();
-      std::erase_if(left, [&](const Document* document) {
-        WriteBatch batch;
-        absl::StatusOr<Document> played = Played(*document);
-        if (played.ok()) batch.documents.push_back(*std::move(played));
-        refused = played.status();
-        if (refused.ok()) refused = Turn(std::move(batch)).status();
-        return refused.ok();
-      });
-      if (absl::Status over = options_.cancellation->CheckNow(); !over.ok()) return over;
-    }
-    return left.empty() ? absl::OkStatus() : refused;
+  absl::Status DoesNotFire(const Activation& activation) {
+    Stop(kActivator, activation.why_not);
+    activation_ask_ = activation.ask;
+    return absl::OkStatus();
   }
 
-  absl::StatusOr<Document> Played(const Document& document) const {
-    Document played = document;
-    if (document.kind != Document::Kind::kCawl || document.action != Document::Action::kPut) return played;
-    auto parsed = ParseWorkflow(document.text, document.name, options_.limits);
-    if (!parsed.ok()) return parsed.status();
-    played.parsed = std::make_shared<const ParsedDocument>(WithoutFiring(**parsed));
-    return played;
+  // Whether the activator fires as the one that started the run, so that its values are those of then.
+  bool ActivatesAsRecorded() const {
+    const auto ran = ParseWorkflow(recorded_.document.text, recorded_.document.name, options_.limits);
+    return ran.ok() && FiresAlike(**ran, document_, options_.limits);
   }
 
-  // The facts of the first turn, then the run on them.
-  absl::Status Begin(const CaseTurn& first) {
+  // What an edited activator makes of the recorded key, on the facts of the first turn as it was.
+  absl::StatusOr<Activation> TryActivation() {
+    const CaseTurn& first = recorded_.turns.front();
+    const absl::StatusOr<TurnResult> result = stages_.Turn(first.batch, first.offset, first.time_us);
+    if (!result.ok()) return result.status();
+    absl::StatusOr<Activation> activation = Activate();
+    if (activation.ok() && !activation->note.empty()) play_.notes.push_back(activation->note);
+    return activation;
+  }
+
+  // The facts of the first turn of a world, then the run on them.
+  absl::Status BeginWorld() {
+    const CaseTurn& first = recorded_.turns.front();
     offset_ = first.offset;
-    if (absl::Status told = PlayWorld(first, {}); !told.ok()) return told;
+    if (absl::Status told = PlayWorld(first); !told.ok()) return told;
     RunRequest start;
     start.kind = RunRequest::Kind::kStart;
+    start.arguments = recorded_.values;
     std::string flow = recorded_.flow;
-    if (recorded_.asked) {
-      start.arguments = recorded_.values;
-    } else {
+    if (!recorded_.asked) {
       absl::StatusOr<Activation> activation = Activate();
       if (!activation.ok()) return activation.status();
       if (!activation->note.empty()) play_.notes.push_back(activation->note);
-      if (!activation->fires) {
-        Stop(kActivator, activation->why_not);
-        activation_ask_ = activation->ask;
-        return absl::OkStatus();
-      }
+      if (!activation->fires) return DoesNotFire(*activation);
       start.arguments.assign(activation->values.begin(), activation->values.end());
       flow = document_.activator->flow.value;
     }
@@ -171,23 +154,25 @@ class Player {
     start.target = absl::StrCat(document_.name.value, "/", flow);
     WriteBatch batch;
     batch.run_requests.push_back(std::move(start));
-    absl::StatusOr<TurnResult> result = Turn(std::move(batch));
+    absl::StatusOr<TurnResult> result = stages_.Turn(std::move(batch), offset_, now_us_);
     if (!result.ok()) return result.status();
     root_ = result->started.at(0);
-    tree_.emplace(root_, &dictionary_);
-    return Take(*result);
+    tree_.emplace(root_, &stages_.dictionary());
+    if (absl::Status taken = Take(*result); !taken.ok()) return taken;
+    return TellTimes();
   }
 
   // Of a simulation: the values with which the activator fires, if it does.
   absl::Status FindValues(NamedTerms* values) {
+    if (absl::Status asked = AskForTimes(); !asked.ok()) return asked;
     const absl::StatusOr<Activation> activation =
-        FindActivation(&stages_, document_, recorded_.values, now_us_);
+        FindActivation(&*stages_, document_, recorded_.values, now_us_);
     if (!activation.ok()) return activation.status();
     if (activation->fires) {
       values->assign(activation->values.begin(), activation->values.end());
       return absl::OkStatus();
     }
-    PlayQuestions questions(&stages_, stages_.writer.Freeze(Revision(offset_)), now_us_,
+    PlayQuestions questions(&*stages_, stages_->writer.Freeze(Revision(offset_)), now_us_,
                             options_.cancellation);
     play_.waits.push_back({kActivator, activation->ask, questions.Missing(activation->ask)});
     play_.notes.push_back(absl::StrCat("activator ", document_.activator->name.value,
@@ -195,14 +180,29 @@ class Player {
     return absl::OkStatus();
   }
 
+  // The times of the activator, which is never armed in a world: the clock tells what is asked for.
+  absl::Status AskForTimes() {
+    WriteBatch batch;
+    batch.mode = WriteBatch::Mode::kLoad;
+    for (const std::string& time : TimesOfActivator(document_, options_.limits)) {
+      batch.operations.push_back(
+          {QuadOperation::Kind::kAdd,
+           {Term::Iri(time), Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("TimeTrigger")),
+            Term::Iri(std::string(kClockGraph))}});
+    }
+    if (batch.operations.empty()) return absl::OkStatus();
+    if (auto asked = stages_.Turn(std::move(batch), offset_, now_us_); !asked.ok()) return asked.status();
+    return TellTimes();
+  }
+
   // What the activator makes of the recorded key. A firing that waited for another run (ext:mode="queued") started the run in a
   // turn in which its condition need not hold: then not that of the document that ran does either.
   absl::StatusOr<Activation> Activate() {
-    absl::StatusOr<Activation> activation = FindActivation(&stages_, document_, recorded_.values, now_us_);
+    absl::StatusOr<Activation> activation = FindActivation(&*stages_, document_, recorded_.values, now_us_);
     if (!activation.ok() || activation->fires || !document_.activator) return activation;
     const auto ran = ParseWorkflow(recorded_.document.text, recorded_.document.name, options_.limits);
     if (!ran.ok()) return activation;
-    const absl::StatusOr<Activation> of_ran = FindActivation(&stages_, **ran, recorded_.values, now_us_);
+    const absl::StatusOr<Activation> of_ran = FindActivation(&*stages_, **ran, recorded_.values, now_us_);
     if (!of_ran.ok()) return of_ran.status();
     if (of_ran->fires) return activation;
     activation->fires = true;
@@ -217,24 +217,42 @@ class Player {
   absl::Status PlayTurn(const CaseTurn& turn) {
     offset_ = turn.offset;
     now_us_ = std::max(now_us_, turn.time_us);
-    return PlayWorld(turn, DueNow());
+    due_us_ = turn.due_us;
+    return PlayWorld(turn);
   }
 
-  absl::Status PlayWorld(const CaseTurn& turn, std::vector<CommandReport> reports) {
-    WriteBatch batch;
-    batch.mode = simulated() ? WriteBatch::Mode::kAssert : WriteBatch::Mode::kLoad;
-    batch.operations = turn.changes;
-    batch.reports = std::move(reports);
-    for (const Document& document : turn.documents) {
+  absl::Status PlayWorld(const CaseTurn& turn) {
+    WriteBatch batch = turn.batch;
+    clock_.TakeTurn(turn, &batch);
+    std::erase_if(batch.reports, [this](CommandReport& report) {
+      std::optional<CommandReport> told = answers_.Told(report);
+      if (!told || !Comes(&*told)) return true;
+      report = *std::move(told);
+      return false;
+    });
+    for (CommandReport& report : DueNow()) batch.reports.push_back(std::move(report));
+    std::erase_if(batch.run_requests, [this](RunRequest& request) { return !IsAsked(&request); });
+    if (is_world()) {
+      if (absl::Status fits = TakeDocuments(&batch); !fits.ok()) return fits;
+      if (turn.held) stages_->engine.HoldForOthers(*turn.held);
+    }
+    if (absl::Status taken = Take(stages_.Turn(std::move(batch), offset_, now_us_)); !taken.ok())
+      return taken;
+    return tree_ && clock_concerned_ ? TellTimes() : absl::OkStatus();
+  }
+
+  // In a world no activator fires, and the document of the run is the one that is tried.
+  absl::Status TakeDocuments(WriteBatch* batch) const {
+    std::vector<Document> documents;
+    for (const Document& document : batch->documents) {
       if (document.kind == Document::Kind::kCawl && document.name == document_.name.value) continue;
-      absl::StatusOr<Document> played = Played(document);
+      absl::StatusOr<Document> played = stages_.Played(document);
       if (!played.ok()) return played.status();
       if (document.kind == Document::Kind::kCawl && ParseName(*played) == document_.name.value) continue;
-      batch.documents.push_back(*std::move(played));
+      documents.push_back(*std::move(played));
     }
-    for (const CaseRequest& request : turn.requests) AddRequest(request, &batch);
-    if (turn.held) stages_.engine.HoldForOthers(*turn.held);
-    return Take(Turn(std::move(batch)));
+    batch->documents = std::move(documents);
+    return absl::OkStatus();
   }
 
   static std::string ParseName(const Document& document) {
@@ -242,55 +260,87 @@ class Player {
     return parsed == nullptr ? "" : parsed->cawl->name.value;
   }
 
-  // What an operator asked of the recorded run, where it can be asked of this one.
-  void AddRequest(const CaseRequest& request, WriteBatch* batch) {
-    using Kind = RunRequest::Kind;
-    RunRequest played = request.request;
-    if (played.kind == Kind::kPauseWorkflow || played.kind == Kind::kResumeWorkflow) {
-      played.target = document_.name.value;
-    } else if (played.kind != Kind::kCancelCommands) {
-      const std::optional<RunId> run = tree_ ? tree_->RunAt(request.run) : std::nullopt;
-      if (run) played.target = run->value();
+  // What an operator or client asked, where it can be asked in the replay: about the run that is at the same place.
+  bool IsAsked(RunRequest* request) {
+    const bool is_own =
+        request->target == recorded_.run.value() || recorded_.nested.contains(RunId(request->target));
+    if (is_own) {
+      const auto nested = recorded_.nested.find(RunId(request->target));
+      const std::optional<RunId> run =
+          tree_ ? tree_->RunAt(nested == recorded_.nested.end() ? "" : nested->second) : std::nullopt;
+      if (run) request->target = run->value();
     }
-    const absl::Status possible = stages_.engine.CheckRequest(played);
-    if (possible.ok())
-      batch->run_requests.push_back(std::move(played));
-    else
-      play_.notes.push_back(
-          absl::StrCat("turn ", offset_, ": what an operator asked then is left out: ", possible.message()));
+    stages_->robots.Refresh(stages_->writer.current(), {});
+    const absl::Status possible = stages_->engine.CheckRequest(*request, &stages_->robots);
+    if (possible.ok()) return true;
+    play_.notes.push_back(
+        absl::StrCat("turn ", offset_, ": what an operator asked then is left out: ", possible.message()));
+    return false;
   }
 
-  // Turns of the replay's own before `until_us`: answers that come at other times than they were recorded, and timers.
+  // Turns of the replay's own before `until_us`: answers that come at other times than they were recorded, timers, and times of
+  // day.
   absl::Status PlayUntil(TimeMicros until_us) {
     while (GoesOn()) {
       std::optional<TimeMicros> next;
-      for (const DueReport& due : due_) {
-        if (due.offset == 0 && due.time_us < until_us && (!next || due.time_us < *next)) next = due.time_us;
-      }
-      if (!moves_.empty() && moves_.begin()->first < until_us)
-        next = std::min(next.value_or(moves_.begin()->first), moves_.begin()->first);
-      if (const std::optional<TimeMicros> timer = stages_.NextDeadline()) {
-        const TimeMicros at = std::max(*timer, now_us_);
-        if (at < until_us - kLateTurn && (!next || at < *next)) next = at;
-      }
+      const auto take = [&](TimeMicros at_us) {
+        if (at_us < until_us && (!next || at_us < *next)) next = at_us;
+      };
+      for (const DueReport& due : due_) take(due.time_us);
+      if (!moves_.empty()) take(moves_.begin()->first);
+      if (clock_.NextDue()) take(std::max(*clock_.NextDue(), now_us_));
+      if (const std::optional<TimeMicros> timer = stages_->NextDeadline(); timer && IsOwn(*timer, until_us))
+        take(std::max(*timer, now_us_));
       if (!next) break;
       if (absl::Status played = PlayOwnTurn(*next); !played.ok()) return played;
     }
     return absl::OkStatus();
   }
 
+  // Whether the recorded turns do not take care of it: what was due in the recorded life, too, was done in them, late if the
+  // server was down.
+  bool IsOwn(TimeMicros timer_us, TimeMicros until_us) const {
+    if (is_world()) return simulated() || std::max(timer_us, now_us_) < until_us - kLateTurn;
+    return !due_us_ || timer_us < *due_us_;
+  }
+
   absl::Status PlayOwnTurn(TimeMicros at_us) {
-    if (++own_turns_ > options_.replay_limits.replay_turns) {
-      return absl::ResourceExhaustedError(
-          absl::StrCat("the replay has more than ", options_.replay_limits.replay_turns,
-                       " turns between those that were recorded; the limit is replay_turns"));
-    }
     now_us_ = std::max(now_us_, at_us);
     WriteBatch batch;
     batch.operations = MovesNow();
     batch.reports = DueNow();
+    const std::optional<TimeMicros> timer = stages_->NextDeadline();
     batch.clock_tick = batch.reports.empty() && batch.operations.empty();
-    return Take(Turn(std::move(batch)));
+    if (!batch.clock_tick || (timer && *timer <= now_us_)) {
+      if (absl::Status played = OwnTurn(std::move(batch)); !played.ok()) return played;
+    }
+    return TellTimes();
+  }
+
+  absl::Status OwnTurn(WriteBatch batch) {
+    if (absl::Status few = CountOwn(); !few.ok()) return few;
+    return Take(stages_.Turn(std::move(batch), offset_, now_us_));
+  }
+
+  absl::Status CountOwn() {
+    if (++own_turns_ <= options_.replay_limits.replay_turns) return absl::OkStatus();
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the replay has more than ", options_.replay_limits.replay_turns,
+                     " turns between those that were recorded; the limit is replay_turns"));
+  }
+
+  // The clock says what it has to, until it has nothing more: what occurs is told, and taken back.
+  absl::Status TellTimes() {
+    while (play_.stopped.empty()) {
+      if (absl::Status few = CountOwn(); !few.ok()) return few;
+      WriteBatch batch;
+      batch.source = kClockGraph;
+      batch.mode = WriteBatch::Mode::kLoad;
+      batch.operations = clock_.Tell(now_us_, stages_.dictionary(), stages_->writer.current());
+      if (batch.operations.empty()) break;
+      if (absl::Status told = OwnTurn(std::move(batch)); !told.ok()) return told;
+    }
+    return absl::OkStatus();
   }
 
   // A simulation behind what it was told.
@@ -305,12 +355,10 @@ class Player {
 
   // Behind the last recorded turn: answers that are still to come, and the timers before the last of them.
   absl::Status PlayRest() {
+    due_us_.reset();
     while (GoesOn() && !due_.empty()) {
       TimeMicros last = 0;
-      for (DueReport& due : due_) {
-        due.offset = 0;
-        last = std::max(last, due.time_us);
-      }
+      for (const DueReport& due : due_) last = std::max(last, due.time_us);
       if (absl::Status played = PlayUntil(last + 1); !played.ok()) return played;
     }
     if (!GoesOn() || !recorded_.ended) return absl::OkStatus();
@@ -346,34 +394,26 @@ class Player {
                      [](const DueReport& a, const DueReport& b) { return a.time_us < b.time_us; });
     std::vector<CommandReport> now;
     std::erase_if(due_, [&](DueReport& due) {
-      const bool is_due = due.offset != 0 ? due.offset <= offset_ : due.time_us <= now_us_;
-      if (!is_due) return false;
-      const bool cancelled = due.report.outcome == CommandReport::Outcome::kCancelled;
-      if (cancelled && answers_.WasCancelled(due.report.command) &&
-          !cancelled_.contains(due.report.command)) {
-        if (!options_.assume_done) {
-          Stop(nodes_[due.report.command],
-               "the recorded run cancelled its command, which this one does not: how it would end is not "
-               "known");
-          return true;
-        }
-        due.report.outcome = CommandReport::Outcome::kSucceeded;
-      }
-      now.push_back(std::move(due.report));
+      if (due.time_us > now_us_) return false;
+      if (Comes(&due.report)) now.push_back(std::move(due.report));
       return true;
     });
     return now;
   }
 
-  absl::StatusOr<TurnResult> Turn(WriteBatch batch) {
-    if (absl::Status over = options_.cancellation->CheckNow(); !over.ok()) return over;
-    batch.time_us = now_us_;
-    absl::StatusOr<TurnResult> result = RunTurn(&stages_, std::move(batch), offset_);
-    if (result.ok()) return result;
-    const absl::Status& status = result.status();
-    if (status.code() == absl::StatusCode::kCancelled || status.code() == absl::StatusCode::kDeadlineExceeded)
-      return status;
-    return absl::Status(status.code(), absl::StrCat("turn ", offset_, " of the replay: ", status.message()));
+  // False: the recorded run had cancelled the command, and this one has not.
+  bool Comes(CommandReport* report) {
+    const bool cancelled = report->outcome == CommandReport::Outcome::kCancelled ||
+                           report->outcome == CommandReport::Outcome::kNotBegun;
+    if (!cancelled || !answers_.WasCancelled(report->command) || cancelled_.contains(report->command))
+      return true;
+    if (options_.assume_done) {
+      report->outcome = CommandReport::Outcome::kSucceeded;
+      return true;
+    }
+    Stop(nodes_[report->command],
+         "the recorded run cancelled its command, which this one does not: how it would end is not known");
+    return false;
   }
 
   absl::Status Take(const absl::StatusOr<TurnResult>& result) {
@@ -383,6 +423,7 @@ class Player {
 
   // What the turn decided: commands are answered from what was recorded.
   absl::Status Take(const TurnResult& result) {
+    clock_concerned_ = clock_.IsConcerned(now_us_, stages_.dictionary(), result.delta);
     if (!tree_) return absl::OkStatus();
     tree_->Observe(result.delta);
     std::vector<Decision> decisions;
@@ -390,9 +431,14 @@ class Player {
     for (Decision& decision : decisions) {
       if (decision.kind == Decision::Kind::kCommand) Answer(decision);
       if (decision.kind == Decision::Kind::kCancel) Cancel(decision.command);
-      if (decision.kind == Decision::Kind::kState && decision.node.empty())
+      if (decision.kind == Decision::Kind::kState && decision.node.empty()) {
+        begun_ = true;
         ended_ = IsFinalState(decision.to);
+      }
       play_.course.decisions.push_back(std::move(decision));
+    }
+    for (const RobotCommand& command : result.record.commands) {
+      if (!tree_->PathOf(command.id.value())) answers_.AnswerOther(command, now_us_, &due_);
     }
     return absl::OkStatus();
   }
@@ -409,7 +455,7 @@ class Player {
     done.command = command.command;
     done.outcome = CommandReport::Outcome::kSucceeded;
     done.progress = 1;
-    due_.push_back({0, now_us_, std::move(done)});
+    due_.push_back({now_us_, std::move(done)});
     if (command.operation != kNotifies)
       play_.notes.push_back(absl::StrCat("turn ", offset_, ": there is no recorded report of ", Show(command),
                                          ", which is taken to have succeeded at once"));
@@ -423,22 +469,21 @@ class Player {
     SimulatedCommand simulated;
     simulated.ends_us = now_us_;
     if (command.operation != kNotifies)
-      simulated = SimulateCommand(command, dictionary_, stages_.writer.current());
+      simulated = SimulateCommand(command, stages_.dictionary(), stages_->writer.current());
     for (const SimulatedPose& pose : simulated.poses) moves_.emplace(pose.time_us, pose);
-    due_.push_back({0, simulated.ends_us, std::move(done)});
+    due_.push_back({simulated.ends_us, std::move(done)});
   }
 
   void Cancel(const CommandId& command) {
     std::erase_if(moves_, [&command](const auto& move) { return move.second.command == command; });
     cancelled_.insert(command);
     if (answers_.WasCancelled(command)) return;
-    const size_t open =
-        std::erase_if(due_, [&](const DueReport& due) { return due.report.command == command; });
-    if (open == 0) return;
+    answers_.Drop(command);
+    std::erase_if(due_, [&](const DueReport& due) { return due.report.command == command; });
     CommandReport report;
     report.command = command;
     report.outcome = CommandReport::Outcome::kCancelled;
-    due_.push_back({0, now_us_, std::move(report)});
+    due_.push_back({now_us_, std::move(report)});
   }
 
   void Stop(const std::string& node, std::string why) {
@@ -449,9 +494,9 @@ class Player {
   }
 
   absl::StatusOr<Play> End() {
-    const GraphVersionPtr version = stages_.writer.Freeze(Revision(offset_));
-    if (tree_) ReadEnd(dictionary_, *version, root_, &play_.course);
-    PlayQuestions questions(&stages_, version, now_us_, options_.cancellation);
+    const GraphVersionPtr version = stages_->writer.Freeze(Revision(offset_));
+    if (tree_) ReadEnd(stages_.dictionary(), *version, root_, &play_.course);
+    PlayQuestions questions(&*stages_, version, now_us_, options_.cancellation);
     if (!activation_ask_.empty())
       play_.waits.push_back({kActivator, activation_ask_, questions.Missing(activation_ask_)});
     if (tree_ && !ended_) {
@@ -462,11 +507,12 @@ class Player {
   }
 
   const RunCase& recorded_;
+  const cawl::DocumentPtr given_;
   const cawl::Document& document_;
   const PlayOptions& options_;
   AnswerBook answers_;
-  Dictionary dictionary_;
-  Stages stages_;
+  PlayedClock clock_;
+  PlayStages stages_;
   RunId root_;
   std::optional<RunTree> tree_;
   std::vector<DueReport> due_;
@@ -476,7 +522,10 @@ class Player {
   std::string activation_ask_;
   uint64_t offset_ = 0;
   TimeMicros now_us_ = 0;
+  std::optional<TimeMicros> due_us_;  // as recorded, after the turn that was played last
   size_t own_turns_ = 0;
+  bool clock_concerned_ = false;
+  bool begun_ = false;
   bool ended_ = false;
   Play play_;
 };

@@ -14,11 +14,14 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "kb_server/door/request_memory.h"
 #include "kb_server/replay/recording.h"
 #include "kb_server/replay/run_course.h"
 #include "kb_server/replay/run_tree.h"
 #include "kb_server/replay/world_facts.h"
 #include "kb_server/writer/recovery.h"
+#include "kb_server/writer/server_state.h"
+#include "workflow/engine/engine_state.h"
 
 namespace docent::server {
 namespace {
@@ -39,6 +42,13 @@ bool Ends(const log::TurnRecord& record, const RunId& run) {
   return std::any_of(record.transitions.begin(), record.transitions.end(), [&run](const Transition& t) {
     return t.subject == run.value() && (t.to == "done" || t.to == "failed" || t.to == "cancelled");
   });
+}
+
+// Without the requests of clients that are remembered: they decide nothing.
+absl::StatusOr<std::string> EncodedState(Stages* stages, uint64_t offset, TimeMicros time_us) {
+  const ServerState state =
+      TakeState(*stages, RequestMemory(0), stages->writer.Freeze(Revision(offset)), time_us);
+  return EncodeState(state, stages->dictionary);
 }
 
 }  // namespace
@@ -172,7 +182,9 @@ absl::StatusOr<RunCase> CaseRecorder::Record(const KnownRun& run, uint64_t newes
       life->first - 1, absl::StrCat("run ", run.run.value(), " began in turn ", life->first), &dictionary);
   if (!start.ok()) return start.status();
   Recording recording(run, start->stages.get(), ports_.limits, ports_.replay_limits);
-  if (absl::Status begun = recording.Begin(); !begun.ok()) return begun;
+  absl::StatusOr<std::string> state = EncodedState(start->stages.get(), life->first - 1, start->time_us);
+  if (!state.ok()) return state.status();
+  if (absl::Status begun = recording.Begin(*std::move(state)); !begun.ok()) return begun;
   const absl::Status replayed = ReplayTurns(
       ports_.log, life->first, life->last, start->stages.get(), [&](const TurnResult& result, size_t) {
         if (absl::Status status = ports_.cancellation->CheckNow(); !status.ok()) return status;
@@ -213,27 +225,33 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
                                               ": it began in turn ", life->first, ", and the newest turn is ",
                                               newest));
   }
-  uint64_t variables_of = at.value_or(life->last), facts_of = variables_of;
+  // Robots are chosen as they were used before the node opened; in its turn the run itself may have taken one.
+  uint64_t used_of = at.value_or(life->last), variables_of = used_of, facts_of = used_of;
   if (!at) {
     const absl::StatusOr<uint64_t> opened = MomentOf(run, node, *life);
     if (!opened.ok()) return opened.status();
-    if (*opened != 0) facts_of = *opened, variables_of = std::max(*opened - 1, life->first);
+    if (*opened != 0)
+      facts_of = *opened, used_of = *opened - 1, variables_of = std::max(used_of, life->first);
   }
   Dictionary dictionary;
   absl::StatusOr<RestoredState> start =
-      StagesAfter(variables_of, absl::StrCat("turn ", variables_of, " is asked for"), &dictionary);
+      StagesAfter(used_of, absl::StrCat("turn ", variables_of, " is asked for"), &dictionary);
   if (!start.ok()) return start.status();
   Stages* stages = start->stages.get();
-  std::map<std::string, Term> variables = ReadVariables(dictionary, stages->writer.current(), run.run);
+  std::map<RobotId, TimeMicros> last_used = stages->engine.Save().last_used;
   TimeMicros time_us = start->time_us;
-  const absl::Status replayed =
-      ReplayTurns(ports_.log, variables_of + 1, facts_of, stages, [&](const TurnResult& result, size_t) {
-        time_us = result.record.time_us;
-        return absl::OkStatus();
-      });
-  if (!replayed.ok()) return replayed;
+  const auto replay = [&](uint64_t from, uint64_t to) {
+    return ReplayTurns(ports_.log, from, to, stages, [&](const TurnResult& result, size_t) {
+      time_us = result.record.time_us;
+      return absl::OkStatus();
+    });
+  };
+  if (absl::Status replayed = replay(used_of + 1, variables_of); !replayed.ok()) return replayed;
+  std::map<std::string, Term> variables = ReadVariables(dictionary, stages->writer.current(), run.run);
+  if (absl::Status replayed = replay(variables_of + 1, facts_of); !replayed.ok()) return replayed;
 
   RunCase moment;
+  moment.last_used = std::move(last_used);
   moment.run = run.run;
   moment.number = NumberOf(run.run);
   moment.workflow = run.workflow;
@@ -262,9 +280,10 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   turn.time_us = time_us;
   // An event counts where it is told while the node waits: after the node is entered.
   CaseTurn told = turn;
-  told.changes = all.Telling(passing);
+  told.batch.mode = WriteBatch::Mode::kLoad;
+  told.batch.operations = all.Telling(passing);
   moment.turns.push_back(std::move(turn));
-  if (!told.changes.empty()) moment.turns.push_back(std::move(told));
+  if (!told.batch.operations.empty()) moment.turns.push_back(std::move(told));
   return moment;
 }
 
@@ -284,6 +303,7 @@ absl::StatusOr<RunCase> CaseRecorder::World(const std::string& workflow, uint64_
   world.facts = *std::move(all);
   facts.ReadHolds();
   world.held = facts.holds();
+  world.last_used = start->stages->engine.Save().last_used;
   world.last_turn = at;
   CaseTurn first;
   first.offset = at;

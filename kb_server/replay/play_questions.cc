@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/calendar/time_spec.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
@@ -14,6 +15,7 @@
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
 #include "workflow/cawl/ask_compiler.h"
+#include "workflow/cawl/ask_names.h"
 
 namespace docent::server {
 namespace {
@@ -28,6 +30,12 @@ bool Binds(const cawl::CompiledAsk& ask, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   return has(ask.free_variables) || has(ask.event_variables);
+}
+
+// The alternatives of the document's activator.
+absl::StatusOr<std::vector<cawl::CompiledAsk>> AsksOf(const cawl::Document& document, const Limits& limits) {
+  return cawl::CompileCondition(
+      document, document.activator->condition, [](const std::string&) { return std::nullopt; }, limits);
 }
 
 // The first solution of the ask with these values, in term order; nullopt: there is none.
@@ -60,9 +68,7 @@ absl::StatusOr<Activation> FindActivation(Stages* stages, const cawl::Document& 
     activation.why_not = "the document has no activator, which started the recorded run";
     return activation;
   }
-  auto asks = cawl::CompileCondition(
-      document, document.activator->condition, [](const std::string&) { return std::nullopt; },
-      stages->limits);
+  auto asks = AsksOf(document, stages->limits);
   if (!asks.ok()) return asks.status();
   const engine::TermBinding all(values.begin(), values.end());
   for (cawl::CompiledAsk& ask : *asks) {
@@ -99,6 +105,31 @@ absl::StatusOr<Activation> FindActivation(Stages* stages, const cawl::Document& 
                                                                    }),
                                     ": no run is started");
   return activation;
+}
+
+bool FiresAlike(const cawl::Document& a, const cawl::Document& b, const Limits& limits) {
+  if (!a.activator || !b.activator || a.activator->flow.value != b.activator->flow.value) return false;
+  const auto of_a = AsksOf(a, limits), of_b = AsksOf(b, limits);
+  cawl::NameMap names;
+  return of_a.ok() && of_b.ok() &&
+         std::equal(of_a->begin(), of_a->end(), of_b->begin(), of_b->end(),
+                    [&](const cawl::CompiledAsk& one, const cawl::CompiledAsk& other) {
+                      return cawl::AskTheSame(one, other, &names) &&
+                             std::all_of(names.begin(), names.end(),
+                                         [](const auto& name) { return name.first == name.second; }) &&
+                             cawl::KeyVariables(*a.activator, one) == cawl::KeyVariables(*b.activator, other);
+                    });
+}
+
+std::vector<std::string> TimesOfActivator(const cawl::Document& document, const Limits& limits) {
+  std::vector<std::string> times;
+  const auto asks = AsksOf(document, limits);
+  if (!asks.ok()) return times;
+  for (const cawl::CompiledAsk& ask : *asks) {
+    const std::vector<std::string> of_ask = calendar::TimeIrisIn(ask.ask);
+    times.insert(times.end(), of_ask.begin(), of_ask.end());
+  }
+  return times;
 }
 
 std::string PlayQuestions::Missing(const std::string& text) {

@@ -28,6 +28,11 @@ struct Activation {
 absl::StatusOr<Activation> FindActivation(Stages* stages, const cawl::Document& document,
                                           const NamedTerms& values, TimeMicros now_us);
 
+// Whether the activators of two documents fire for the same, and start the flow of the same name.
+bool FiresAlike(const cawl::Document& a, const cawl::Document& b, const Limits& limits);
+// IRIs of the times that the condition of the document's activator asks for (graph/calendar/time_spec.h).
+std::vector<std::string> TimesOfActivator(const cawl::Document& document, const Limits& limits);
+
 class PlayQuestions {
  public:
   // The stages and the cancellation must outlive it; `version` is theirs.

@@ -54,7 +54,7 @@ absl::StatusOr<RunCase> WithServices(RunCase recorded, const std::vector<Documen
            std::find(names.begin(), names.end(), parsed.document->name.value) != names.end();
   };
   std::erase_if(recorded.documents, is_replaced);
-  for (CaseTurn& turn : recorded.turns) std::erase_if(turn.documents, is_replaced);
+  for (CaseTurn& turn : recorded.turns) std::erase_if(turn.batch.documents, is_replaced);
   recorded.documents.insert(recorded.documents.end(), services.begin(), services.end());
   return recorded;
 }

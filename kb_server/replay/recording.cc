@@ -8,7 +8,8 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/door/workflow_removal.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/vocabulary.h"
 #include "kb_server/replay/run_course.h"
 #include "workflow/cawl/ask_compiler.h"
 
@@ -45,45 +46,6 @@ const RunRequest* StarterOf(const TurnResult& result, const RunId& run) {
   return nullptr;
 }
 
-void AddRequests(const TurnResult& result, const RunTree& tree, const std::string& workflow, CaseTurn* turn) {
-  using Kind = RunRequest::Kind;
-  for (const RunRequest& request : result.record.batch.run_requests) {
-    if (request.kind == Kind::kStart || request.kind == Kind::kInvokeService) continue;
-    CaseRequest kept{"", request};
-    if (request.kind == Kind::kPauseWorkflow || request.kind == Kind::kResumeWorkflow) {
-      if (request.target != workflow) continue;
-      kept.request.target.clear();
-    } else if (request.kind != Kind::kCancelCommands) {
-      const std::optional<std::string> path = tree.PathOf(request.target);
-      if (!path) continue;
-      kept.run = *path;
-      kept.request.target.clear();
-    }
-    turn->requests.push_back(std::move(kept));
-  }
-}
-
-// A document of another kind, or of another workflow. Where the own one was taken away with its runs, that is as if the run
-// had been cancelled.
-void AddDocuments(const TurnResult& result, const std::string& workflow, CaseTurn* turn) {
-  for (const Document& document : result.record.batch.documents) {
-    if (document.kind == Document::Kind::kOntology) continue;
-    if (document.kind == Document::Kind::kCawl) {
-      const bool removes = document.action == Document::Action::kRemove;
-      if (removes && document.name == workflow && document.text == kRemovesRuns) {
-        RunRequest cancel;
-        cancel.kind = RunRequest::Kind::kCancel;
-        cancel.reason = "its workflow was undeployed";
-        turn->requests.push_back({"", std::move(cancel)});
-      }
-      if (removes) continue;
-    }
-    Document kept = document;
-    kept.parsed.reset();
-    turn->documents.push_back(std::move(kept));
-  }
-}
-
 }  // namespace
 
 // The number at the end of a run's id.
@@ -99,22 +61,42 @@ Recording::Recording(const KnownRun& run, const Stages* stages, const Limits& li
     : known_(run),
       stages_(*stages),
       limits_(limits),
-      tree_(run.run, &stages->dictionary),
-      world_(stages, &tree_, replay_limits) {}
+      replay_limits_(replay_limits),
+      tree_(run.run, &stages->dictionary) {}
 
-absl::Status Recording::Begin() {
+absl::Status Recording::Count(size_t facts) {
+  counted_ += facts;
+  if (counted_ <= replay_limits_.replay_facts) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the graph before the run and the changes in its life have more than ",
+                   replay_limits_.replay_facts, " facts; the limit is replay_facts"));
+}
+
+absl::Status Recording::Begin(std::string state) {
   case_.run = known_.run;
   case_.number = NumberOf(known_.run);
   case_.workflow = known_.workflow;
   case_.flow = known_.flow;
   case_.ended = known_.ended_us != 0;
-  case_.documents = DocumentsOf(stages_, known_.workflow);
-  auto facts = world_.All();
-  if (!facts.ok()) return facts.status();
-  case_.facts = *std::move(facts);
-  world_.ReadHolds();
-  case_.held = world_.holds();
-  return absl::OkStatus();
+  case_.state = std::move(state);
+  return Count(stages_.writer.current().size());
+}
+
+// What the turn changed in which times are asked for.
+void Recording::TakeTimes(const Delta& delta, CaseTurn* turn) {
+  const std::optional<TermId> type = stages_.dictionary.FindIri(kRdfType),
+                              trigger = stages_.dictionary.FindIri(DocentIri("TimeTrigger"));
+  if (!type || !trigger) return;
+  std::set<TermId> changed;
+  for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
+    for (const Quad& quad : *quads) {
+      if (quad.predicate == *type && quad.object == *trigger) changed.insert(quad.subject);
+    }
+  }
+  for (const TermId time : changed) {
+    const bool asked = stages_.writer.current().ContainsMatch({time, *type, *trigger, {}});
+    (asked ? turn->asked : turn->asked_no_more).emplace_back(stages_.dictionary.Lexical(time));
+  }
 }
 
 absl::Status Recording::Take(const TurnResult& result) {
@@ -122,28 +104,25 @@ absl::Status Recording::Take(const TurnResult& result) {
   CaseTurn turn;
   turn.offset = result.record.offset;
   turn.time_us = result.record.time_us;
-  auto changes = world_.Changes(result.delta);
-  if (!changes.ok()) return changes.status();
-  turn.changes = *std::move(changes);
-  if (world_.UpdateHolds(result.delta)) turn.held = world_.holds();
-  for (const CommandReport& report : result.record.batch.reports) {
-    if (tree_.PathOf(report.command.value())) turn.reports.push_back(report);
-  }
-  AddRequests(result, tree_, known_.workflow, &turn);
-  AddDocuments(result, known_.workflow, &turn);
-  const size_t before = case_.course.decisions.size();
+  turn.batch = result.record.batch;
+  turn.batch.request_id.clear();
+  turn.batch.request_digest = 0;
+  for (Document& document : turn.batch.documents) document.parsed.reset();
+  turn.due_us = stages_.NextDeadline();
+  TakeTimes(result.delta, &turn);
+  if (absl::Status counted = Count(turn.batch.operations.size() + turn.batch.readings.size()); !counted.ok())
+    return counted;
   AddDecisions(result, turn.offset, tree_, &case_.course.decisions);
-  const bool first = case_.turns.empty();
-  if (first) {
+  if (case_.turns.empty()) {
     if (absl::Status known = TakeStart(result); !known.ok()) return known;
   }
-  if (first || !turn.empty() || case_.course.decisions.size() > before)
-    case_.turns.push_back(std::move(turn));
+  case_.turns.push_back(std::move(turn));
   return absl::OkStatus();
 }
 
 RunCase Recording::End(uint64_t last_turn) {
   case_.last_turn = last_turn;
+  for (const auto& [run, path] : tree_.nested()) case_.nested.emplace(run, path);
   ReadEnd(stages_.dictionary, stages_.writer.current(), known_.run, &case_.course);
   return std::move(case_);
 }

@@ -2,7 +2,9 @@
 #ifndef DOCENT_KB_SERVER_REPLAY_RECORDING_H_
 #define DOCENT_KB_SERVER_REPLAY_RECORDING_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "absl/status/status.h"
 #include "graph/base/limits.h"
@@ -10,7 +12,6 @@
 #include "kb_server/replay/case_recorder.h"
 #include "kb_server/replay/run_case.h"
 #include "kb_server/replay/run_tree.h"
-#include "kb_server/replay/world_facts.h"
 #include "kb_server/turn/turn.h"
 
 namespace docent::server {
@@ -24,8 +25,8 @@ class Recording {
   Recording(const KnownRun& run, const Stages* stages, const Limits& limits,
             const ReplayLimits& replay_limits);
 
-  // RESOURCE_EXHAUSTED naming the limit, here and below.
-  absl::Status Begin();
+  // `state`: of the stages, encoded. RESOURCE_EXHAUSTED naming the limit, here and below.
+  absl::Status Begin(std::string state);
   // The next turn, which the stages have taken. FAILED_PRECONDITION: the run is of no workflow.
   absl::Status Take(const TurnResult& result);
   // After the last one.
@@ -33,12 +34,15 @@ class Recording {
 
  private:
   absl::Status TakeStart(const TurnResult& result);
+  absl::Status Count(size_t facts);
+  void TakeTimes(const Delta& delta, CaseTurn* turn);
 
   const KnownRun& known_;
   const Stages& stages_;
   const Limits limits_;
+  const ReplayLimits replay_limits_;
   RunTree tree_;
-  WorldFacts world_;
+  size_t counted_ = 0;
   RunCase case_;
 };
 

@@ -1,9 +1,8 @@
-// A recorded run as a value: the facts before it, what became of them in each turn of its life, the answers of robots and the
-// requests of operators, and its course, that is what the run did. Enough to play its life again, with this document or
-// another one, without the server that recorded it.
+// A recorded run as a value: the state of the server before it, the batches of the turns of its life, and its course, that is
+// what the run did. Enough to live its life again, with this document or another one, without the server that recorded it.
 //
-// Facts of the case are those that neither rules nor the run itself made; those of the graphs that the server writes about
-// runs and documents are left out. Values; any thread.
+// A case without a state is a world that is put together of facts, documents and held robots, in which one run alone lives: of a
+// simulation, of a node that is tried, or of a file that an older version saved. Values; any thread.
 #ifndef DOCENT_KB_SERVER_REPLAY_RUN_CASE_H_
 #define DOCENT_KB_SERVER_REPLAY_RUN_CASE_H_
 
@@ -59,28 +58,18 @@ struct Course {
   friend bool operator==(const Course&, const Course&) = default;
 };
 
-// A request of an operator.
-struct CaseRequest {
-  std::string run;     // path of the run that it is about; empty: the run itself
-  RunRequest request;  // `target` is set where the request is about a robot
-
-  friend bool operator==(const CaseRequest&, const CaseRequest&) = default;
-};
-
 using Holds = std::map<RobotId, RunId>;
 
 struct CaseTurn {
   uint64_t offset = 0;
   TimeMicros time_us = 0;
-  std::vector<QuadOperation> changes;
-  std::vector<Document> documents;     // rules, services and other workflows that it brought or removed
-  std::vector<CommandReport> reports;  // for commands and notifications of the run
-  std::vector<CaseRequest> requests;
-  std::optional<Holds> held;  // from this turn on, where that changed
+  WriteBatch batch;  // documents are texts
+  // When the recorded stages had something due by themselves, after this turn.
+  std::optional<TimeMicros> due_us;
+  // Times of which the recorded graph said from this turn on that they are asked for (docent:TimeTrigger), or no longer.
+  std::vector<std::string> asked, asked_no_more;
+  std::optional<Holds> held;  // of a world, from this turn on, where that changed
 
-  bool empty() const {
-    return changes.empty() && documents.empty() && reports.empty() && requests.empty() && !held;
-  }
   friend bool operator==(const CaseTurn&, const CaseTurn&) = default;
 };
 
@@ -92,14 +81,22 @@ struct RunCase {
   bool asked = false;  // started by a request; else by the activator
   // Arguments of the request, or what the activator bound its key variables to.
   NamedTerms values;
-  Document document;                // that ran
-  std::vector<Document> documents;  // rules, services and other workflows before the first turn
-  std::vector<TermQuad> facts;      // likewise
-  Holds held;                       // likewise: robots that other runs hold, each by an outermost run
-  std::vector<CaseTurn> turns;      // the first one starts the run
-  uint64_t last_turn = 0;           // up to which it was recorded
-  bool ended = false;               // by then
+  Document document;            // that ran
+  std::vector<CaseTurn> turns;  // the first one starts the run
+  uint64_t last_turn = 0;       // up to which it was recorded
+  bool ended = false;           // by then
   Course course;
+  // Recorded runs that were nested in it → their paths (run_tree.h).
+  std::map<RunId, std::string> nested;
+
+  // Before the first turn: what kb_server/writer/server_state.h encodes. Empty: the case is a world.
+  std::string state;
+  // Documents that are put before the first turn. Of a world: rules, services and other workflows.
+  std::vector<Document> documents;
+  // Of a world, before the first turn.
+  std::vector<TermQuad> facts;              // that neither rules nor runs made
+  Holds held;                               // robots that other runs hold, each by an outermost run
+  std::map<RobotId, TimeMicros> last_used;  // when a run took the robot last
 
   friend bool operator==(const RunCase&, const RunCase&) = default;
 };

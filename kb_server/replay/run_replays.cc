@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
@@ -13,8 +12,6 @@
 
 namespace docent::server {
 namespace {
-
-constexpr absl::Duration kPoll = absl::Milliseconds(50);
 
 // The first thing that a replay of the document that ran does otherwise than it was recorded, for people; empty: nothing.
 std::string Unfaithful(const std::vector<NodeComparison>& nodes) {
@@ -24,7 +21,7 @@ std::string Unfaithful(const std::vector<NodeComparison>& nodes) {
       "the document that ran does not do the same in a replay either: ",
       nodes.front().node.empty() ? "the run" : nodes.front().node, ", in turn ", first.turn,
       ", recorded: ", first.recorded, "; replayed: ", first.replayed,
-      ". It went by something that is not replayed, such as what other runs did or facts about them");
+      ". Another version of Docent has recorded it, which decided otherwise or kept less of what decides");
 }
 
 }  // namespace
@@ -65,30 +62,6 @@ absl::StatusOr<Replayed> ReplayCase(RunCase recorded, const std::string& text, c
   return replayed;
 }
 
-// One replay at a time: it waits for its turn as long as it may take.
-class RunReplays::Turn {
- public:
-  explicit Turn(RunReplays* replays) : replays_(*replays) {}
-  ~Turn() {
-    absl::MutexLock lock(&replays_.mutex_);
-    replays_.busy_ = false;
-  }
-
- private:
-  RunReplays& replays_;
-};
-
-absl::Status RunReplays::Enter(Cancellation* cancellation) {
-  const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !busy_; };
-  while (true) {
-    if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
-    absl::MutexLock lock(&mutex_);
-    if (!mutex_.AwaitWithTimeout(absl::Condition(&idle), kPoll)) continue;
-    busy_ = true;
-    return absl::OkStatus();
-  }
-}
-
 CaseRecorder RunReplays::Recorder(Cancellation* cancellation) const {
   return CaseRecorder({ports_.log, ports_.functions, ports_.limits, ports_.replay_limits, cancellation});
 }
@@ -112,8 +85,6 @@ absl::StatusOr<Replayed> RunReplays::Replay(const RunId& run, const std::string&
   if (!text.empty()) {  // before the long part
     if (auto document = ParseWorkflow(text, name, ports_.limits); !document.ok()) return document.status();
   }
-  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
-  const Turn turn(this);
   absl::StatusOr<RunCase> recorded = Recorder(cancellation).Record(*known, newest);
   if (!recorded.ok()) return recorded.status();
   return ReplayCase(*std::move(recorded), text, name, Options(assume_done, cancellation));
@@ -131,8 +102,6 @@ absl::StatusOr<Simulation> RunReplays::Simulate(const SimulationRequest& request
     return absl::OutOfRangeError(
         absl::StrCat("turn ", *request.turn, " has not come yet; the newest is ", newest));
   }
-  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
-  const Turn place(this);
   absl::StatusOr<RunCase> world =
       Recorder(cancellation).World((*document)->name.value, request.turn.value_or(newest));
   if (!world.ok()) return world.status();
@@ -152,13 +121,13 @@ absl::StatusOr<Simulation> RunReplays::Simulate(const SimulationRequest& request
     if (telling.after_us > request.lasting_us) break;
     if (telling.after_us == 0) {  // before the run starts
       std::move(telling.changes.begin(), telling.changes.end(),
-                std::back_inserter(world->turns.front().changes));
+                std::back_inserter(world->turns.front().batch.operations));
       continue;
     }
     CaseTurn turn;
     turn.offset = world->turns.back().offset + 1;
     turn.time_us = begin_us + telling.after_us;
-    turn.changes = std::move(telling.changes);
+    turn.batch.operations = std::move(telling.changes);
     world->turns.push_back(std::move(turn));
   }
   PlayOptions options = Options(false, cancellation);
@@ -179,8 +148,6 @@ absl::StatusOr<Trial> RunReplays::TryNode(const RunId& run, const std::string& n
   uint64_t newest = 0;
   const absl::StatusOr<KnownRun> known = Find(run, &newest);
   if (!known.ok()) return known.status();
-  if (absl::Status entered = Enter(cancellation); !entered.ok()) return entered;
-  const Turn place(this);
   absl::StatusOr<RunCase> moment = Recorder(cancellation).Moment(*known, node, turn, newest);
   if (!moment.ok()) return moment.status();
   const auto document = ParseWorkflow(text.empty() ? moment->document.text : text,

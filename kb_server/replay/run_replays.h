@@ -1,5 +1,5 @@
-// Replays of runs of a running server, one at a time: each makes past stages again, which takes memory and time. Beside the
-// writer, on the thread that asks; any thread.
+// Replays of runs of a running server: each makes past stages again, which takes memory and time. Beside the writer, on the
+// thread that asks; any thread. Who asks sees to it that there are not too many at a time.
 #ifndef DOCENT_KB_SERVER_REPLAY_RUN_REPLAYS_H_
 #define DOCENT_KB_SERVER_REPLAY_RUN_REPLAYS_H_
 
@@ -8,9 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
-#include "absl/synchronization/mutex.h"
 #include "graph/base/replay_limits.h"
 #include "graph/log/context_log.h"
 #include "kb_server/door/query_port.h"
@@ -85,15 +83,11 @@ class RunReplays {
   int timeout_ms() const { return ports_.replay_limits.replay_timeout_ms; }
 
  private:
-  class Turn;  // holds the place of the one replay
   absl::StatusOr<KnownRun> Find(const RunId& run, uint64_t* newest) const;
   CaseRecorder Recorder(Cancellation* cancellation) const;
   PlayOptions Options(bool assume_done, Cancellation* cancellation) const;
-  absl::Status Enter(Cancellation* cancellation);
 
   const Ports ports_;
-  absl::Mutex mutex_;
-  bool busy_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace docent::server

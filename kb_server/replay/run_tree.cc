@@ -51,6 +51,14 @@ bool RunTree::Add(const std::string& child, std::string_view invocation) {
   return true;
 }
 
+std::map<RunId, std::string> RunTree::nested() const {
+  std::map<RunId, std::string> nested;
+  for (const auto& [run, path] : paths_) {
+    if (!path.empty()) nested.emplace(run, path);
+  }
+  return nested;
+}
+
 bool RunTree::IsOwnGraph(std::string_view iri) const {
   const std::optional<RunId> run = RunOfIri(iri);
   return run && Has(*run);

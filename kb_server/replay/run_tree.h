@@ -28,6 +28,8 @@ class RunTree {
   // What a turn changed in the graph.
   void Observe(const Delta& delta);
   bool Has(const RunId& run) const { return paths_.contains(run.value()); }
+  // The runs that are nested in the outermost one, with their paths.
+  std::map<RunId, std::string> nested() const;
   // Whether it is the graph in which one of the runs tells.
   bool IsOwnGraph(std::string_view iri) const;
   // Of what transitions and commands are about, "RUN", "RUN/NODE" or "RUN/NODE/…"; nullopt: not of these runs. The path of the

@@ -8,13 +8,13 @@ namespace {
 
 // In the order of the values.
 constexpr std::array kDocuments = {"ontology", "rules", "workflow", "services"};
-constexpr std::array kOutcomes = {"accepted",  "progress", "succeeded",   "failed",
-                                  "cancelled", "unknown",  "unreachable", "refused"};
+constexpr std::array kOutcomes = {"accepted", "progress",    "succeeded", "failed",   "cancelled",
+                                  "unknown",  "unreachable", "refused",   "not begun"};
 constexpr std::array kRequests = {"start",     "cancel",         "invoke service",  "pause",
                                   "resume",    "pause workflow", "resume workflow", "retry node",
                                   "skip node", "fail node",      "set variable",    "cancel commands"};
 static_assert(kDocuments.size() == static_cast<size_t>(Document::Kind::kRsel) + 1);
-static_assert(kOutcomes.size() == static_cast<size_t>(CommandReport::Outcome::kRefused) + 1);
+static_assert(kOutcomes.size() == static_cast<size_t>(CommandReport::Outcome::kNotBegun) + 1);
 static_assert(kRequests.size() == static_cast<size_t>(RunRequest::Kind::kCancelCommands) + 1);
 
 template <typename Value, typename Words>

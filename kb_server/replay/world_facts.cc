@@ -23,8 +23,7 @@ absl::Status WorldFacts::Count(size_t more) {
   counted_ += more;
   if (counted_ <= limits_.replay_facts) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      absl::StrCat("the graph before the run and the changes in its life have more than ",
-                   limits_.replay_facts, " facts; the limit is replay_facts"));
+      absl::StrCat("the graph has more than ", limits_.replay_facts, " facts; the limit is replay_facts"));
 }
 
 TermQuad WorldFacts::Decode(const Quad& quad) const {
@@ -47,31 +46,6 @@ absl::StatusOr<std::vector<TermQuad>> WorldFacts::All(const std::set<Quad>& but)
   });
   if (!counted.ok()) return counted;
   return facts;
-}
-
-absl::StatusOr<std::vector<QuadOperation>> WorldFacts::Changes(const Delta& delta) {
-  std::vector<QuadOperation> changes;
-  for (const Quad& quad : delta.removed) {
-    if (IsOfWorld(quad.graph)) changes.push_back({QuadOperation::Kind::kRemove, Decode(quad)});
-  }
-  std::set<Quad> added;
-  for (const Quad& quad : delta.added) {
-    if (!IsOfWorld(quad.graph)) continue;
-    changes.push_back({QuadOperation::Kind::kAdd, Decode(quad)});
-    added.insert(quad);
-  }
-  // An event that is told again while the graph has it still is no change of the graph, but it counts.
-  for (const engine::ToldEvent& told : stages_.events.news().told) {
-    const std::optional<TermId> event = stages_.dictionary.Find(told.event);
-    if (!event) continue;
-    stages_.writer.current().ForEach({*event, {}, {}, {}}, [&](const Quad& quad) {
-      if (IsOfWorld(quad.graph) && added.insert(quad).second)
-        changes.push_back({QuadOperation::Kind::kAdd, Decode(quad)});
-      return true;
-    });
-  }
-  if (absl::Status counted = Count(changes.size()); !counted.ok()) return counted;
-  return changes;
 }
 
 std::set<Quad> WorldFacts::Passing() const {
@@ -100,34 +74,12 @@ void WorldFacts::ReadHolds() {
   const std::optional<TermId> held_by = stages_.dictionary.FindIri(DocentIri("heldBy"));
   const std::optional<TermId> runs = stages_.dictionary.FindIri(kRunsGraph);
   if (!held_by || !runs) return;
-  Delta all;
   stages_.writer.current().ForEach({{}, *held_by, {}, *runs}, [&](const Quad& quad) {
-    all.added.push_back(quad);
+    const auto run = RunOfIri(stages_.dictionary.Decode(quad.object).lexical);
+    if (run && (own_ == nullptr || !own_->Has(*run)))
+      holds_[RobotId(stages_.dictionary.Decode(quad.subject).lexical)] = *run;
     return true;
   });
-  UpdateHolds(all);
-}
-
-bool WorldFacts::UpdateHolds(const Delta& delta) {
-  const std::optional<TermId> held_by = stages_.dictionary.FindIri(DocentIri("heldBy"));
-  const std::optional<TermId> runs = stages_.dictionary.FindIri(kRunsGraph);
-  if (!held_by || !runs) return false;
-  const Holds before = holds_;
-  const auto each = [&](const std::vector<Quad>& quads, auto visit) {
-    for (const Quad& quad : quads) {
-      if (quad.predicate != *held_by || quad.graph != *runs) continue;
-      const auto run = RunOfIri(stages_.dictionary.Decode(quad.object).lexical);
-      if (run) visit(RobotId(stages_.dictionary.Decode(quad.subject).lexical), *run);
-    }
-  };
-  each(delta.removed, [&](const RobotId& robot, const RunId& run) {
-    const auto held = holds_.find(robot);
-    if (held != holds_.end() && held->second == run) holds_.erase(held);
-  });
-  each(delta.added, [&](const RobotId& robot, const RunId& run) {
-    if (own_ == nullptr || !own_->Has(run)) holds_[robot] = run;
-  });
-  return holds_ != before;
 }
 
 std::vector<Document> DocumentsOf(const Stages& stages, const std::string& but) {

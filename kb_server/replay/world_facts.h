@@ -1,4 +1,4 @@
-// The part of the graph and of a turn that a case keeps: what neither rules nor the run itself made. One thread.
+// The part of the graph of which a world is made (run_case.h): what neither rules nor runs made. One thread.
 #ifndef DOCENT_KB_SERVER_REPLAY_WORLD_FACTS_H_
 #define DOCENT_KB_SERVER_REPLAY_WORLD_FACTS_H_
 
@@ -19,10 +19,8 @@ class WorldFacts {
   // Both must outlive it; `own` may be null: no graph is the run's own.
   WorldFacts(const Stages* stages, const RunTree* own, const ReplayLimits& limits);
 
-  // RESOURCE_EXHAUSTED naming replay_facts: these and the changes before are too many.
+  // RESOURCE_EXHAUSTED naming replay_facts: these are too many.
   absl::StatusOr<std::vector<TermQuad>> All(const std::set<Quad>& but = {});
-  absl::StatusOr<std::vector<QuadOperation>> Changes(const Delta& delta);
-
   // What stands for this turn alone, or as long as something waits with it: events with their facts, times that occur.
   std::set<Quad> Passing() const;
   // Tells those of them that All has.
@@ -31,8 +29,6 @@ class WorldFacts {
   // Robots that runs other than the own hold.
   const Holds& holds() const { return holds_; }
   void ReadHolds();
-  // True if they changed.
-  bool UpdateHolds(const Delta& delta);
 
  private:
   bool IsOfWorld(TermId graph);

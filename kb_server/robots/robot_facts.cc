@@ -14,6 +14,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
 #include "graph/store/own_states.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 namespace {
@@ -173,6 +174,14 @@ void TellParts(const std::string& operation, std::string_view direction,
 }
 
 }  // namespace
+
+std::string RobotNameFault(const std::string& robot) {
+  constexpr std::string_view kOwnNames = "urn:docent:";
+  const bool own = robot.starts_with(kDocentNs) || robot.starts_with(kOwnNames) || IsServerGraph(robot) ||
+                   IsModuleGraph(robot);
+  if (!own) return "";
+  return absl::StrCat("<", robot, "> is a name of the server's own; give the robot another IRI");
+}
 
 RobotDescription AcceptedDescription(RobotDescription description, std::vector<std::string>* warnings) {
   std::set<std::string> names;

@@ -36,6 +36,10 @@ struct RobotDescription {
   std::vector<OperationDescription> operations;
 };
 
+// Why no robot can be named so; empty: one can. What a robot tells lies in the graph of its own name: that is none of the server's
+// own graphs, nor anything else that the server names.
+std::string RobotNameFault(const std::string& robot);
+
 // A description without what cannot be taken: operations without a name that can stand in documents and IRIs, or named
 // twice; parts likewise; a class, a part's type or a capability that is no IRI. Types are written in full. `warnings` say what was left out, each on one line.
 RobotDescription AcceptedDescription(RobotDescription description, std::vector<std::string>* warnings);

@@ -24,6 +24,8 @@ struct Subscriptions::Subscription {
   std::optional<conditions::ConditionId> kept;
   std::vector<matching::PatternIndex::Handle> watches;
   SubscriptionAnswerPtr answer;
+  const Client* payer = nullptr;                   // whose share it is part of: the first who followed it
+  size_t charged = 0;                              // bytes
   std::optional<TimeMicros> ripens_at_us;          // its place in ripening_
   absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
 };

@@ -21,6 +21,13 @@ void SortRows(std::vector<CountedRow>& rows) {
             [](const CountedRow& a, const CountedRow& b) { return a.values < b.values; });
 }
 
+constexpr size_t kSmallBytes = 64u << 10;  // of a whole answer that stays
+
+// As it stands twice, by number and by term.
+size_t BytesOfLocal(const Term& term) {
+  return 2 * (sizeof(Term) + TextBytes(term)) + sizeof(TermId);
+}
+
 size_t BytesOf(const AnswerChange& change) {
   size_t bytes = sizeof(AnswerChange);
   for (const std::vector<CountedRow>* rows : {&change.appeared, &change.disappeared}) {
@@ -37,7 +44,10 @@ size_t BytesOf(const AnswerChange& change) {
 TermId SubscriptionAnswer::Local(const Term& term) {
   absl::MutexLock lock(&mutex_);
   const auto [place, fresh] = local_ids_.try_emplace(term, TermId::Make(TermId::Tag::kLocal, locals_.size()));
-  if (fresh) locals_.push_back(term);
+  if (fresh) {
+    locals_.push_back(term);
+    locals_bytes_ += BytesOfLocal(term);
+  }
   return place->second;
 }
 
@@ -99,7 +109,7 @@ bool SubscriptionAnswer::TellBoolean(TimeMicros now_us) {
 bool SubscriptionAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
-  whole_.reset();
+  ForgetWhole();
   if (holds && !boolean_) boolean_since_us_ = now_us;
   boolean_ = holds;
   const bool changed = TellBoolean(now_us) && evaluated_;
@@ -156,6 +166,8 @@ void SubscriptionAnswer::DropUnusedLocals() {
   young_.Rename(renamed);
   locals_ = std::move(held);
   local_ids_.clear();
+  locals_bytes_ = 0;
+  for (const Term& term : locals_) locals_bytes_ += BytesOfLocal(term);
   for (size_t i = 0; i < locals_.size(); ++i)
     local_ids_.emplace(locals_[i], TermId::Make(TermId::Tag::kLocal, i));
   drop_locals_at_ = 2 * locals_.size() + kFewLocals;
@@ -177,7 +189,7 @@ void SubscriptionAnswer::Recount(const Row& row, uint64_t had, uint64_t has, Tim
 bool SubscriptionAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
-  whole_.reset();
+  ForgetWhole();
   AdoptKnownLocals(&rows);
   AnswerChange change;
   for (const auto& [row, count] : rows) {
@@ -216,7 +228,7 @@ bool SubscriptionAnswer::ChangeRows(Revision revision, absl::Span<const Row> app
   }
   if (change.appeared.empty() && change.disappeared.empty()) return false;
   revision_ = revision;
-  whole_.reset();
+  ForgetWhole();
   Keep(std::move(change));
   return true;
 }
@@ -241,7 +253,7 @@ bool SubscriptionAnswer::Ripen(Revision revision, TimeMicros now_us) {
     if (change.appeared.empty()) return false;
   }
   revision_ = revision;
-  whole_.reset();
+  ForgetWhole();
   Keep(std::move(change));
   return true;
 }
@@ -273,18 +285,37 @@ bool SubscriptionAnswer::evaluated() const {
 
 AnswerChangePtr SubscriptionAnswer::Whole() const {
   absl::MutexLock lock(&mutex_);
-  if (whole_ == nullptr) {
-    auto whole = std::make_shared<AnswerChange>();
-    whole->number = newest_;
-    whole->revision = revision_;
-    whole->boolean = told_;
-    for (const auto& [row, count] : rows_) {
-      if (!young_.Contains(row)) whole->appeared.push_back(Decode(row, count));
-    }
-    SortRows(whole->appeared);
-    whole_ = std::move(whole);
+  if (AnswerChangePtr made = whole_.lock()) return made;
+  auto whole = std::make_unique<AnswerChange>();
+  whole->number = newest_;
+  whole->revision = revision_;
+  whole->boolean = told_;
+  for (const auto& [row, count] : rows_) {
+    if (!young_.Contains(row)) whole->appeared.push_back(Decode(row, count));
   }
-  return whole_;
+  SortRows(whole->appeared);
+  const size_t bytes = BytesOf(*whole);
+  all_wholes_->fetch_add(bytes);
+  const AnswerChangePtr made(whole.release(), [all = all_wholes_, bytes](const AnswerChange* sent) {
+    delete sent;
+    all->fetch_sub(bytes);
+  });
+  whole_ = made;
+  if (bytes <= kSmallBytes) small_whole_ = made;
+  return made;
+}
+
+void SubscriptionAnswer::ForgetWhole() {
+  whole_.reset();
+  small_whole_.reset();
+}
+
+size_t SubscriptionAnswer::bytes() const {
+  absl::MutexLock lock(&mutex_);
+  const size_t columns = variables_.size(), inlined = Row().capacity();
+  const size_t beside = columns > inlined ? columns * sizeof(TermId) : 0;
+  return sizeof(*this) + rows_.capacity() * (sizeof(Rows::value_type) + 1) + rows_.size() * beside +
+         kept_bytes_ + locals_bytes_;
 }
 
 uint64_t SubscriptionAnswer::newest() const {

@@ -42,24 +42,27 @@ struct AnswerChange {
 };
 using AnswerChangePtr = std::shared_ptr<const AnswerChange>;
 
-// Bytes of the changes that all answers keep.
+// Bytes of something that all answers keep.
 using KeptBytes = std::atomic<size_t>;
 
 class SubscriptionAnswer {
  public:
-  // `all_kept`: shared by the answers that limits.subscriptions_kept_bytes is for; null: this one alone.
+  // `all_kept`: changes of the answers that limits.subscriptions_kept_bytes is for; null: this one alone. `all_wholes`: whole
+  // answers as terms, which are there while they are sent; likewise.
   // `id`: unique in this life of the server. `dictionary` must outlive it. Those who follow are told of a row, and of yes,
   // when that has been the answer without a break for `at_least_us`; that it is no longer, at once.
   SubscriptionAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables,
                      const Dictionary* dictionary, const SubscriptionLimits& limits,
-                     TimeMicros at_least_us = 0, std::shared_ptr<KeptBytes> all_kept = nullptr)
+                     TimeMicros at_least_us = 0, std::shared_ptr<KeptBytes> all_kept = nullptr,
+                     std::shared_ptr<KeptBytes> all_wholes = nullptr)
       : id_(id),
         is_boolean_(is_boolean),
         variables_(std::move(variables)),
         dictionary_(*dictionary),
         limits_(limits),
         at_least_us_(at_least_us),
-        all_kept_(all_kept == nullptr ? std::make_shared<KeptBytes>(0) : std::move(all_kept)) {}
+        all_kept_(all_kept == nullptr ? std::make_shared<KeptBytes>(0) : std::move(all_kept)),
+        all_wholes_(all_wholes == nullptr ? std::make_shared<KeptBytes>(0) : std::move(all_wholes)) {}
   ~SubscriptionAnswer();
 
   uint64_t id() const { return id_; }
@@ -88,6 +91,8 @@ class SubscriptionAnswer {
   size_t size() const;  // rows, each as often as it counts
   bool boolean() const;
   bool evaluated() const;
+  // What it holds, about, but for whole answers that are being sent.
+  size_t bytes() const;
 
   // ---- those who follow --------------------------------------------------------------------------------------
   std::string warning() const;
@@ -102,6 +107,7 @@ class SubscriptionAnswer {
 
  private:
   CountedRow Decode(const Row& row, uint64_t count) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ForgetWhole() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Keep(AnswerChange change) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool TellBoolean(TimeMicros now_us) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -119,6 +125,7 @@ class SubscriptionAnswer {
   const SubscriptionLimits limits_;
   const TimeMicros at_least_us_;
   const std::shared_ptr<KeptBytes> all_kept_;
+  const std::shared_ptr<KeptBytes> all_wholes_;
 
   mutable absl::Mutex mutex_;
   bool evaluated_ ABSL_GUARDED_BY(mutex_) = false;
@@ -142,7 +149,10 @@ class SubscriptionAnswer {
   size_t kept_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t kept_rows_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t newest_ ABSL_GUARDED_BY(mutex_) = 0;
-  mutable AnswerChangePtr whole_ ABSL_GUARDED_BY(mutex_);  // made when first asked for
+  size_t locals_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Made when first asked for; a small one stays, a large one goes when it is sent.
+  mutable std::weak_ptr<const AnswerChange> whole_ ABSL_GUARDED_BY(mutex_);
+  mutable AnswerChangePtr small_whole_ ABSL_GUARDED_BY(mutex_);
 };
 using SubscriptionAnswerPtr = std::shared_ptr<SubscriptionAnswer>;
 

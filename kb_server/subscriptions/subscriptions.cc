@@ -59,6 +59,28 @@ std::vector<Term> ConstantsOf(const Algebra& whole) {
 
 }  // namespace
 
+// One evaluation: it ends at its time limit, and when all of this ends.
+class Subscriptions::Evaluating {
+ public:
+  explicit Evaluating(Subscriptions* all)
+      : all_(*all),
+        cancellation_(
+            std::chrono::milliseconds(all->settings_.subscription_limits.subscription_evaluation_ms)) {
+    absl::MutexLock lock(&all_.mutex_);
+    all_.evaluating_ = &cancellation_;
+    if (all_.stopping_) cancellation_.Cancel();
+  }
+  ~Evaluating() {
+    absl::MutexLock lock(&all_.mutex_);
+    all_.evaluating_ = nullptr;
+  }
+  Cancellation& cancellation() { return cancellation_; }
+
+ private:
+  Subscriptions& all_;
+  Cancellation cancellation_;
+};
+
 Subscriptions::Subscriptions(const Settings& settings) : settings_(settings), names_(settings.dictionary) {
   ForgetKept();
   version_ = std::make_shared<const GraphVersion>();
@@ -71,6 +93,7 @@ Subscriptions::~Subscriptions() {
   {
     absl::MutexLock lock(&mutex_);
     stopping_ = true;
+    if (evaluating_ != nullptr) evaluating_->Cancel();
   }
   thread_.join();
 }
@@ -104,7 +127,8 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
   turn.whole = true;
 }
 
-void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done) {
+void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done,
+                         ClientPtr client) {
   const auto known = settings_.prefixes == nullptr ? nullptr : settings_.prefixes->Get();
   sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
   options.known = known.get();
@@ -125,7 +149,8 @@ void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscribe
   {
     absl::MutexLock lock(&mutex_);
     if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
-      openings_.push_back({query, std::move(parsed.query), std::move(subscriber), std::move(done)});
+      openings_.push_back(
+          {query, std::move(parsed.query), std::move(subscriber), std::move(done), std::move(client)});
       return;
     }
   }
@@ -204,8 +229,10 @@ void Subscriptions::Process(Turn turn) {
       for (const auto& [id, number] : by_constraint_) anew.push_back(number);
       ForgetKept();
     }
-    for (const uint32_t number : Touched(delta))
+    for (const uint32_t number : Touched(delta)) {
+      if (by_number_[number] == nullptr) continue;  // it went to make room
       Evaluate(*by_number_[number]).IgnoreError();  // its subscribers know
+    }
   } else {
     anew.clear();
     for (const auto& subscription : by_number_) {
@@ -256,12 +283,14 @@ absl::Status Subscriptions::Prepare(Subscription& subscription) {
 
 absl::Status Subscriptions::Begin(Subscription& subscription) {
   if (absl::Status status = Evaluate(subscription); !status.ok()) return status;
-  if (Keep(subscription)) {
-    subscription.prepared.reset();
-  } else {
+  if (!Keep(subscription)) {
     Watch(subscription);
+    return absl::OkStatus();
   }
-  return absl::OkStatus();
+  subscription.prepared.reset();
+  absl::Status fits = Charge(subscription);
+  if (!fits.ok()) FailAll(subscription, fits);
+  return fits;
 }
 
 void Subscriptions::BeginAnew(Subscription& subscription) {
@@ -274,8 +303,8 @@ void Subscriptions::BeginAnew(Subscription& subscription) {
 bool Subscriptions::Keep(Subscription& subscription) {
   if (!subscription.form || !subscription.unknown.empty()) return false;
   names_.FollowBase();
-  Cancellation cancellation{
-      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Evaluating evaluating(this);
+  Cancellation& cancellation = evaluating.cancellation();
   const auto id =
       kept_->Register(subscription.query, *version_, {subscription.form->keys, time_us_, &cancellation});
   if (!id.ok()) {
@@ -361,15 +390,17 @@ void Subscriptions::Forget(Subscription& subscription) {
 bool Subscriptions::UpdateKept(const Delta& delta) {
   if (by_constraint_.empty()) return true;
   names_.FollowBase();
-  Cancellation cancellation{
-      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Evaluating evaluating(this);
+  Cancellation& cancellation = evaluating.cancellation();
   const uint64_t before = kept_->evaluations();
   const auto changes = kept_->Update(*version_, delta, time_us_, &cancellation);
   counters_.evaluations += kept_->evaluations() - before;
   if (!changes.ok()) return false;
   kept_->Commit();
   for (const conditions::ConditionChange& change : *changes) {
-    Subscription& subscription = *by_number_[by_constraint_.at(change.id)];
+    const auto found = by_constraint_.find(change.id);
+    if (found == by_constraint_.end()) continue;  // it went to make room
+    Subscription& subscription = *by_number_[found->second];
     bool changed = false;
     if (subscription.answer->is_boolean()) {
       changed = subscription.answer->SetBoolean(
@@ -378,8 +409,11 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
       changed =
           subscription.answer->ChangeRows(version_->revision(), subscription.form->RowsOf(change.appeared),
                                           subscription.form->RowsOf(change.disappeared), time_us_);
-      if (subscription.answer->size() > settings_.subscription_limits.subscription_rows) {
-        FailAll(subscription, TooManyRows());
+      absl::Status fits = subscription.answer->size() > settings_.subscription_limits.subscription_rows
+                              ? TooManyRows()
+                              : Charge(subscription);
+      if (!fits.ok()) {
+        FailAll(subscription, fits);
         continue;
       }
     }
@@ -418,8 +452,8 @@ absl::Status Subscriptions::TooManyRows() const {
 absl::Status Subscriptions::Evaluate(Subscription& subscription) {
   ++counters_.evaluations;
   const absl::Time start = absl::Now();
-  Cancellation cancellation{
-      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Evaluating evaluating(this);
+  Cancellation& cancellation = evaluating.cancellation();
   sparql::RunOptions run;
   run.version = version_.get();
   run.cancellation = &cancellation;
@@ -444,7 +478,10 @@ absl::Status Subscriptions::Evaluate(Subscription& subscription) {
       return ++count <= settings_.subscription_limits.subscription_rows;
     });
     if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
-    if (status.ok()) changed = subscription.answer->SetRows(version_->revision(), std::move(rows), time_us_);
+    if (status.ok()) {
+      changed = subscription.answer->SetRows(version_->revision(), std::move(rows), time_us_);
+      status = Charge(subscription);
+    }
   }
   subscription.prepared->Stop();
   counters_.evaluation_ns +=
@@ -480,11 +517,13 @@ void Subscriptions::Ripen(TimeMicros now_us) {
 }
 
 absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const SubscribedQuery& followed,
-                                                                       sparql::Query query) {
+                                                                       sparql::Query query,
+                                                                       const Client* client) {
   if (const auto known = by_query_.find(followed); known != by_query_.end())
     return by_number_[known->second].get();
   auto subscription = std::make_unique<Subscription>();
   subscription->followed = followed;
+  subscription->payer = client;
   subscription->query = std::move(query);
   subscription->analysis =
       matching::AnalyseTriggers(matching::WithoutModifiers(*subscription->query.algebra));
@@ -508,12 +547,12 @@ absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const Sub
   }
   made->answer = std::make_shared<SubscriptionAnswer>(
       next_answer_++, made->query.form == sparql::Query::Form::kAsk, made->prepared->variables(),
-      settings_.dictionary, settings_.subscription_limits, followed.at_least_us, all_kept_);
+      settings_.dictionary, settings_.subscription_limits, followed.at_least_us, all_kept_, all_wholes_);
   return made;
 }
 
 void Subscriptions::OpenNow(Opening opening) {
-  auto subscription = FindOrMake(opening.followed, std::move(opening.query));
+  auto subscription = FindOrMake(opening.followed, std::move(opening.query), opening.client.get());
   if (!subscription.ok()) {
     opening.done(subscription.status());
     return;
@@ -544,6 +583,7 @@ void Subscriptions::Drop(uint32_t number) {
   Forget(subscription);
   if (subscription.ripens_at_us) ripening_.erase({*subscription.ripens_at_us, number});
   NoteIdle(subscription, absl::InfiniteFuture());
+  SetCharged(subscription, 0);
   by_query_.erase(subscription.followed);
   counters_.queries = by_query_.size();
   by_number_[number].reset();

@@ -38,6 +38,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/delta_sum.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/client.h"
 #include "kb_server/subscriptions/subscription_answer.h"
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/matching/pattern_index.h"
@@ -57,6 +58,7 @@ struct SubscriptionCounters {
   std::atomic<uint64_t> coalesced{
       0};  // turns looked at together with the one before: over subscription_backlog
   std::atomic<uint64_t> revision{0};  // that has been looked at
+  std::atomic<uint64_t> bytes{0};     // of answers, but for whole ones that are being sent
 };
 
 // What is followed.
@@ -111,10 +113,11 @@ class Subscriptions {
 
   // Begins to follow; `done` gets the answer (from the thread that evaluates it), with an answer on some version that
   // is as new as those that were visible when this was called. INVALID_ARGUMENT, UNIMPLEMENTED (another form of
-  // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows; DEADLINE_EXCEEDED:
+  // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows, subscriptions_bytes; DEADLINE_EXCEEDED:
   // subscription_evaluation_ms. It says whether the subscriber is still there; one that is not is closed.
   using Opened = std::function<bool(const absl::StatusOr<SubscriptionAnswerPtr>&)>;
-  void Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done);
+  void Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done,
+            ClientPtr client = nullptr);
   // Ends following; after it neither Wake nor Fail is called. Not from within these.
   void Close(const std::shared_ptr<Subscriber>& subscriber);
   // Calls Wake at about this time.
@@ -122,6 +125,8 @@ class Subscriptions {
 
   const std::string& epoch() const { return settings_.epoch; }
   SubscriptionCounters& counters() { return counters_; }
+  // What all answers hold; for metrics.
+  size_t bytes() const { return counters_.bytes + *all_wholes_; }
   // Waits until everything published so far has been looked at. For tests.
   void Drain();
 
@@ -138,13 +143,16 @@ class Subscriptions {
     sparql::Query query;
     std::shared_ptr<Subscriber> subscriber;
     Opened done;
+    ClientPtr client;
   };
   struct Subscription;  // a query that is followed
+  class Evaluating;
 
   void Run();
   void Process(Turn turn);
   void OpenNow(Opening opening);
-  absl::StatusOr<Subscription*> FindOrMake(const SubscribedQuery& followed, sparql::Query query);
+  absl::StatusOr<Subscription*> FindOrMake(const SubscribedQuery& followed, sparql::Query query,
+                                           const Client* client);
   // From the whole answer on `version_` on, its changes will be noticed.
   absl::Status Begin(Subscription& subscription);
   // The same for one that has begun before.
@@ -180,6 +188,10 @@ class Subscriptions {
   // Since when nobody follows it; InfiniteFuture: somebody does, or it goes.
   void NoteIdle(Subscription& subscription, absl::Time since);
   void DropIdle();
+  // Notes what its answer holds now; for that, answers that nobody follows go, the oldest first. An error: it is too much.
+  absl::Status Charge(Subscription& subscription);
+  bool HasRoomFor(const Client* client, size_t bytes) const;
+  void SetCharged(Subscription& subscription, size_t bytes);
   void Drop(uint32_t number);
   bool HasWork() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return stopping_ || !turns_.empty() || !openings_.empty();
@@ -194,6 +206,7 @@ class Subscriptions {
   std::multimap<absl::Time, std::weak_ptr<Subscriber>> alarms_ ABSL_GUARDED_BY(mutex_);
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  Cancellation* evaluating_ ABSL_GUARDED_BY(mutex_) = nullptr;
   bool followed_ ABSL_GUARDED_BY(mutex_) =
       false;  // there are queries; else turns are not looked at, but for newest_
   GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_);
@@ -229,7 +242,10 @@ class Subscriptions {
   absl::Time changed_since_;
   absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
   size_t dictionary_size_ = 0;                                // that has been looked at for them
-  const std::shared_ptr<KeptBytes> all_kept_ = std::make_shared<KeptBytes>(0);  // by the answers
+  const std::shared_ptr<KeptBytes> all_kept_ = std::make_shared<KeptBytes>(0);    // by the answers
+  const std::shared_ptr<KeptBytes> all_wholes_ = std::make_shared<KeptBytes>(0);  // that are being sent
+  absl::flat_hash_map<const Client*, size_t> charged_;                            // bytes by who pays
+  size_t idle_bytes_ = 0;                                                         // of answers in idle_
   uint64_t next_answer_ = 1;
   absl::Time next_idle_check_ = absl::InfinitePast();
   std::thread thread_;

@@ -4,7 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/overload.h"
 #include "kb_server/subscriptions/subscribed_query.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
@@ -13,6 +15,9 @@ namespace {
 
 constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
 constexpr size_t kIdleKept = 1000;                     // and so many of them
+constexpr size_t kIdlePart = 8;                        // of subscriptions_bytes, one in so many
+constexpr size_t kTimesFree = 3;                       // a client may have so many times what is free of all
+constexpr size_t kKeptRowBytes = 200;                  // of a row in a StandingConditions, about
 
 }  // namespace
 
@@ -83,10 +88,54 @@ void Subscriptions::FailAll(Subscription& subscription, const absl::Status& stat
 }
 
 void Subscriptions::NoteIdle(Subscription& subscription, absl::Time since) {
-  if (subscription.idle_since != absl::InfiniteFuture())
+  if (subscription.idle_since != absl::InfiniteFuture()) {
     idle_.erase({subscription.idle_since, subscription.number});
-  if (since != absl::InfiniteFuture()) idle_.emplace(since, subscription.number);
+    idle_bytes_ -= subscription.charged;
+  }
+  if (since != absl::InfiniteFuture()) {
+    idle_.emplace(since, subscription.number);
+    idle_bytes_ += subscription.charged;
+  }
   subscription.idle_since = since;
+}
+
+void Subscriptions::SetCharged(Subscription& subscription, size_t bytes) {
+  const size_t had = std::exchange(subscription.charged, bytes);
+  size_t& of_client = charged_[subscription.payer];
+  of_client += bytes - had;
+  if (of_client == 0) charged_.erase(subscription.payer);
+  counters_.bytes += bytes - had;
+  if (subscription.idle_since != absl::InfiniteFuture()) idle_bytes_ += bytes - had;
+}
+
+bool Subscriptions::HasRoomFor(const Client* client, size_t bytes) const {
+  const size_t limit = settings_.subscription_limits.subscriptions_bytes, taken = this->bytes();
+  if (taken + bytes > limit) return false;
+  if (client == nullptr) return true;
+  const auto found = charged_.find(client);
+  const size_t has = found == charged_.end() ? 0 : found->second;
+  return has + bytes <= kTimesFree * (limit - taken - bytes);
+}
+
+absl::Status Subscriptions::Charge(Subscription& subscription) {
+  const size_t bytes =
+      subscription.answer->bytes() + (subscription.kept ? subscription.answer->size() * kKeptRowBytes : 0);
+  if (bytes > subscription.charged) {
+    const size_t more = bytes - subscription.charged;
+    while (!HasRoomFor(subscription.payer, more)) {
+      const auto oldest = std::find_if(idle_.begin(), idle_.end(),
+                                       [&](const auto& idle) { return idle.second != subscription.number; });
+      if (oldest == idle_.end()) {
+        return OverloadError(absl::StrCat(
+            "what is followed is too much together: the limit subscriptions_bytes is ",
+            settings_.subscription_limits.subscriptions_bytes,
+            ", and this answer would hold a large part of it; ask for less, or try again later"));
+      }
+      Drop(oldest->second);
+    }
+  }
+  SetCharged(subscription, bytes);
+  return absl::OkStatus();
 }
 
 void Subscriptions::DropIdle() {
@@ -102,7 +151,9 @@ void Subscriptions::DropIdle() {
         NoteIdle(*subscription, now);
     }
   }
-  while (!idle_.empty() && (idle_.size() > kIdleKept || now - idle_.begin()->first > kLinger)) {
+  const size_t most = settings_.subscription_limits.subscriptions_bytes / kIdlePart;
+  while (!idle_.empty() &&
+         (idle_.size() > kIdleKept || idle_bytes_ > most || now - idle_.begin()->first > kLinger)) {
     Drop(idle_.begin()->second);
   }
 }

@@ -1,6 +1,7 @@
 #include "kb_server/turn/event_shelf.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -14,9 +15,11 @@
 namespace docent::server {
 namespace {
 
+bool TellsEvent(const TermQuad& quad, const BatchApplier& applier) {
+  return quad.predicate.lexical == kRdfType && applier.IsEventClass(quad.object);
+}
 bool Tells(const QuadOperation& operation, const BatchApplier& applier) {
-  return operation.kind == QuadOperation::Kind::kAdd && operation.quad.predicate.lexical == kRdfType &&
-         applier.IsEventClass(operation.quad.object);
+  return operation.kind == QuadOperation::Kind::kAdd && TellsEvent(operation.quad, applier);
 }
 
 // The blank nodes of the events that the batch tells, and those below them.
@@ -87,34 +90,75 @@ EventShelf::Events& EventShelf::Mutable() {
 }
 
 Delta EventShelf::Withdraw(const WriteBatch& batch, BatchApplier* applier, GraphWriter* writer) {
-  news_ = {};
-  if (events_.empty()) return {};
   std::set<TermId> again;
-  for (const QuadOperation& operation : batch.operations) {
-    if (!Tells(operation, *applier)) continue;
-    if (const std::optional<TermId> id = dictionary_.Find(operation.quad.subject)) again.insert(*id);
-  }
-  if (!batch.readings.empty()) {
+  const Term* plain = nullptr;  // a type of things that are no events: of many facts of a load
+  const auto look_at = [&](const QuadOperation& operation) {
+    const bool types =
+        operation.kind == QuadOperation::Kind::kAdd && operation.quad.predicate.lexical == kRdfType;
+    if (!types || (plain != nullptr && *plain == operation.quad.object)) return;
+    if (!Tells(operation, *applier)) {
+      plain = &operation.quad.object;
+    } else if (const std::optional<TermId> id = dictionary_.Find(operation.quad.subject)) {
+      again.insert(*id);
+    }
+  };
+  for (const QuadOperation& operation : batch.operations) look_at(operation);
+  if (!batch.readings.empty() && !events_.empty()) {
     const auto read = MapReadings(batch.readings, dictionary_, writer->current());
-    if (read.ok()) {
-      for (const QuadOperation& operation : *read) {
-        if (!Tells(operation, *applier)) continue;
-        if (const std::optional<TermId> id = dictionary_.Find(operation.quad.subject)) again.insert(*id);
-      }
-    }
+    plain = nullptr;
+    for (size_t i = 0; read.ok() && i < read->size(); ++i) look_at((*read)[i]);
   }
+  return WithdrawThese(again, true, applier, writer);
+}
+
+Delta EventShelf::Withdraw(absl::Span<const engine::FactWrite> writes, BatchApplier* applier,
+                           GraphWriter* writer) {
+  std::set<TermId> again;
+  for (const engine::FactWrite& write : writes) {
+    if (!write.tells || !TellsEvent(write.quad, *applier)) continue;
+    if (const std::optional<TermId> id = dictionary_.Find(write.quad.subject)) again.insert(*id);
+  }
+  return WithdrawThese(again, false, applier, writer);
+}
+
+Delta EventShelf::WithdrawThese(const std::set<TermId>& again, bool also_over, BatchApplier* applier,
+                                GraphWriter* writer) {
+  news_ = {};
   std::vector<Quad> facts;
-  Events& events = Mutable();
-  for (auto it = events.begin(); it != events.end();) {
-    if (it->second.waits && !again.contains(it->first)) {
-      ++it;
-      continue;
-    }
-    facts.insert(facts.end(), it->second.facts.begin(), it->second.facts.end());
-    news_.gone.push_back(dictionary_.Decode(it->first));
-    it = events.erase(it);
+  const auto gone = [&](TermId event, const std::set<Quad>& own) {
+    facts.insert(facts.end(), own.begin(), own.end());
+    news_.gone.push_back(dictionary_.Decode(event));
+  };
+  // What the graph has without being here: its class was none of events when it was told.
+  for (const TermId event : again) {
+    if (events_.contains(event)) continue;
+    std::set<Quad> types;
+    writer->current().ForEach({event, type_, {}, {}}, [&](const Quad& quad) {
+      if (IsKept(quad) && applier->IsEventClass(dictionary_.Decode(quad.object))) types.insert(quad);
+      return true;
+    });
+    if (!types.empty()) gone(event, types);
   }
+  if (!events_.empty() && (also_over || !again.empty())) {
+    Events& events = Mutable();
+    for (auto it = events.begin(); it != events.end();) {
+      const bool leaves = again.contains(it->first) || (also_over && !it->second.waits);
+      if (leaves) gone(it->first, it->second.facts);
+      it = leaves ? events.erase(it) : std::next(it);
+    }
+  }
+  if (facts.empty()) return {};
   return applier->Withdraw(facts, *writer);
+}
+
+size_t EventShelf::OneTelling(absl::Span<const engine::FactWrite> writes, const BatchApplier& applier) {
+  std::set<std::pair<Term, Term>> told;  // events and their classes: one telling may give an event several
+  for (size_t i = 0; i < writes.size(); ++i) {
+    const TermQuad& quad = writes[i].quad;
+    if (writes[i].tells && TellsEvent(quad, applier) && !told.emplace(quad.subject, quad.object).second)
+      return i;
+  }
+  return writes.size();
 }
 
 void EventShelf::Take(const std::vector<Quad>& told_events, const Delta& told, const GraphVersion& version,
@@ -198,12 +242,13 @@ void EventShelf::Restore(Events events, TimeMicros now_us) {
 }
 
 void EventShelf::Adopt(const GraphVersion& version, TimeMicros now_us) {
-  version.ForEach({{}, type_, event_, {}}, [this](const Quad& quad) {
-    if (IsKept(quad)) events_.try_emplace(quad.subject);
+  std::vector<TermId> adopted;
+  version.ForEach({{}, type_, event_, {}}, [&](const Quad& quad) {
+    if (IsKept(quad) && events_.try_emplace(quad.subject).second) adopted.push_back(quad.subject);
     return true;
   });
-  for (auto& [id, event] : events_) {
-    version.ForEach({id, {}, {}, {}}, [this, &event = event](const Quad& quad) {
+  for (const TermId id : adopted) {
+    version.ForEach({id, {}, {}, {}}, [this, &event = events_.at(id)](const Quad& quad) {
       if (IsKept(quad)) event.facts.insert(quad);
       return true;
     });

@@ -1,9 +1,9 @@
 // Events in the graph, and when they leave it.
 //
-// An event (docent:Event) is an occurrence: each batch that tells it counts, also if the graph has it. It stays for the turn
+// An event (docent:Event) is an occurrence: each telling counts, of a batch or of a run, also if the graph has it. It stays for the turn
 // that tells it, and as long as a condition waits with it; the next turn withdraws it, with the facts that came with it or
 // since: those about its node, those about the blank nodes below it, and, if it is a blank node, those that name it. What was
-// told of the node before stays. A batch that tells an event again withdraws the earlier telling first.
+// told of the node before stays. Who tells an event again withdraws the earlier telling first.
 //
 // The withdrawal belongs to the input of its turn (a clock tick, if no other batch comes), so the log has it. Journaled:
 // Commit or Rollback at the end of a turn. Writer thread only.
@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/types/span.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/batch_applier.h"
 #include "graph/store/delta.h"
@@ -42,12 +43,16 @@ class EventShelf {
   std::optional<WriteBatch> WithOwnNames(const WriteBatch& batch, const BatchApplier& applier,
                                          uint64_t offset) const;
 
-  // Withdraws what is over, and what `batch` tells again. The removals.
+  // Begins a turn: withdraws what is over, and what `batch` tells again. The removals.
   Delta Withdraw(const WriteBatch& batch, BatchApplier* applier, GraphWriter* writer);
-  // After the batch was applied, and rules followed it: keeps what it told. `told`: what it changed.
+  // Begins another round of it: withdraws what runs tell again. The removals.
+  Delta Withdraw(absl::Span<const engine::FactWrite> writes, BatchApplier* applier, GraphWriter* writer);
+  // How many of these, from the first on, tell each event at most once: what follows is of another round.
+  static size_t OneTelling(absl::Span<const engine::FactWrite> writes, const BatchApplier& applier);
+  // After the batch, or the writes of a round, were applied, and rules followed: keeps what they told. `told`: what they changed.
   void Take(const std::vector<Quad>& told_events, const Delta& told, const GraphVersion& version,
             uint64_t offset);
-  // What the engine is to know of this turn: the events that left with Withdraw, and those of Take.
+  // What the engine is to know of this round: the events that left with Withdraw, and those of Take.
   const engine::EventNews& news() const { return news_; }
   // At the end of a turn: which events stay. Beyond the limit events_waiting the oldest do not.
   void Settle(const std::set<Term>& awaited, const GraphVersion& version, TimeMicros now_us);
@@ -57,7 +62,7 @@ class EventShelf {
 
   const Events& events() const { return events_; }
   void Restore(Events events, TimeMicros now_us);
-  // For a graph that an earlier version kept, whose events never left: all of them are over.
+  // For a graph that an earlier version kept, whose events did not all leave: those that are not here are over.
   void Adopt(const GraphVersion& version, TimeMicros now_us);
 
   void Commit() { undo_.reset(); }
@@ -65,6 +70,9 @@ class EventShelf {
 
  private:
   bool IsKept(const Quad& quad) const;
+  // `also_over`: those that wait no longer, too.
+  Delta WithdrawThese(const std::set<TermId>& again, bool also_over, BatchApplier* applier,
+                      GraphWriter* writer);
   Events& Mutable();
   void FindDue(TimeMicros now_us);
 

@@ -71,16 +71,8 @@ absl::StatusOr<std::vector<engine::TermBinding>> FactPort::Select(
   }
   auto prepared = sparql::PreparedQuery::Prepare(query, dictionary_, options);
   if (!prepared.ok()) return prepared.status();
-  const uint64_t allowed =
-      std::min(kWorkflowLimits.assign_steps, kWorkflowLimits.assign_steps_per_turn - steps_);
   Cancellation steps;
-  steps.AllowSteps(allowed);
-  // What ends the turn ends this, too. Such a turn is refused as a whole.
-  if (cancellation_ != nullptr) {
-    steps.OnLook([this, &steps](const Cancellation&) {
-      if (cancellation_->IsOver()) steps.Cancel();
-    });
-  }
+  const uint64_t allowed = AllowSteps(&steps);
   std::vector<engine::TermBinding> solutions;
   bool too_many = false;
   const absl::Status status =
@@ -94,9 +86,7 @@ absl::StatusOr<std::vector<engine::TermBinding>> FactPort::Select(
                             }
                             return true;
                           });
-  const int64_t left = steps.steps_left();
-  steps_ += left < 0 ? allowed : allowed - static_cast<uint64_t>(left);
-  if (left < 0) {
+  if (!CountSteps(steps, allowed)) {
     const bool of_turn = allowed < kWorkflowLimits.assign_steps;
     return absl::ResourceExhaustedError(
         absl::StrCat("its query takes too long: it was stopped after ", allowed, " steps; the limit ",
@@ -118,8 +108,41 @@ absl::StatusOr<std::vector<engine::TermBinding>> FactPort::Select(
   return solutions;
 }
 
-absl::Status ApplyWrites(const std::vector<engine::FactWrite>& writes, TimeMicros now_us,
-                         BatchApplier* applier, GraphWriter* writer, Delta* delta) {
+uint64_t FactPort::AllowSteps(Cancellation* steps) const {
+  const uint64_t allowed =
+      std::min(kWorkflowLimits.assign_steps, kWorkflowLimits.assign_steps_per_turn - steps_);
+  steps->AllowSteps(allowed);
+  // What ends the turn ends this, too. Such a turn is refused as a whole.
+  if (cancellation_ != nullptr) {
+    steps->OnLook([this, steps](const Cancellation&) {
+      if (cancellation_->IsOver()) steps->Cancel();
+    });
+  }
+  return allowed;
+}
+
+bool FactPort::CountSteps(const Cancellation& steps, uint64_t allowed) const {
+  const int64_t left = steps.steps_left();
+  steps_ += left < 0 ? allowed : allowed - static_cast<uint64_t>(left);
+  return left >= 0;
+}
+
+absl::StatusOr<bool> FactPort::Holds(const sparql::Query& ask) const {
+  sparql::PrepareOptions options;
+  options.functions = functions_;
+  options.memory_bytes = kWorkflowLimits.assign_memory_bytes;
+  auto prepared = sparql::PreparedQuery::Prepare(ask, dictionary_, options);
+  if (!prepared.ok()) return prepared.status();
+  Cancellation steps;
+  const uint64_t allowed = AllowSteps(&steps);
+  const absl::StatusOr<bool> holds =
+      (*prepared)->Ask({.version = &version_, .cancellation = &steps, .now_us = now_us_, .seed = seed_}, {});
+  if (!CountSteps(steps, allowed)) return absl::ResourceExhaustedError("the limit is assign_steps");
+  return holds;
+}
+
+absl::Status ApplyWrites(absl::Span<const engine::FactWrite> writes, TimeMicros now_us, BatchApplier* applier,
+                         GraphWriter* writer, Delta* delta, std::vector<Quad>* told_events) {
   if (writes.empty()) return absl::OkStatus();
   DeltaSum sum;
   sum.Add(*delta);
@@ -133,6 +156,7 @@ absl::Status ApplyWrites(const std::vector<engine::FactWrite>& writes, TimeMicro
     }
     absl::StatusOr<Delta> applied = applier->Apply(batch, *writer);
     if (!applied.ok()) return applied.status();
+    told_events->insert(told_events->end(), applier->told_events().begin(), applier->told_events().end());
     sum.Add(*applied);
   }
   *delta = sum.Net();

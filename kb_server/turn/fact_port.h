@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/clock.h"
 #include "graph/rdf/dictionary.h"
@@ -38,7 +39,13 @@ class FactPort final : public engine::FactView {
       const sparql::Query& query, const engine::TermBinding& given,
       const std::vector<std::string>& columns) const override;
 
+  absl::StatusOr<bool> Holds(const sparql::Query& ask) const override;
+
  private:
+  // The steps that a query may take now; the turn's end ends it.
+  uint64_t AllowSteps(Cancellation* steps) const;
+  // The query has ended. False: it was stopped.
+  bool CountSteps(const Cancellation& steps, uint64_t allowed) const;
   Dictionary& dictionary_;
   const GraphVersion& version_;
   const sparql::FunctionRegistry* functions_;
@@ -49,9 +56,10 @@ class FactPort final : public engine::FactView {
 };
 
 // What a round of the engine wrote, as the same facts of a client would be: a new value of a state property replaces the old
-// one of the same source, lifetimes begin now. Adds what changed to `delta`.
-absl::Status ApplyWrites(const std::vector<engine::FactWrite>& writes, TimeMicros now_us,
-                         BatchApplier* applier, GraphWriter* writer, Delta* delta);
+// one of the same source, lifetimes begin now. Adds what changed to `delta`, and the types that make things events to `told_events`
+// (BatchApplier::told_events).
+absl::Status ApplyWrites(absl::Span<const engine::FactWrite> writes, TimeMicros now_us, BatchApplier* applier,
+                         GraphWriter* writer, Delta* delta, std::vector<Quad>* told_events);
 
 }  // namespace docent::server
 

@@ -5,6 +5,7 @@
 
 #include "absl/strings/ascii.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/turn/default_robot_order.h"
 #include "workflow/cawl/robot_choice.h"
 
 namespace docent::server {
@@ -50,6 +51,15 @@ sparql::PreparedQuery* GraphRobotRanking::Prepared(const Key& key) const {
 std::vector<RobotId> GraphRobotRanking::Order(const std::string& select, std::vector<RobotId> able,
                                               const engine::TermBinding& values) const {
   if (able.size() < 2 || version_ == nullptr) return able;
+  if (!select.empty()) return OrderByQuery(select, std::move(able), values);
+  const auto goal = values.find("goal");
+  const std::optional<TermId> place = goal == values.end() ? std::nullopt : dictionary_.Find(goal->second);
+  if (auto ordered = DefaultRobotOrder(*version_, dictionary_, place, able)) return *std::move(ordered);
+  return OrderByQuery(std::string(cawl::DefaultRobotChoice()), std::move(able), values);
+}
+
+std::vector<RobotId> GraphRobotRanking::OrderByQuery(const std::string& select, std::vector<RobotId> able,
+                                                     const engine::TermBinding& values) const {
   Key key{select, {}};
   std::vector<TermId> bound;
   for (const auto& [name, value] : values) {

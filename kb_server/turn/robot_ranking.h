@@ -31,6 +31,10 @@ class GraphRobotRanking final : public engine::RobotRanking {
   std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
                              const engine::TermBinding& values) const override;
 
+  // The same, by the query in any case. Requires BeginRound.
+  std::vector<RobotId> OrderByQuery(const std::string& select, std::vector<RobotId> able,
+                                    const engine::TermBinding& values) const;
+
  private:
   using Key =
       std::pair<std::string, std::vector<std::string>>;  // the text, and the variables that have values

@@ -21,25 +21,32 @@ void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->transitions), &result->record.transitions);
   Append(std::move(output->commands), &result->record.commands);
   Append(std::move(output->cancels), &result->cancels);
+  Append(std::move(output->recalls), &result->recalls);
   Append(std::move(output->notifications), &result->notifications);
   Append(std::move(output->started), &result->started);
   Append(std::move(output->undeployed), &result->undeployed);
   Append(std::move(output->steered), &result->steered);
 }
 
-// Takes events out of the graph that are over or told again: conditions see them go before they come back.
-absl::StatusOr<Delta> WithdrawEvents(Stages* stages, const WriteBatch& batch, DeltaSum* sum) {
-  absl::StatusOr<Delta> delta = stages->events.Withdraw(batch, &stages->applier, &stages->writer);
-  if (delta->empty()) return delta;
-  delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);
+// What follows from events that left the graph since they are over or told again: conditions see them go before they come back.
+absl::StatusOr<Delta> FollowWithdrawal(Stages* stages, Delta withdrawn, TimeMicros now_us, DeltaSum* sum) {
+  if (withdrawn.empty()) return withdrawn;
+  absl::StatusOr<Delta> delta = stages->rules.Update(stages->writer, withdrawn, stages->cancellation);
   if (!delta.ok()) return delta.status();
   stages->applier.Learn(*delta);
   sum->Add(*delta);
-  auto changes = stages->standing_conditions.Update(stages->writer.current(), *delta, batch.time_us,
-                                                    stages->cancellation);
+  auto changes =
+      stages->standing_conditions.Update(stages->writer.current(), *delta, now_us, stages->cancellation);
   if (!changes.ok()) return changes.status();
-  stages->conditions.Take(*changes, batch.time_us);
+  stages->conditions.Take(*changes, now_us);
   return delta;
+}
+
+// What of a round's writes is told now: of an event that is told twice, the second telling is of the next round. Where a turn has
+// gone on for long, such tellings are one.
+size_t WritesOfRound(const Stages& stages, absl::Span<const engine::FactWrite> writes, int round) {
+  if (round >= stages.limits.engine_rounds_per_turn / 2) return writes.size();
+  return EventShelf::OneTelling(writes, stages.applier);
 }
 
 // What the stages behind the conditions see in the first round.
@@ -66,6 +73,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   stages->applier.Announce(given, stages->writer.current());
   const std::optional<WriteBatch> named = stages->events.WithOwnNames(given, stages->applier, offset);
   const WriteBatch& batch = named ? *named : given;
+  stages->robots.Refresh(stages->writer.current(), {});  // requests are checked on the graph before the turn
   const engine::RobotDirectory* robots = stages->cancellation != nullptr ? &stages->robots : nullptr;
   for (const RunRequest& request : batch.run_requests) {  // what the log has was accepted
     if (absl::Status status = stages->engine.CheckRequest(request, robots); !status.ok()) return status;
@@ -77,12 +85,18 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
   };
   DeltaSum sum;
   allow_steps();
-  const absl::StatusOr<Delta> withdrawn = WithdrawEvents(stages, batch, &sum);
+  absl::StatusOr<Delta> withdrawn = FollowWithdrawal(
+      stages, stages->events.Withdraw(batch, &stages->applier, &stages->writer), batch.time_us, &sum);
   if (!withdrawn.ok()) return withdrawn.status();
+  const std::vector<Quad> left_first = withdrawn->removed;
   absl::StatusOr<Delta> delta = ApplyToStore(stages, batch, offset);  // store
   if (!delta.ok()) return delta.status();
-  const std::vector<Quad>& told_events = stages->applier.told_events();
-  const Delta told_facts = told_events.empty() && stages->events.events().empty() ? Delta() : *delta;
+  std::vector<Quad> told_events = stages->applier.told_events();
+  const auto told_facts_of = [&](const Delta& of) {
+    return told_events.empty() && stages->events.events().empty() ? Delta() : of;
+  };
+  Delta told_facts = told_facts_of(*delta);
+  std::vector<engine::FactWrite> writes;  // of runs, that are to be told
   allow_steps();
 
   const FactPort facts(&stages->dictionary, &stages->writer.current(), stages->functions, batch.time_us,
@@ -102,7 +116,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     stages->applier.Learn(*delta);
     result->inferred += delta->size() - std::min(told, delta->size());
     sum.Add(*delta);
-    if (round == 0) stages->events.Take(told_events, told_facts, stages->writer.current(), offset);
+    stages->events.Take(told_events, told_facts, stages->writer.current(), offset);
 
     const GraphVersion& graph = stages->writer.current();
     auto changes = stages->standing_conditions.Update(graph, *delta, batch.time_us,
@@ -111,7 +125,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
 
-    if (round == 0 && !withdrawn->empty())
+    if (!withdrawn->empty())
       stages->robots.Refresh(graph, Both(*withdrawn, *delta));
     else
       stages->robots.Refresh(graph, *delta);
@@ -122,7 +136,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     view.clock_tick = batch.clock_tick;
     view.reports = round == 0 ? &batch.reports : nullptr;
     view.requests = round == 0 ? &batch.run_requests : nullptr;
-    view.events = round == 0 ? &stages->events.news() : nullptr;
+    view.events = &stages->events.news();
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
     view.facts = &facts;
@@ -139,20 +153,32 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
         !armed.ok()) {
       return armed;
     }
-    if (quiet) break;
-    delta =
-        stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
+    if (quiet && writes.empty()) break;
+    Append(std::move(output.writes), &writes);
+    const size_t told_now = WritesOfRound(*stages, writes, round);
+    const absl::Span<const engine::FactWrite> tell(writes.data(), told_now);
+    withdrawn = FollowWithdrawal(stages, stages->events.Withdraw(tell, &stages->applier, &stages->writer),
+                                 batch.time_us, &sum);
+    if (!withdrawn.ok()) return withdrawn.status();
+    // seen by rules and conditions in this same turn
+    delta = stages->writer.Apply(output.add, output.remove);
+    told_events.clear();
     if (absl::Status written =
-            ApplyWrites(output.writes, batch.time_us, &stages->applier, &stages->writer, &*delta);
+            ApplyWrites(tell, batch.time_us, &stages->applier, &stages->writer, &*delta, &told_events);
         !written.ok()) {
       return written;
     }
+    told_facts = told_facts_of(*delta);
+    for (engine::FactWrite& write : absl::MakeSpan(writes.data(), told_now)) {
+      if (write.tells) result->record.told.push_back({std::move(write.by), std::move(write.quad)});
+    }
+    writes.erase(writes.begin(), writes.begin() + static_cast<ptrdiff_t>(told_now));
   }
   stages->events.Settle(stages->engine.AwaitedEvents(), stages->writer.current(), batch.time_us);
   result->delta = sum.Net();
   const GraphVersion& after = stages->writer.current();
-  result->told_again = static_cast<size_t>(
-      std::count_if(withdrawn->removed.begin(), withdrawn->removed.end(), [&after](const Quad& quad) {
+  result->told_again =
+      static_cast<size_t>(std::count_if(left_first.begin(), left_first.end(), [&after](const Quad& quad) {
         return after.ContainsMatch({quad.subject, quad.predicate, quad.object, quad.graph});
       }));
   result->addresses = stages->robots.AddressesIn(result->delta, after);

@@ -31,7 +31,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "21";
+inline constexpr char kEngineVersion[] = "22";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
@@ -84,6 +84,7 @@ struct TurnResult {
       0;                // facts of events that left and came back in this turn, so that `delta` has them not
   size_t inferred = 0;  // facts that rules added or withdrew
   std::vector<CommandId> cancels;  // commands to be ended
+  std::vector<CommandId> recalls;  // commands that are not to begin, where the robot has not begun them
   std::vector<Notification> notifications;
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
   std::vector<RunId> started;             // by the batch's run requests

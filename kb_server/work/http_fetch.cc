@@ -21,6 +21,7 @@
 #include <limits>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/base/version.h"
@@ -42,6 +43,31 @@ absl::Status ToStatus(const Error& error, const char* doing, const FetchRequest&
         absl::StrCat(request.url, " did not answer within ", request.timeout.count(), " ms"));
   }
   return absl::UnavailableError(absl::StrCat(request.url, ": ", doing, ": ", error.message()));
+}
+
+void TakeHead(const http::response_header<>& head, HttpResponse* response) {
+  response->status = static_cast<int>(head.result_int());
+  response->content_type.clear();
+  for (const auto& field : head) {
+    std::string name =
+        absl::AsciiStrToLower(absl::string_view(field.name_string().data(), field.name_string().size()));
+    std::string value(field.value().data(), field.value().size());
+    if (name == "content-type") response->content_type = value;
+    response->headers.emplace_back(std::move(name), std::move(value));
+  }
+}
+
+// What all connections with TLS share. It is made when the first one needs it: that takes 20 ms, for the certificates of the
+// system.
+net::ssl::context& TlsContext() {
+  static net::ssl::context* const shared = [] {
+    auto* made = new net::ssl::context(net::ssl::context::tls_client);
+    Error ignored;  // without certificates none is trusted
+    made->set_default_verify_paths(ignored);
+    made->set_verify_mode(net::ssl::verify_peer, ignored);
+    return made;
+  }();
+  return *shared;
 }
 
 // Sends the request and reads the answer on a connected stream.
@@ -67,10 +93,8 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
   http::response_parser<http::string_body> parser;
   parser.body_limit(std::numeric_limits<uint64_t>::max());  // ours is looked at below, after each piece
   co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
-  if (!error && !request.reads_body) {
-    response->status = static_cast<int>(parser.get().result_int());
-    co_return absl::OkStatus();
-  }
+  if (!error) TakeHead(parser.get(), response);
+  if (!error && !request.reads_body) co_return absl::OkStatus();
   while (!error && !parser.is_done()) {
     if (parser.content_length().value_or(0) > request.max_bytes ||
         parser.get().body().size() > request.max_bytes)
@@ -82,17 +106,7 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
     co_return absl::ResourceExhaustedError(absl::StrCat(
         "the answer of ", request.url, " is larger than the limit remote_bytes = ", request.max_bytes));
   }
-  auto answer = parser.release();
-  response->status = static_cast<int>(answer.result_int());
-  response->content_type.clear();
-  for (const auto& field : answer) {
-    std::string name =
-        absl::AsciiStrToLower(absl::string_view(field.name_string().data(), field.name_string().size()));
-    std::string value(field.value().data(), field.value().size());
-    if (name == "content-type") response->content_type = value;
-    response->headers.emplace_back(std::move(name), std::move(value));
-  }
-  response->body = std::move(answer.body());
+  response->body = std::move(parser.get().body());
   co_return absl::OkStatus();
 }
 
@@ -103,15 +117,12 @@ net::awaitable<absl::Status> Run(net::io_context& context, const FetchRequest& r
   const auto addresses =
       co_await resolver.async_resolve(url.host, url.port, net::redirect_error(net::use_awaitable, error));
   if (error) co_return ToStatus(error, "looking up the host", request);
-  net::ssl::context tls(net::ssl::context::tls_client);
-  tls.set_default_verify_paths(error);
-  tls.set_verify_mode(net::ssl::verify_peer, error);
-  beast::ssl_stream<beast::tcp_stream> stream(context, tls);
-  beast::tcp_stream& plain = stream.next_layer();
+  beast::tcp_stream plain(context);
   plain.expires_after(request.timeout);
   co_await plain.async_connect(addresses, net::redirect_error(net::use_awaitable, error));
   if (error) co_return ToStatus(error, "connecting", request);
   if (!url.tls) co_return co_await Exchange(plain, request, url, response);
+  beast::ssl_stream<beast::tcp_stream> stream(std::move(plain), TlsContext());
   SSL_set_tlsext_host_name(stream.native_handle(), url.host.c_str());
   stream.set_verify_callback(net::ssl::host_name_verification(url.host), error);
   co_await stream.async_handshake(net::ssl::stream_base::client,
@@ -142,6 +153,18 @@ std::optional<HttpUrl> ParseHttpUrl(std::string_view text) {
   const auto plain = [](char c) { return c > ' ' && c < 0x7F; };
   if (!std::all_of(url.target.begin(), url.target.end(), plain)) return std::nullopt;
   return url;
+}
+
+std::optional<absl::Duration> RetryAfterOf(const HttpFields& headers, absl::Time now) {
+  const auto found = std::find_if(headers.begin(), headers.end(),
+                                  [](const auto& field) { return field.first == "retry-after"; });
+  if (found == headers.end()) return std::nullopt;
+  int64_t seconds = 0;
+  if (absl::SimpleAtoi(found->second, &seconds))
+    return seconds < 0 ? std::nullopt : std::make_optional(absl::Seconds(seconds));
+  absl::Time date;
+  if (!absl::ParseTime("%a, %d %b %Y %H:%M:%S GMT", found->second, &date, nullptr)) return std::nullopt;
+  return std::max(absl::ZeroDuration(), date - now);
 }
 
 absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* cancellation) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "graph/base/cancellation.h"
 #include "kb_server/work/http_message.h"
 
@@ -23,6 +24,9 @@ struct HttpUrl {
 };
 std::optional<HttpUrl> ParseHttpUrl(std::string_view url);
 
+// What an answer says in Retry-After (RFC 9110, section 10.2.3): seconds, or a date. `headers`: names in lower case.
+std::optional<absl::Duration> RetryAfterOf(const HttpFields& headers, absl::Time now);
+
 struct FetchRequest {
   std::string method = "GET";
   std::string url;
@@ -30,7 +34,7 @@ struct FetchRequest {
   std::string body;
   std::chrono::milliseconds timeout{30000};  // for all of it
   size_t max_bytes = 0;                      // of the answer's body
-  bool reads_body = true;                    // false: the status is all that counts, and ends it
+  bool reads_body = true;                    // false: status and headers are all that counts, and end it
   bool half_time = false;                    // no longer than half of the time that the cancellation leaves
 };
 

@@ -64,9 +64,8 @@ struct Outcome {
   shapes::ValidationReport report;
 };
 
-absl::StatusOr<Outcome> Validate(const ReadPorts& ports, const GraphVersion& version,
-                                 const Dictionary& dictionary, const shapes::SourceMap* places,
-                                 Cancellation* cancellation) {
+absl::StatusOr<Outcome> Validate(const ReadPorts& ports, const GraphVersion& version, Dictionary& dictionary,
+                                 const shapes::SourceMap* places, Cancellation* cancellation) {
   Outcome outcome;
   outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)),
                                       dictionary, {}, places, ports.functions);

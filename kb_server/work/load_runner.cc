@@ -15,6 +15,7 @@ namespace {
 
 // Of many results a message shows so many.
 constexpr size_t kShown = 20;
+constexpr absl::Duration kNextVersion = absl::Seconds(10);  // for a version that is on its way, and a worker
 
 Diagnostics AsWarnings(const LoadVerdict& verdict) {
   Diagnostics warnings;
@@ -62,14 +63,18 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
 
   void Judge() {
     ++attempts_;
-    auto version = AwaitVersion(ports_, needed_, absl::Now() + absl::Seconds(10), job_.cancellation.get());
-    if (!version.ok()) return job_.done(version.status(), {});
-    auto verdict = JudgeLoad(ports_, job_.batch, **version, job_.text, job_.cancellation.get());
+    const GraphVersionPtr version = ports_.queries->Newest();
+    auto verdict = JudgeShared(*version);
     if (!verdict.ok()) return job_.done(verdict.status(), {});
     const bool refuse = ports_.on_violation == OnViolation::kRefuse;
     if (refuse && verdict->HasViolations()) return job_.done(Refusal(*verdict), {});
     warnings_ = AsWarnings(*verdict);
-    Push((*version)->revision(), refuse ? std::move(verdict->reads) : std::vector<ReadPattern>());
+    Push(version->revision(), refuse ? std::move(verdict->reads) : std::vector<ReadPattern>());
+  }
+
+  absl::StatusOr<LoadVerdict> JudgeShared(const GraphVersion& version) {
+    const WorkerPool::SharedWork shared(ports_.workers, job_.cancellation.get());
+    return JudgeLoad(ports_, job_.batch, version, job_.text, job_.cancellation.get());
   }
 
   void Push(Revision judged_on, std::vector<ReadPattern> reads) {
@@ -102,8 +107,13 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
                            "again")),
                        {});
     }
-    const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Judge(); });
-    if (!accepted.ok()) job_.done(accepted, {});
+    SubmitOnVersion(
+        ports_, needed_,
+        {.run = [self = shared_from_this()] { self->Judge(); },
+         .refuse = [self = shared_from_this()](const absl::Status& why) { self->job_.done(why, {}); },
+         .client = job_.client,
+         .until = absl::Now() + kNextVersion,
+         .cancellation = job_.cancellation});
   }
 
   const WritePorts& ports_;

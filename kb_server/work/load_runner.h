@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "graph/base/diagnostic.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/work/load_judge.h"
 
@@ -27,6 +28,7 @@ struct LoadJob {
   LoadedText text;           // that the batch was made of
   BatchPreparation prepare;  // on the writer's turn, before the batch is applied; may be null
   std::shared_ptr<Cancellation> cancellation;  // of the judging; not null
+  ClientPtr client;                            // null: the server itself
   LoadCallback done;
 };
 

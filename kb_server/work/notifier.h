@@ -2,7 +2,11 @@
 // delivered or given up (notify_attempts), and reports what became of it through the door. It keeps nothing: the engine has
 // each notification until that report is in the log, so after a restart the writer gives what is left again.
 //
-// Threads: Send from any; a few threads of its own deliver. The destructor ends what is under way.
+// A receiver (host and port, or the broker) has a queue and senders of its own: one that is slow holds up nobody else. One that asks for
+// time (Retry-After) is left alone for so long.
+//
+// Threads: Send from any; a few threads a receiver deliver, and there are no more receivers than the settings name. The
+// destructor ends what is under way.
 #ifndef DOCENT_KB_SERVER_WORK_NOTIFIER_H_
 #define DOCENT_KB_SERVER_WORK_NOTIFIER_H_
 
@@ -18,6 +22,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "graph/base/cancellation.h"
+#include "graph/base/waiting_limits.h"
 #include "graph/base/workflow_limits.h"
 #include "graph/store/write_batch.h"
 #include "kb_server/door/notification_sink.h"
@@ -34,6 +39,7 @@ class Notifier final : public NotificationSink {
     std::chrono::milliseconds timeout{kWorkflowLimits.notify_timeout_ms};
     std::chrono::milliseconds first_pause{kWorkflowLimits.notify_first_pause_ms};
     std::chrono::milliseconds longest_pause{kWorkflowLimits.notify_longest_pause_ms};
+    std::chrono::milliseconds longest_retry_after{kWaitingLimits.notify_retry_after_ms};
   };
   // Hands a report to the door; `taken(false)`: it was not taken, and is to come again.
   using Report = std::function<void(WriteBatch batch, std::function<void(bool taken)> done)>;
@@ -53,13 +59,30 @@ class Notifier final : public NotificationSink {
     std::optional<CommandReport> end;  // it is over, and the door has not taken the report yet
   };
   using DeliveryPtr = std::shared_ptr<Delivery>;
+  // Guarded by mutex_, but for what is const.
+  struct Receiver {
+    std::multimap<SteadyTime, DeliveryPtr> queue;  // by when it is due
+    SteadyTime not_before = SteadyTime::min();     // it asked for time until then
+    int senders = 0, idle = 0;                     // threads
+    SteadyTime Due() const {
+      return queue.empty() ? SteadyTime::max() : std::max(queue.begin()->first, not_before);
+    }
+  };
+  struct Attempt {
+    absl::Status status;
+    std::optional<absl::Duration> retry_after;
+  };
 
-  void Work();
+  // The name of the receiver; empty: nothing may be sent there.
+  std::string ReceiverOf(const Notification& notification) const;
   void Add(DeliveryPtr delivery, std::chrono::milliseconds pause);
+  void Work(Receiver* receiver);
+  // The next delivery that is due; null: the notifier ends.
+  DeliveryPtr Take(Receiver* receiver);
   // Makes one attempt, or reports.
-  void Advance(const DeliveryPtr& delivery);
-  absl::Status Deliver(const Notification& notification);
-  absl::Status Post(const Notification& notification);
+  void Advance(const DeliveryPtr& delivery, Receiver* receiver);
+  Attempt Deliver(const Notification& notification);
+  Attempt Post(const Notification& notification);
   void Tell(const DeliveryPtr& delivery);
 
   const Settings settings_;
@@ -68,8 +91,8 @@ class Notifier final : public NotificationSink {
   Cancellation cancellation_;
   absl::Mutex mutex_;
   bool ends_ ABSL_GUARDED_BY(mutex_) = false;
-  std::multimap<SteadyTime, DeliveryPtr> queue_ ABSL_GUARDED_BY(mutex_);
-  std::vector<std::thread> threads_;
+  std::map<std::string, Receiver> receivers_ ABSL_GUARDED_BY(mutex_);  // by name
+  std::vector<std::thread> threads_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace docent::server

@@ -10,6 +10,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/remote_access.h"
 
@@ -21,7 +22,8 @@ using sparql::Query;
 constexpr size_t kCopies = 4;  // of a row on its way: as terms, as text, with its connection, as what is sent
 
 // The query, with the data set that the request gives.
-absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request) {
+absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request, MemoryUse* memory,
+                            Cancellation* cancellation) {
   const size_t limit = ports.limits.query_text_bytes;
   if (request.text.size() > limit) {
     return absl::ResourceExhaustedError(
@@ -31,8 +33,10 @@ absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request)
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.known = known.get();
   options.base_iri = request.base_iri;
+  options.memory = memory;
+  options.cancellation = cancellation;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.text, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text);
+  if (!parsed.ok()) return ToStatus(parsed, request.text);
   if (!request.default_graphs.empty() || !request.named_graphs.empty()) {
     parsed.query.from = request.default_graphs;
     parsed.query.from_named = request.named_graphs;
@@ -71,10 +75,10 @@ absl::Status Select(sparql::PreparedQuery& query, const sparql::RunOptions& run,
 
 absl::Status QueryRunner::Run(const QueryRequest& request, Cancellation* cancellation,
                               QuerySink* sink) const {
-  absl::StatusOr<Query> query = Parse(ports_, request);
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports_);
+  absl::StatusOr<Query> query = Parse(ports_, request, memory.get(), cancellation);
   if (!query.ok()) return query.status();
-  absl::StatusOr<QueryGraph> graph =
-      GraphForQuery(ports_, request.min_revision, request.as_of, request.deadline, cancellation);
+  absl::StatusOr<QueryGraph> graph = GraphForQuery(ports_, request.as_of, cancellation);
   if (!graph.ok()) return graph.status();
   const Dictionary& dictionary = *graph->dictionary;
 
@@ -82,7 +86,8 @@ absl::Status QueryRunner::Run(const QueryRequest& request, Cancellation* cancell
   options.default_graph = request.default_graph.value_or(ports_.default_graph);
   options.functions = ports_.functions;
   options.memory_bytes = ports_.limits.query_memory_bytes;
-  options.all_memory = ports_.query_memory;
+  options.memory = memory.get();
+  options.cancellation = cancellation;
   sparql::RunOptions run;
   run.version = graph->version.get();
   run.cancellation = cancellation;
@@ -92,25 +97,26 @@ absl::Status QueryRunner::Run(const QueryRequest& request, Cancellation* cancell
   if (!resolved.ok()) return resolved;
   const WorkerPool::SharedWork shared(ports_.workers, cancellation);
   absl::StatusOr<std::unique_ptr<sparql::PreparedQuery>> prepared =
-      sparql::PreparedQuery::Prepare(*query, dictionary, options);
+      sparql::PreparedQuery::Prepare(*std::move(query), dictionary, options);
   if (!prepared.ok()) return prepared.status();
-  if (!sink->OnBegin(query->form, graph->version->revision())) return absl::OkStatus();
+  const Query::Form form = (*prepared)->form();
+  if (!sink->OnBegin(form, graph->version->revision())) return absl::OkStatus();
 
   if (request.explain) {
     absl::StatusOr<std::string> plan = (*prepared)->ExplainRun(run);
     if (plan.ok()) sink->OnPlan(*std::move(plan));
     return plan.status();
   }
-  if (query->form == Query::Form::kSelect) return Select(**prepared, run, sink);
-  if (query->form == Query::Form::kAsk) {
+  if (form == Query::Form::kSelect) return Select(**prepared, run, sink);
+  if (form == Query::Form::kAsk) {
     const absl::StatusOr<bool> answer = (*prepared)->Ask(run);
     if (answer.ok()) sink->OnBoolean(*answer);
     return answer.status();
   }
   absl::StatusOr<std::vector<TermQuad>> triples =
-      sparql::AnswerGraph(**prepared, *query, dictionary, options, run);
+      sparql::AnswerGraph(**prepared, (*prepared)->query(), dictionary, options, run);
   if (!triples.ok()) return triples.status();
-  return sink->OnGraph(*std::move(triples), query->prefixes);
+  return sink->OnGraph(*std::move(triples), (*prepared)->query().prefixes);
 }
 
 }  // namespace docent::server

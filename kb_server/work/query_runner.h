@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/time/time.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/term.h"
@@ -28,10 +27,8 @@ struct QueryRequest {
   std::vector<Term> default_graphs;
   std::vector<Term> named_graphs;
   std::optional<sparql::DefaultGraph> default_graph;  // unset: what the server was started with
-  Revision min_revision;                              // the query waits for this revision until `deadline`
   std::string as_of;                                  // see ParseAsOf; empty: the newest version
   bool explain = false;                               // the plan with its real costs is the answer
-  absl::Time deadline = absl::InfiniteFuture();
 };
 
 // The way of one answer to its client. The functions are called on the thread of Run: OnBegin, then the one that belongs

@@ -10,11 +10,14 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/gzip.h"
+#include "graph/base/memory_part.h"
 #include "graph/base/regular_file.h"
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 #include "graph/store/server_graphs.h"
+#include "kb_server/door/worker_pool.h"
+#include "kb_server/work/service_answer_xml.h"
 
 namespace docent::server {
 namespace {
@@ -118,6 +121,12 @@ absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t
   return answer;
 }
 
+// While another server is waited for, the worker's place is free.
+absl::StatusOr<HttpResponse> Ask(const FetchRequest& request, Cancellation* cancellation) {
+  const WorkerPool::Waiting waiting;
+  return waiting.status().ok() ? Fetch(request, cancellation) : waiting.status();
+}
+
 }  // namespace
 
 absl::Status RemoteAccess::CheckAllowed(const std::string& entry) {
@@ -156,10 +165,7 @@ absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellati
   request->max_bytes = limits_.remote_bytes;
   for (int redirects = 0;; ++redirects) {
     if (!IsAllowed(request->url)) return Refuse(request->url);
-    std::optional<WorkerPool::Waiting> waiting;
-    if (workers_ != nullptr) waiting.emplace(workers_);
-    absl::StatusOr<HttpResponse> response = Fetch(*request, cancellation);
-    waiting.reset();
+    absl::StatusOr<HttpResponse> response = Ask(*request, cancellation);
     if (absl::IsUnavailable(response.status())) return absl::UnknownError(response.status().message());
     if (!response.ok() || response->status == 200) return response;
     const int status = response->status;
@@ -184,16 +190,20 @@ absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& en
   request.method = "POST";
   request.url = endpoint;
   request.headers = {{"Content-Type", "application/sparql-query"},
-                     {"Accept", "application/sparql-results+json"}};
+                     {"Accept", "application/sparql-results+json, application/sparql-results+xml;q=0.5"}};
   request.body = query;
   request.half_time = silent;
   absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
   if (!response.ok()) return response.status();
+  // XML says so itself, which more servers do than name its type.
+  const size_t begin =
+      std::min(response->body.find_first_not_of("\xEF\xBB\xBF \t\r\n"), response->body.size());
+  if (response->body.compare(begin, 1, "<") == 0) return ReadXmlAnswer(response->body, limits_, cancellation);
   return ReadAnswer(response->body, limits_.remote_rows);
 }
 
-absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
-                                                         Cancellation* cancellation) const {
+absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url, Cancellation* cancellation,
+                                                         MemoryUse* memory) const {
   // A fragment names a part of the document, which is read whole (RFC 3986, section 3.5).
   const std::string document = url.substr(0, url.find('#'));
   std::string text, base = document, type;
@@ -242,6 +252,13 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   options.charset = CharsetOf(type);
   options.limits = limits_;
   options.cancellation = cancellation;
+  options.memory = memory;
+  MemoryUse alone(SIZE_MAX);
+  MemoryPart of_text(memory != nullptr ? memory : &alone);
+  if (!of_text.Add(text.size())) {
+    return memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
+        "<", url, "> has more than fits into the limit query_memory_bytes = ", limits_.query_memory_bytes)));
+  }
   ParsedRdf parsed = ParseRdf(text, *format, options);
   if (!parsed.ok()) return ToStatus(parsed, text);
   return std::move(parsed.quads);

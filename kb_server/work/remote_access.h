@@ -15,17 +15,16 @@
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
 #include "graph/sparql/run/federation.h"
-#include "kb_server/door/worker_pool.h"
 #include "kb_server/work/http_fetch.h"
 
 namespace docent::server {
 
 class RemoteAccess final : public sparql::ServiceClient {
  public:
-  // Who fetches on one of `workers` (may be null) gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…"
-  // or "file:///folder": that address and all below it (whole path segments). See CheckAllowed.
-  RemoteAccess(std::vector<std::string> allowed, const Limits& limits, WorkerPool* workers = nullptr)
-      : allowed_(std::move(allowed)), limits_(limits), workers_(workers) {}
+  // Who fetches on a worker gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…" or "file:///folder":
+  // that address and all below it (whole path segments). See CheckAllowed.
+  RemoteAccess(std::vector<std::string> allowed, const Limits& limits)
+      : allowed_(std::move(allowed)), limits_(limits) {}
 
   // INVALID_ARGUMENT for an entry that is not of one of these forms.
   static absl::Status CheckAllowed(const std::string& entry);
@@ -35,11 +34,13 @@ class RemoteAccess final : public sparql::ServiceClient {
   bool IsAllowed(std::string_view url) const;
   bool allows_any() const { return !allowed_.empty(); }
 
-  // For SERVICE: POST of the query, answer in SPARQL JSON.
+  // For SERVICE: POST of the query, answer in SPARQL JSON or XML.
   absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
                                                bool silent, Cancellation* cancellation) override;
-  // For LOAD: the document's quads, in the format that its Content-Type or name says.
-  absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation) const;
+  // For LOAD: the document's quads, in the format that its Content-Type or name says. `memory` counts them, which stay
+  // counted, and meanwhile the text; null: they are not counted.
+  absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation,
+                                             MemoryUse* memory = nullptr) const;
 
  private:
   bool IsAllowedPath(const std::string& real_path) const;
@@ -49,7 +50,6 @@ class RemoteAccess final : public sparql::ServiceClient {
 
   const std::vector<std::string> allowed_;
   const Limits limits_;
-  WorkerPool* const workers_;
 };
 
 }  // namespace docent::server

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "reasoner/rules/rule_sets.h"
+
 namespace docent::server {
 
 absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::string& name,
@@ -20,6 +22,16 @@ absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::s
       *ports.dictionary, version, current, name, text, shown, ports.limits, ports.functions, cancellation);
   if (!facts.ok()) return facts.status();
   return RuleChange{version->revision(), *std::move(facts)};
+}
+
+std::vector<std::string> RegimesOf(const RunPorts& ports) {
+  std::vector<std::string> regimes;
+  const auto catalog = ports.catalog->Get();
+  for (const auto& set : catalog->rules) {
+    if (*set.text != rules::BuiltInRuleSet(set.name)) continue;
+    for (std::string& regime : rules::EntailmentRegimes(set.name)) regimes.push_back(std::move(regime));
+  }
+  return regimes;
 }
 
 }  // namespace docent::server

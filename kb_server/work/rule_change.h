@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "graph/base/cancellation.h"
@@ -23,6 +24,9 @@ struct RuleChange {
 absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::string& name,
                                              const std::optional<std::string>& text, size_t shown,
                                              Cancellation* cancellation);
+
+// The entailment regimes that the graph follows, by the rule sets in use: those that shapes may name (sh:entailment).
+std::vector<std::string> RegimesOf(const RunPorts& ports);
 
 }  // namespace docent::server
 

@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "graph/rdf/text_bytes.h"
 #include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
 #include "kb_server/work/remote_access.h"
 
@@ -25,30 +25,44 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     options_.prepare.default_graph = ports.default_graph;
     options_.prepare.functions = ports.functions;
     options_.prepare.memory_bytes = ports.limits.query_memory_bytes;
-    options_.prepare.all_memory = ports.query_memory;
+    if (request_.memory == nullptr) request_.memory = MemoryOfRequest(ports);
+    options_.prepare.memory = request_.memory.get();
     options_.load = [this](const std::string& iri) { return Document(iri); };
     deadline_ = absl::Now() + request_.timeout;
   }
 
-  // On a worker.
-  void Attempt() {
-    ++attempts_;
-    absl::StatusOr<GraphVersionPtr> version =
-        AwaitVersion(ports_, needed_, deadline_, request_.cancellation.get());
-    if (!version.ok()) return done_(version.status());
-    if (attempts_ == 1) {
-      if (absl::Status status = AskOthers(**version); !status.ok()) return done_(status);
-    }
-    if (attempts_ > ports_.limits.update_attempts) return PushUnevaluated();
-    absl::StatusOr<sparql::UpdateEffect> effect = Evaluate(**version, request_.cancellation.get());
-    if (!effect.ok()) return done_(effect.status());
-    if (effect->operations.empty() && request_.request_id.empty()) {
-      return done_(BatchOutcome{(*version)->revision().value()});
-    }
-    Push(std::move(*effect), (*version)->revision());
+  // On a worker, as soon as there is the version that is needed.
+  void Begin() {
+    SubmitOnVersion(ports_, needed_,
+                    {.run = [self = shared_from_this()] { self->Attempt(); },
+                     .refuse = done_,
+                     .client = request_.client,
+                     .until = deadline_,
+                     .cancellation = request_.cancellation});
   }
 
  private:
+  void Attempt() {
+    ++attempts_;
+    const GraphVersionPtr version = ports_.queries->Newest();
+    if (attempts_ == 1) {
+      if (absl::Status status = AskOthers(*version); !status.ok()) return done_(status);
+    }
+    if (attempts_ > ports_.limits.update_attempts) return PushUnevaluated();
+    absl::StatusOr<sparql::UpdateEffect> effect = EvaluateShared(*version);
+    if (!effect.ok()) return done_(effect.status());
+    if (effect->operations.empty() && request_.request_id.empty()) {
+      return done_(BatchOutcome{version->revision().value()});
+    }
+    effect_bytes_ = effect->bytes;
+    Push(std::move(*effect), version->revision());
+  }
+
+  absl::StatusOr<sparql::UpdateEffect> EvaluateShared(const GraphVersion& version) {
+    const WorkerPool::SharedWork shared(ports_.workers, request_.cancellation.get());
+    return Evaluate(version, request_.cancellation.get());
+  }
+
   // What other servers know is fetched once, and never on the writer's turn.
   absl::Status AskOthers(const GraphVersion& version) {
     sparql::RunOptions run = run_;
@@ -56,29 +70,25 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     run.cancellation = request_.cancellation.get();
     absl::Status status =
         sparql::ResolveServices(&request_.update, ports_.remote, *ports_.dictionary, options_.prepare, run);
-    size_t loaded = 0;  // bytes
     for (const sparql::UpdateOperation& operation : request_.update.operations) {
       if (!status.ok()) break;
       if (operation.kind != sparql::UpdateOperation::Kind::kLoad) continue;
       const std::string& iri = operation.document.lexical;
       if (documents_.contains(iri)) continue;
       if (!request_.load && ports_.remote == nullptr) continue;
-      const auto& document =
-          documents_
-              .emplace(iri, request_.load ? request_.load(iri)
-                                          : ports_.remote->Load(iri, request_.cancellation.get()))
-              .first->second;
-      if (!document.ok()) continue;
-      for (const TermQuad& quad : *document) loaded += sizeof(TermQuad) + TextBytes(quad);
-      if (loaded <= options_.prepare.memory_bytes) continue;
-      status = absl::ResourceExhaustedError(
-          absl::StrCat("the documents to LOAD are more than fit into the limit query_memory_bytes = ",
-                       options_.prepare.memory_bytes, "; <", iri, "> is the one too many"));
+      documents_.emplace(iri, request_.load ? request_.load(iri) : LoadFromOthers(iri));
     }
     return status;
   }
 
-  absl::StatusOr<std::vector<TermQuad>> Document(const std::string& iri) const {
+  absl::StatusOr<sparql::DocumentQuads> LoadFromOthers(const std::string& iri) const {
+    absl::StatusOr<std::vector<TermQuad>> quads =
+        ports_.remote->Load(iri, request_.cancellation.get(), request_.memory.get());
+    if (!quads.ok()) return quads.status();
+    return std::make_shared<const std::vector<TermQuad>>(*std::move(quads));
+  }
+
+  absl::StatusOr<sparql::DocumentQuads> Document(const std::string& iri) const {
     const auto it = documents_.find(iri);
     if (it == documents_.end()) return absl::FailedPreconditionError("LOAD is not permitted here");
     return it->second;
@@ -124,9 +134,9 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   }
 
   void Again() {
+    request_.memory->Release(std::exchange(effect_bytes_, 0));
     deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
-    const absl::Status accepted = ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); });
-    if (!accepted.ok()) done_(accepted);
+    Begin();
   }
 
   // Whatever else is written, this version stays until the update is done.
@@ -150,7 +160,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
 
   const WritePorts& ports_;
   UpdateRequest request_;
-  std::map<std::string, absl::StatusOr<std::vector<TermQuad>>> documents_;  // of LOAD
+  std::map<std::string, absl::StatusOr<sparql::DocumentQuads>> documents_;  // of LOAD
   const BatchCallback done_;
   sparql::RunOptions run_;
   sparql::UpdateOptions options_;
@@ -158,6 +168,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   Revision needed_;
   int attempts_ = 0;
   bool conflict_ = false;
+  size_t effect_bytes_ = 0;  // of the operations at the door, counted in the request's memory
 };
 
 void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
@@ -165,13 +176,7 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   const TimeMicros now_us = ports_.clock->Now();
   // No two updates of a log share a seed: the time to the microsecond, and a count within it.
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
-  const absl::Duration timeout = request.timeout;
-  auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
-  const absl::Status accepted = ports_.workers->Submit(
-      [job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
-                                    done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
-                                  }});
-  if (!accepted.ok()) done(accepted);
+  std::make_shared<Job>(ports_, std::move(request), seed, now_us, std::move(done))->Begin();
 }
 
 }  // namespace docent::server

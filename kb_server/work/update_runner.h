@@ -14,9 +14,11 @@
 #include "absl/time/time.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/ids.h"
+#include "graph/base/memory_budget.h"
 #include "graph/sparql/run/update_evaluator.h"
 #include "graph/sparql/syntax/update_algebra.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
 
 namespace docent::server {
@@ -25,12 +27,17 @@ struct WritePorts;
 
 struct UpdateRequest {
   sparql::Update update;
+  // What the request may keep, from its text to its answer; `update` is counted in it. Null: one is made as for a request
+  // without a text.
+  std::shared_ptr<MemoryUse> memory;
   std::string request_id;                      // as in a WriteBatch
   uint64_t request_digest = 0;                 // as in a WriteBatch
   Revision min_revision;                       // to be evaluated on this version or a later one
+  ClientPtr client;                            // null: the server itself
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
   absl::Duration timeout;                      // of waiting for a worker, and for min_revision
-  sparql::LoadDocument load;                   // for LOAD; empty: what WritePorts::remote allows
+  // For LOAD, once for each document, whose quads are counted in `memory`; empty: what WritePorts::remote allows.
+  sparql::LoadDocument load;
   // Looks at each version that the update is evaluated on; an error ends it (a precondition). May be null.
   std::function<absl::Status(const GraphVersion& version)> precondition;
 };

@@ -190,9 +190,12 @@ void Committer::Send(const TurnResult& result) {
   if (ports_.proxies == nullptr) return;
   TellAddresses(result.addresses);
   const std::set<CommandId> cancelled(result.cancels.begin(), result.cancels.end());
+  const std::set<CommandId> recalled(result.recalls.begin(), result.recalls.end());
   for (const RobotCommand& command : result.record.commands) {
-    cancelled.contains(command.id) ? ports_.proxies->NeverSend(command) : ports_.proxies->Send(command);
+    const bool never = cancelled.contains(command.id) || recalled.contains(command.id);
+    never ? ports_.proxies->NeverSend(command) : ports_.proxies->Send(command);
   }
+  for (const CommandId& id : recalled) ports_.proxies->Recall(id);
   for (const CommandId& id : cancelled) ports_.proxies->Cancel(id);
 }
 

@@ -8,6 +8,7 @@
 #include "graph/base/overload.h"
 #include "graph/log/record_codec.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/door/worker_pool.h"
 #include "kb_server/writer/recovery.h"
 
 namespace docent::server {
@@ -186,20 +187,34 @@ absl::Status History::MakeRoom() {
       limits_.as_of_open, "; try again later"));
 }
 
+// Others have the place of a query that waits for another one.
+absl::Status History::AwaitMade(Cancellation* cancellation) {
+  const WorkerPool::Waiting waiting;
+  if (!waiting.status().ok()) return waiting.status();
+  const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !making_; };
+  while (true) {
+    if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
+    absl::MutexLock lock(&mutex_);
+    if (mutex_.AwaitWithTimeout(absl::Condition(&idle), kPoll)) return absl::OkStatus();
+  }
+}
+
 absl::StatusOr<QueryGraph> History::MakeAgain(uint64_t offset, Cancellation* cancellation) {
   const auto answer = [](const std::shared_ptr<const Remade>& remade) {
     return QueryGraph{std::shared_ptr<const Dictionary>(remade, &remade->dictionary),
                       GraphVersionPtr(remade, remade->version.get())};
   };
-  const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !making_; };
   while (true) {
-    if (absl::Status status = cancellation->Check(); !status.ok()) return status;
-    absl::MutexLock lock(&mutex_);
-    if (!mutex_.AwaitWithTimeout(absl::Condition(&idle), kPoll)) continue;
-    if (const auto known = FindRemade(offset)) return answer(known);
-    if (absl::Status status = MakeRoom(); !status.ok()) return status;
-    making_ = true;
-    break;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (const auto known = FindRemade(offset)) return answer(known);
+      if (!making_) {
+        if (absl::Status status = MakeRoom(); !status.ok()) return status;
+        making_ = true;
+        break;
+      }
+    }
+    if (absl::Status status = AwaitMade(cancellation); !status.ok()) return status;
   }
   absl::StatusOr<std::shared_ptr<const Remade>> remade = Replay(offset, cancellation);
   absl::MutexLock lock(&mutex_);

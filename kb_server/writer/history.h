@@ -75,6 +75,8 @@ class History final : public HistoryPort {
   absl::StatusOr<QueryGraph> MakeAgain(uint64_t offset, Cancellation* cancellation);
   absl::StatusOr<std::shared_ptr<const Remade>> Replay(uint64_t offset, Cancellation* cancellation);
   // Makes room for one more among those that are remade.
+  // Until no other query makes a past graph.
+  absl::Status AwaitMade(Cancellation* cancellation) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status MakeRoom() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   log::ContextLog* const log_;

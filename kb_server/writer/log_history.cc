@@ -5,6 +5,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "graph/log/record_codec.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/reading_mapper.h"
 
@@ -41,14 +42,23 @@ class Search {
   void Look(const log::TurnRecord& record) {
     const WriteBatch& batch = record.batch;
     const std::string default_graph = batch.source.empty() ? std::string(kDefaultGraph) : batch.source;
-    const auto take = [&](const QuadOperation& operation, const std::string& by) {
-      if (operation.kind != QuadOperation::Kind::kAdd) return;
-      TermQuad quad = operation.quad;
-      if (quad.graph.lexical.empty()) quad.graph = Term::Iri(default_graph);
+    const auto found = [&](const TermQuad& quad, const std::string& by) {
       const auto place = wanted_.find(KeyOf(quad));
       if (place == wanted_.end()) return;
       for (size_t i : place->second) found_[i] = explain::Telling{record.offset, record.time_us, by};
       wanted_.erase(place);
+    };
+    for (const log::RunTelling& telling : record.told) {
+      const size_t slash = telling.by.find('/');
+      found(telling.quad,
+            absl::StrCat("run ", NameOfSegment(telling.by.substr(0, slash)), ", node ",
+                         slash == std::string::npos ? "" : NameOfSegment(telling.by.substr(slash + 1))));
+    }
+    const auto take = [&](const QuadOperation& operation, const std::string& by) {
+      if (operation.kind != QuadOperation::Kind::kAdd) return;
+      TermQuad quad = operation.quad;
+      if (quad.graph.lexical.empty()) quad.graph = Term::Iri(default_graph);
+      found(quad, by);
     };
     const std::string by = OntologyOf(batch);
     for (const QuadOperation& operation : batch.operations) take(operation, by);

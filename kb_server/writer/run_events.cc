@@ -36,8 +36,9 @@ std::vector<RunEvent> EventsOf(const log::TurnRecord& record) {
   // What the turn was told, then what it decided.
   for (const CommandReport& report : record.batch.reports) {
     if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",   "failed",
-                                                "cancelled", "unknown",  "unreachable", "refused"};
+    static constexpr const char* kOutcomes[] = {"accepted",    "progress",  "succeeded",
+                                                "failed",      "cancelled", "unknown",
+                                                "unreachable", "refused",   "not begun"};
     RunEvent& event = events.emplace_back(NewEvent(record, report.command.value()));
     event.kind = "report";
     event.to = kOutcomes[static_cast<int>(report.outcome)];

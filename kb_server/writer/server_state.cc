@@ -23,7 +23,7 @@ void Fields(Archive& a, BatchOutcome& o) {
 namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
-constexpr uint64_t kStateFormat = 12;
+constexpr uint64_t kStateFormat = 13;
 constexpr uint64_t kOldestStateFormat = 4;  // that can be read
 // About what they take there: where it is enough, the bytes need not move when they become more.
 constexpr size_t kBytesATerm = 16;
@@ -404,10 +404,9 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   if (!in.AtEnd()) return Damaged("end");
   for (RememberedRequest& request : requests)
     restored.requests.push_back(std::make_shared<const RememberedRequest>(std::move(request)));
-  if (format >= 6)
-    stages.events.Restore(std::move(events), restored.time_us);
-  else
-    stages.events.Adopt(stages.writer.current(), restored.time_us);
+  if (format >= 6) stages.events.Restore(std::move(events), restored.time_us);
+  // Before format 6 no event left, before format 13 none that a run told.
+  if (format < 13) stages.events.Adopt(stages.writer.current(), restored.time_us);
 
   absl::Status status = stages.documents.Restore(std::move(documents), &stages.rules);
   if (!status.ok()) return status;

@@ -154,7 +154,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   return answer;
 }
 
-void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) {
+void WhatIf::Ask(WriteBatch batch, ClientPtr client, std::shared_ptr<Cancellation> cancellation,
+                 Answered answered) {
   if (batch.OperationCount() > ports_.explain_limits.what_if_operations) {
     return answered(absl::ResourceExhaustedError(absl::StrCat("the question has ", batch.OperationCount(),
                                                               " facts; the limit what_if_operations is ",
@@ -165,6 +166,7 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
   const auto evaluate = [this, copy, question, cancellation, answered] {
     Dictionary dictionary(ports_.dictionary);
     question->time_us = ports_.clock->Now();
+    const WorkerPool::SharedWork shared(ports_.workers, cancellation.get());
     answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question),
                        cancellation.get()));
   };
@@ -172,10 +174,14 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
       [copy, cancellation](Stages* stages, Revision revision) {
         if (!cancellation->IsOver()) *copy = CopyStages(stages, revision);
       },
-      [this, evaluate, cancellation, answered](absl::Status status) {
+      [this, evaluate, client, cancellation, answered](absl::Status status) {
         if (status.ok()) status = cancellation->CheckNow();
-        if (status.ok()) status = ports_.workers->Submit(evaluate);
-        if (!status.ok()) answered(status);
+        if (!status.ok()) return answered(status);
+        ports_.workers->Submit({.run = evaluate,
+                                .refuse = answered,
+                                .client = client,
+                                .until = absl::Now() + absl::FromChrono(cancellation->Left()),
+                                .cancellation = cancellation});
       });
 }
 

@@ -48,7 +48,8 @@ class WhatIf final : public WhatIfPort {
   };
   // Everything must outlive it.
   explicit WhatIf(const Ports& ports) : ports_(ports) {}
-  void Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) override;
+  void Ask(WriteBatch batch, ClientPtr client, std::shared_ptr<Cancellation> cancellation,
+           Answered answered) override;
 
  private:
   const Ports ports_;

@@ -134,8 +134,9 @@ void Writer::ResumeCommands() {
   }
   if (ports_.proxies == nullptr) return;
   for (const engine::CommandUnderWay& open : stages_->engine.OpenCommands()) {
-    ports_.proxies->Resume(open.command);
-    if (open.ending) ports_.proxies->Cancel(open.command.id);
+    ports_.proxies->Resume(open.command, open.ending     ? proxy::CommandWish::kEnd
+                                         : open.recalled ? proxy::CommandWish::kNotBegin
+                                                         : proxy::CommandWish::kDone);
   }
 }
 

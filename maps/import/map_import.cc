@@ -130,6 +130,13 @@ class Importer {
     std::string head = "Imported from";
     for (const std::string& file : files)
       absl::StrAppend(&head, " ", std::filesystem::path(file).filename().string());
+    const size_t tests = floor_.places.size() * floor_.obstacles.size();
+    if (tests > kMapLimits.map_wall_tests) {
+      return absl::ResourceExhaustedError(absl::StrCat(
+          "there are ", floor_.places.size(), " places and ", floor_.obstacles.size(),
+          " walls; their product is beyond the limit map_wall_tests = ", kMapLimits.map_wall_tests,
+          ": import a smaller part of the building"));
+    }
     HallText written = WriteHall(floor_, options_.name_space, options_.height_m, head + ".");
     for (const size_t place : written.unreachable) {
       found_.push_back({places_->file, floor_.places[place].span,

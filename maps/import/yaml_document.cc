@@ -96,7 +96,16 @@ class TreeMaker : public YAML::EventHandler {
     const size_t line = std::min(static_cast<size_t>(std::max(mark.line, 0)), lines_.size() - 1);
     const size_t offset =
         std::min(lines_[line] + static_cast<size_t>(std::max(mark.column, 0)), text_.size());
-    return SpanAt(text_, offset, offset < text_.size() && text_[offset] != '\n' ? 1 : 0);
+    // The values come in order: of each line that has been counted up to one of them, the next goes on from there.
+    if (line != counted_line_ || offset < counted_) {
+      counted_line_ = line;
+      counted_ = lines_[line];
+      column_ = 0;
+    }
+    for (; counted_ < offset; ++counted_)
+      column_ += (static_cast<unsigned char>(text_[counted_]) & 0xC0) != 0x80;
+    return {static_cast<int>(line) + 1, column_ + 1, offset,
+            offset < text_.size() && text_[offset] != '\n' ? size_t{1} : size_t{0}};
   }
 
   void Count(const YAML::Mark& mark, YAML::anchor_t anchor) {
@@ -157,7 +166,9 @@ class TreeMaker : public YAML::EventHandler {
   const std::string file_;
   Diagnostics* diagnostics_;
   const MapLimits& limits_;
-  std::vector<size_t> lines_;  // where each begins
+  std::vector<size_t> lines_;                      // where each begins
+  mutable size_t counted_line_ = 0, counted_ = 0;  // column_ characters of that line come before this offset
+  mutable int column_ = 0;
   std::vector<Open> open_;
   YamlValue root_;
   size_t values_ = 0;

@@ -34,6 +34,7 @@ void Condition::SetTemplate(ConditionTemplate* condition_template, ConditionTemp
 Condition::~Condition() {
   Disarm();
   for (Witness& witness : witnesses_) kind_->indexes.RemoveAll(witness.watches);
+  if (has_keys()) kind_->indexes.live -= present_;
 }
 
 std::vector<Condition::Key> Condition::Present() const {
@@ -99,6 +100,7 @@ int Condition::NewSlot(const Key& key) {
     }
   }
   ++present_;
+  ++kind_->indexes.live;
   if (slot == witnesses_.size()) witnesses_.emplace_back();
   if (!has_slots_ && slot == kFewWitnesses) {
     slots_ = std::make_unique<Slots>();
@@ -127,6 +129,7 @@ void Condition::DropSlot(uint32_t slot, const Key& key) {
   kind_->indexes.RemoveAll(witness.watches);
   --present_;
   if (!has_keys()) return;
+  --kind_->indexes.live;
   witness.row.clear();
   if (!has_slots_) return;
   slots_->free.push_back(slot);
@@ -149,16 +152,26 @@ void Condition::Watch(Witness& witness, uint32_t slot) {
   }
 }
 
-bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
+bool Condition::MayKeepMore(const sparql::RunOptions& run) {
+  WatchIndexes& indexes = kind_->indexes;
+  overflowed_ = overflowed_ || (present_ >= indexes.most_matches && !grouped_);
+  // what the log has was decided
+  if (run.cancellation != nullptr && indexes.live >= indexes.most_live) indexes.live_exceeded = true;
+  return !overflowed_ && !indexes.live_exceeded;
+}
+
+bool Condition::Take(absl::Span<const TermId> row, const sparql::RunOptions& run, Edits& edits) {
   Key key;
   uint32_t slot = 0;
   if (has_keys()) {
     key = KeyOf(row);
-    if (present_ >= kind_->indexes.most_matches && !grouped_ && SlotOf(key) < 0) overflowed_ = true;
-    if (overflowed_) return false;
+    const WatchIndexes& indexes = kind_->indexes;
+    const bool full = present_ >= indexes.most_matches || indexes.live >= indexes.most_live;
+    if (overflowed_ || (full && SlotOf(key) < 0 && !MayKeepMore(run))) return false;
     const int found = NewSlot(key);
-    if (found < 0) return false;
+    if (found < 0) return true;
     slot = static_cast<uint32_t>(found);
+    if (run.cancellation != nullptr) run.cancellation->Spend(kStepsOfMatch);
   } else {
     if (holds()) return false;
     present_ = 1;
@@ -169,18 +182,18 @@ bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   edit.condition = number_;
   edit.is_present = true;
   edit.key = std::move(key);
-  return true;
+  return has_keys();
 }
 
-void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
+void Condition::Offer(absl::Span<const TermId> row, const sparql::RunOptions& run, Edits& edits) {
   if (IgnoresRise()) return;
   if (kind_->borrows) {
-    Take(row, edits);
+    Take(row, run, edits);
     return;
   }
   Row own;
   for (const int16_t column : kind_->condition_template->columns()) own.push_back(row[column]);
-  Take(own, edits);
+  Take(own, run, edits);
 }
 
 absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run,
@@ -250,14 +263,11 @@ absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, co
   full_done = gifts.empty();
   if (added) {
     if (const std::optional<bool> decided = kind_->body.DecideFrom(matched, run, seed)) {
-      if (*decided) Take(seed, edits);
+      if (*decided) Take(seed, run, edits);
       return run.cancellation == nullptr ? absl::OkStatus() : run.cancellation->Check();
     }
   }
-  const auto take = [&](absl::Span<const TermId> row) {
-    Take(row, edits);
-    return has_keys() && !overflowed_;
-  };
+  const auto take = [&](absl::Span<const TermId> row) { return Take(row, run, edits); };
   if (!added) return kind_->body.Evaluate(run, seed, take);
   return kind_->body.EvaluateFrom(matched, run, seed, take);
 }
@@ -267,7 +277,7 @@ absl::Status Condition::TakeKept(const sparql::RunOptions& run, Edits& edits) {
   constexpr uint32_t kAllPatterns = ~0u;
   return kind_->body.EvaluateRest(run, witnesses_[0].row, kAllPatterns, matching::Body::Filters::kAll,
                                   [&](absl::Span<const TermId> row) {
-                                    Take(row, edits);
+                                    Take(row, run, edits);
                                     return false;
                                   });
 }
@@ -285,10 +295,8 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
 
 absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
   if (holds() && !has_keys()) return absl::OkStatus();
-  return kind_->body.Evaluate(run, BeginSeed(), [&](absl::Span<const TermId> row) {
-    Take(row, edits);
-    return has_keys() && !overflowed_;
-  });
+  return kind_->body.Evaluate(run, BeginSeed(),
+                              [&](absl::Span<const TermId> row) { return Take(row, run, edits); });
 }
 
 void Condition::Undo(const Edit& edit) {

@@ -88,7 +88,7 @@ class Condition {
   absl::Status Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                      bool& full_done, Edits& edits);
   // Adds a solution that its template found, if its key is new. `row`: in the template's columns.
-  void Offer(absl::Span<const TermId> row, Edits& edits);
+  void Offer(absl::Span<const TermId> row, const sparql::RunOptions& run, Edits& edits);
   // True if rise watches do not matter now. Remembers that one was hit.
   bool IgnoresRise() {
     if (overflowed_) return true;
@@ -139,8 +139,10 @@ class Condition {
   bool HasKey(absl::Span<const TermId> row, const Key& key) const;
   int SlotOf(const Key& key) const;  // -1: no witness has this key
   int NewSlot(const Key& key);       // -1: a witness has this key; only with keys
-  // Makes `row` the witness of its key unless the key has one. True if it is new.
-  bool Take(absl::Span<const TermId> row, Edits& edits);
+  // Makes `row` the witness of its key unless the key has one, and counts its steps. False: no more are wanted.
+  bool Take(absl::Span<const TermId> row, const sparql::RunOptions& run, Edits& edits);
+  // False: no key beside those that are kept may be kept.
+  bool MayKeepMore(const sparql::RunOptions& run);
   void SetRow(Witness& witness, uint32_t slot, absl::Span<const TermId> row);
   void DropSlot(uint32_t slot, const Key& key);
   void Watch(Witness& witness, uint32_t slot);

@@ -77,6 +77,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::Reche
     Touch(reference.owner);
     absl::Status status =
         condition.Recheck(reference.pattern & ~WatchIndexes::kIsWitness, reference.detail, run, edits);
+    if (status.ok()) status = CheckMemory(run);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -108,6 +109,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::Probe
     } else {
       status = Whole(probe);
     }
+    if (status.ok()) status = CheckMemory(run);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -122,9 +124,9 @@ absl::Status StandingConditions::Impl::ProbeTemplate(const Rise& rise, const spa
   ++counters.evaluations;
   absl::StatusOr<bool> found =
       condition_template.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
-                               [this](uint32_t number, absl::Span<const TermId> row) {
+                               [this, &run](uint32_t number, absl::Span<const TermId> row) {
                                  Touch(number);
-                                 conditions[number].Offer(row, edits);
+                                 conditions[number].Offer(row, run, edits);
                                });
   if (!found.ok() || *found) return found.status();
   for (const uint32_t number : condition_template.Waiting()) {
@@ -288,10 +290,12 @@ absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(con
   impl.indexes.SetGraphSize(version.size());
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const size_t begin = impl.edits.size();
+  impl.computed.Begin();
   impl.Gather(delta);
   absl::Status status = impl.RecheckBroken(run);
   if (status.ok()) status = impl.ProbeRises(run);
   if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
+  if (status.ok()) status = impl.CheckMemory(run);
   impl.LinkEdits(begin);
   impl.reported = 0;
   if (impl.changes.size() > Impl::kMostKept) impl.changes.clear();
@@ -318,12 +322,15 @@ void StandingConditions::Commit() {
   impl_->edits.clear();
   impl_->journal.clear();
   impl_->overflowed.clear();
+  impl_->computed.Reset();
 }
 
 void StandingConditions::Rollback() {
   const Condition::Edits edits = std::exchange(impl_->edits, {});
   const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
+  impl_->indexes.live_exceeded = false;
+  impl_->computed.Reset();
   for (const uint32_t number : std::exchange(impl_->overflowed, {}))
     impl_->conditions[number].TakeBackOverflow();
   std::vector<uint32_t> changed;

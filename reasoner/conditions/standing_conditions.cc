@@ -79,7 +79,10 @@ absl::StatusOr<uint32_t> StandingConditions::Impl::Make(const sparql::Query& que
   Condition::Edits first;
   const sparql::RunOptions run{
       .version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
-  if (absl::Status status = shared.Refresh(run, first); !status.ok()) {
+  computed.Begin();
+  absl::Status status = shared.Refresh(run, first);
+  if (status.ok()) status = CheckMemory(run);
+  if (!status.ok()) {
     conditions.Remove(number);
     return status;
   }
@@ -90,6 +93,15 @@ absl::StatusOr<uint32_t> StandingConditions::Impl::Make(const sparql::Query& que
   if (form) JoinTemplate(number, *form, borrowed, now);
   shared.Arm(&now);
   return number;
+}
+
+absl::Status StandingConditions::Impl::CheckMemory(const sparql::RunOptions& run) {
+  if (run.cancellation == nullptr) return absl::OkStatus();
+  if (!indexes.live_exceeded) return computed.Check();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the conditions of workflows would keep more than ", indexes.most_live,
+                   " matches together; the limit is matches_live; undeploy a workflow, or narrow what its "
+                   "activator asks for"));
 }
 
 absl::StatusOr<StandingConditions::Impl::Shared*> StandingConditions::Impl::BorrowBody(
@@ -337,6 +349,7 @@ absl::StatusOr<std::vector<Binding>> StandingConditions::Solutions(ConditionId i
                                                            " solutions; the limit is condition_matches"));
       return false;
     }
+    if (cancellation != nullptr) cancellation->Spend(kStepsOfSolution);
     Binding binding;
     for (size_t i = 0; i < row.size(); ++i) {
       if (columns[i].visible && !row[i].IsNone()) binding.emplace_back(columns[i].name, row[i]);

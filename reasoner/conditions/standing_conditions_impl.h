@@ -17,6 +17,7 @@
 #include "reasoner/conditions/numbered_places.h"
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/conditions/threshold_group.h"
+#include "reasoner/matching/computed_terms.h"
 
 namespace docent::conditions {
 
@@ -95,6 +96,9 @@ struct StandingConditions::Impl {
   void LeaveTemplate(const std::string& template_name, uint32_t number);
   ThresholdGroup& GroupOf(const Subscriber& follower) const;
   bool Holds(ConditionId id, const Subscriber& follower) const;
+  // RESOURCE_EXHAUSTED if all conditions together would keep more matches than they may, or computed longer texts. Without a
+  // cancellation: OK, since what the log has was decided.
+  absl::Status CheckMemory(const sparql::RunOptions& run);
   bool IsRemoved(ConditionId id) const { return removals > 0 && followers.find(id)->second.removed; }
   void Unfollow(ConditionId id);
 
@@ -141,6 +145,7 @@ struct StandingConditions::Impl {
 
   Dictionary& dictionary;
   const sparql::FunctionRegistry* functions;
+  matching::ComputedTerms computed{dictionary};  // since the last Commit or Rollback
   NumberComparer comparer;
   const GraphVersion no_graph;  // for comparisons of numbers, which read no graph
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;

@@ -6,10 +6,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "graph/base/run_limits.h"
+#include "graph/base/turn_limits.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent::conditions {
+
+// Costs in the steps of graph/base/step_costs.h.
+inline constexpr uint64_t kStepsOfMatch = 400;     // a match that is kept, watched and told
+inline constexpr uint64_t kStepsOfSolution = 100;  // a solution that is asked for
 
 // Finds the conditions affected by an added and by a removed quad. A reference's owner is a condition. Its
 // pattern is a trigger, which may rise, or a witness, which may be broken; then the detail is the trigger.
@@ -47,9 +53,18 @@ struct WatchIndexes {
 
   // At most so many keys are kept of one condition. As many as the graph has facts may be: what grows faster than the graph
   // joins patterns that have little in common.
-  void SetGraphSize(size_t facts) { most_matches = std::max(matches_allowed, facts); }
+  void SetGraphSize(size_t facts) {
+    most_matches = std::max(matches_allowed, facts);
+    // matches_live, where matches_allowed is condition_matches
+    constexpr size_t kFull = kTurnLimits.matches_live / kRunLimits.condition_matches;
+    most_live = matches_allowed == SIZE_MAX ? SIZE_MAX : std::max(kFull * matches_allowed, 2 * facts);
+  }
   size_t matches_allowed = SIZE_MAX;
   size_t most_matches = SIZE_MAX;
+  // The same of all conditions together, where matches are limited. The update that would keep more is refused.
+  size_t most_live = SIZE_MAX;
+  size_t live = 0;  // keys that are kept
+  bool live_exceeded = false;
 
   matching::PatternIndex on_add;
   matching::PatternIndex on_remove;

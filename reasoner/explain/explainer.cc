@@ -17,6 +17,8 @@ Explainer::Explainer(const Settings& settings) : settings_(settings), dictionary
 
 absl::StatusOr<std::unique_ptr<Explainer>> Explainer::Make(const Settings& settings) {
   std::unique_ptr<Explainer> made(new Explainer(settings));
+  if (settings.cancellation != nullptr)
+    settings.cancellation->AllowSteps(settings.limits.StepsOfTurn(settings.version->size()));
   auto rules = RuleBase::Make(settings.rules, made->dictionary_, settings.limits);
   if (!rules.ok()) return rules.status();
   made->rules_ = *std::move(rules);
@@ -123,7 +125,7 @@ absl::StatusOr<WhyNotAnswer> Explainer::WhyNot(const sparql::Query& ask, size_t 
   answer.holds = *holds;
   if (answer.holds) return answer;
   auto hypothesis = Hypothesis::Make(settings_.version, dictionary_, settings_.rules, settings_.functions,
-                                     settings_.limits);
+                                     settings_.limits, settings_.cancellation);
   if (!hypothesis.ok()) return hypothesis.status();
   WhyNotFinder::Parts parts;
   parts.version = settings_.version.get();

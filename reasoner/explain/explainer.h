@@ -27,6 +27,7 @@ class Explainer {
     std::vector<RuleText> rules;             // the rules of `version`
     const sparql::FunctionRegistry* functions = nullptr;
     FactHistory* history = nullptr;  // null: assertions have no offset and time
+    // Ends the work early. Make allows it the steps of one turn on `version`. Null: no such limits.
     Cancellation* cancellation = nullptr;
     TimeMicros now_us = 0;
     sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;

@@ -32,12 +32,28 @@ std::string BindingsText(const std::vector<std::pair<std::string, Term>>& bindin
   });
 }
 
+constexpr size_t kDeepestIndent = 40;  // lines of deeper levels say their level
+
 class ProofWriter {
  public:
   ProofWriter(const Proof& proof, const Display& display)
       : proof_(proof), display_(display), shown_(proof.steps.size(), false) {}
 
-  void Write(size_t number, size_t indent) {
+  // The step and all below it, depth first. Without recursion: a proof may be thousands of steps deep.
+  void Write(size_t root) {
+    std::vector<std::pair<size_t, size_t>> open = {{root, 0}};  // steps and their levels
+    while (!open.empty()) {
+      const auto [number, level] = open.back();
+      open.pop_back();
+      if (!WriteStep(number, level)) continue;
+      const std::vector<size_t>& premises = proof_.steps[number].premises;
+      for (auto premise = premises.rbegin(); premise != premises.rend(); ++premise)
+        open.emplace_back(*premise, level + 1);
+    }
+  }
+
+  // True if its premises follow.
+  bool WriteStep(size_t number, size_t indent) {
     const ProofStep& step = proof_.steps[number];
     Line(indent, display_.Fact(step.fact));
     for (const Told& told : step.told) {
@@ -49,22 +65,26 @@ class ProofWriter {
       if (told.offset > 0) absl::StrAppend(&line, ", ", TimeText(told.time_us), ", log offset ", told.offset);
       Line(indent + 1, line);
     }
-    if (!step.told.empty()) return;
-    if (step.rule.empty()) return Line(indent + 1, "inferred by a rule set that is not explained here");
+    if (!step.told.empty()) return false;
+    if (step.rule.empty()) {
+      Line(indent + 1, "inferred by a rule set that is not explained here");
+      return false;
+    }
     std::string line = absl::StrCat("by ", step.rule);
     if (!step.bindings.empty()) absl::StrAppend(&line, ", ", BindingsText(step.bindings, display_));
     Line(indent + 1, line);
     if (shown_[number]) {
       if (!step.premises.empty()) Line(indent + 1, "(shown above)");
-      return;
+      return false;
     }
     shown_[number] = true;
     for (const std::string& condition : step.conditions) Line(indent + 1, absl::StrCat("and ", condition));
-    for (size_t premise : step.premises) Write(premise, indent + 1);
+    return true;
   }
 
-  void Line(size_t indent, const std::string& text) {
-    absl::StrAppend(&out_, std::string(2 * indent, ' '), text, "\n");
+  void Line(size_t level, const std::string& text) {
+    absl::StrAppend(&out_, std::string(2 * std::min(level, kDeepestIndent), ' '),
+                    level > kDeepestIndent ? absl::StrCat("(level ", level, ") ") : "", text, "\n");
   }
   std::string& out() { return out_; }
 
@@ -130,7 +150,7 @@ std::string ToText(const Proof& proof, const Prefixes& prefixes) {
   ProofWriter writer(proof, display);
   if (!proof.bindings.empty()) writer.Line(0, BindingsText(proof.bindings, display));
   for (const std::string& condition : proof.conditions) writer.Line(0, absl::StrCat("and ", condition));
-  for (size_t root : proof.roots) writer.Write(root, 0);
+  for (size_t root : proof.roots) writer.Write(root);
   return std::move(writer.out());
 }
 

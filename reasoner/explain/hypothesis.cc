@@ -7,8 +7,10 @@ namespace docent::explain {
 absl::StatusOr<std::unique_ptr<Hypothesis>> Hypothesis::Make(GraphVersionPtr version, Dictionary& dictionary,
                                                              const std::vector<RuleText>& rules,
                                                              const sparql::FunctionRegistry* functions,
-                                                             const Limits& limits) {
-  std::unique_ptr<Hypothesis> made(new Hypothesis(std::move(version), dictionary, functions, limits));
+                                                             const Limits& limits,
+                                                             Cancellation* cancellation) {
+  std::unique_ptr<Hypothesis> made(
+      new Hypothesis(std::move(version), dictionary, functions, limits, cancellation));
   for (const RuleText& set : rules) {
     const Diagnostics diagnostics =
         made->rules_.PutRules(set.name, *set.text, rules::RuleTextOrigin::kAccepted);
@@ -21,7 +23,7 @@ absl::StatusOr<std::unique_ptr<Hypothesis>> Hypothesis::Make(GraphVersionPtr ver
 absl::Status Hypothesis::With(const std::vector<Quad>& add, const std::vector<Quad>& remove,
                               absl::FunctionRef<absl::Status(const GraphVersion&, const Delta&)> look) {
   const Delta told = writer_.Apply(add, remove);
-  absl::StatusOr<Delta> all = rules_.Update(writer_, told);
+  absl::StatusOr<Delta> all = rules_.Update(writer_, told, cancellation_);
   const absl::Status status = all.ok() ? look(writer_.current(), *all) : all.status();
   writer_.Rollback();
   rules_.Rollback();

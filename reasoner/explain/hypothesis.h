@@ -8,6 +8,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/values/function_registry.h"
@@ -20,23 +21,27 @@ namespace docent::explain {
 class Hypothesis {
  public:
   // `version` holds the facts derived by `rules`. `dictionary` is the caller's own, over the server's.
+  // `cancellation` ends the rules early, and counts their steps; null: none. It must outlive the result.
   static absl::StatusOr<std::unique_ptr<Hypothesis>> Make(GraphVersionPtr version, Dictionary& dictionary,
                                                           const std::vector<RuleText>& rules,
                                                           const sparql::FunctionRegistry* functions,
-                                                          const Limits& limits);
+                                                          const Limits& limits,
+                                                          Cancellation* cancellation = nullptr);
 
   // Calls `look` with the changed graph and the changes, asserted and inferred, then drops them. Returns the
-  // status of `look`. Errors of the rules: RESOURCE_EXHAUSTED naming the rule and the limit.
+  // status of `look`. Errors of the rules: RESOURCE_EXHAUSTED naming the rule and the limit; CANCELLED,
+  // DEADLINE_EXCEEDED.
   absl::Status With(const std::vector<Quad>& add, const std::vector<Quad>& remove,
                     absl::FunctionRef<absl::Status(const GraphVersion&, const Delta&)> look);
 
  private:
   Hypothesis(GraphVersionPtr version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
-             const Limits& limits)
-      : writer_(std::move(version)), rules_(dictionary, limits, functions) {}
+             const Limits& limits, Cancellation* cancellation)
+      : writer_(std::move(version)), rules_(dictionary, limits, functions), cancellation_(cancellation) {}
 
   GraphWriter writer_;
   rules::RuleEngine rules_;
+  Cancellation* const cancellation_;
 };
 
 }  // namespace docent::explain

@@ -10,9 +10,8 @@
 namespace docent::explain {
 namespace {
 
-constexpr int kDeepest = 1000;               // depth of a proof; deeper ones are not searched
-constexpr int kIdleRounds = 8;               // without a new fact or proof: made by unknown rules
-constexpr size_t kDerivationsLooked = 2000;  // tried for one fact
+constexpr int kDeepest = 1000;  // depth of a proof; deeper ones are not searched
+constexpr int kIdleRounds = 8;  // without a new fact or proof: made by unknown rules
 
 }  // namespace
 
@@ -22,6 +21,8 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
     : version_(version),
       dictionary_(dictionary),
       rules_(rules),
+      functions_(functions),
+      run_(run),
       limits_(limits),
       inferred_(dictionary.InternIri(kInferredGraph)),
       prefixes_(std::move(prefixes)),
@@ -73,9 +74,17 @@ absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
   return makers;
 }
 
-// All ways in which one rule makes the fact from facts of the version.
-absl::Status Prover::Derive(const Quad& fact, Known& known) {
-  known.derived = true;
+Prover::Known& Prover::KnownOf(const Quad& fact) {
+  std::unique_ptr<Known>& place = known_[fact];
+  if (place == nullptr) {
+    place = std::make_unique<Known>();
+    if (!ToldQuads(fact).empty()) place->proven = 0;
+  }
+  return *place;
+}
+
+// Ways in which one rule makes the fact from facts of the version, until they are enough.
+absl::Status Prover::Derive(const Quad& fact, Enough enough, std::vector<Derivation>& found) {
   auto makers = MakersOf(fact);
   if (!makers.ok()) return makers.status();
   if (!rules_.equality().empty()) {
@@ -83,20 +92,22 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
       return !rules_.clauses()[maker.clause].equality;
     });
     const std::vector<Maker> others(makers->begin(), equality);
-    if (absl::Status status = DeriveBy(others, fact, known); !status.ok()) return status;
-    const auto equal = DeriveEqual(fact, known);
+    if (absl::Status status = DeriveBy(others, fact, enough, found); !status.ok()) return status;
+    const auto equal = DeriveEqual(fact, found);
     if (!equal.ok()) return equal.status();
     if (*equal) return absl::OkStatus();
     makers->erase(makers->begin(), equality);  // all ways in which equality makes it
   }
-  return DeriveBy(*makers, fact, known);
+  return DeriveBy(*makers, fact, enough, found);
 }
 
-absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Known& known) {
-  const size_t first = known.derivations.size();
+absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Enough enough,
+                              std::vector<Derivation>& found) {
+  const size_t first = found.size();
   for (const Maker& maker : makers) {
+    if (enough(found)) break;
     const Clause& body = rules_.clauses()[maker.clause].body;
-    absl::Status status = solver_.Solve(body, maker.seed, SolveOptions(), [&](const Solution& solution) {
+    absl::Status status = solver().Solve(body, maker.seed, SolveOptions(), [&](const Solution& solution) {
       Derivation derivation{maker.clause, solution.row, {}};
       for (const Quad& quad : solution.facts) {
         const Quad premise = WithoutGraph(quad);
@@ -104,13 +115,13 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
         if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
           derivation.facts.push_back(premise);
       }
-      known.derivations.push_back(std::move(derivation));
-      return known.derivations.size() < kDerivationsLooked;
+      found.push_back(std::move(derivation));
+      return !enough(found);
     });
     if (!status.ok()) return status;
   }
-  for (size_t i = first; i < known.derivations.size(); ++i) {
-    Derivation& derivation = known.derivations[i];
+  for (size_t i = first; i < found.size(); ++i) {
+    Derivation& derivation = found[i];
     if (derivation.row.clause->parts.empty()) continue;
     auto further = FurtherSupportOf(derivation.row);
     if (!further.ok()) return further.status();
@@ -124,22 +135,28 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
   return absl::OkStatus();
 }
 
+absl::Status Prover::TooManySteps() const {
+  return absl::ResourceExhaustedError(absl::StrCat(
+      "the search for a proof took more than explain_steps = ", limits_.explain_steps, " steps"));
+}
+
 // True if there is a proof of at most this depth. Iterative deepening finds a proof of minimum depth first.
 absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
-  if (solver_.exhausted() || ++calls_ > limits_.explain_steps) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        "the search for a proof took more than explain_steps = ", limits_.explain_steps, " steps"));
-  }
-  std::unique_ptr<Known>& place = known_[fact];
-  if (place == nullptr) {
-    place = std::make_unique<Known>();
-    if (!ToldQuads(fact).empty()) place->proven = 0;
-  }
-  Known& known = *place;  // its address is stable
+  if (solver_.exhausted() || ++calls_ > limits_.explain_steps) return TooManySteps();
+  Known& known = KnownOf(fact);
   if (known.proven >= 0) return known.proven <= depth;
   for (int d = known.refuted + 1; d <= depth; ++d) {
     if (d > 0 && !known.derived) {
-      if (absl::Status status = Derive(fact, known); !status.ok()) return status;
+      known.derived = true;
+      const auto enough = [](const std::vector<Derivation>& found) {
+        return found.size() >= kDerivationsLooked;
+      };
+      if (absl::Status status = Derive(fact, enough, known.derivations); !status.ok()) return status;
+      if (solver_.exhausted()) {  // there may be others
+        known.derived = false;
+        known.derivations.clear();
+        return TooManySteps();
+      }
     }
     known.refuted = d;  // a proof that contains the fact itself does not count
     for (size_t i = 0; d > 0 && i < known.derivations.size(); ++i) {
@@ -159,23 +176,14 @@ absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
   return false;
 }
 
-absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
-                                     absl::flat_hash_map<Quad, size_t>& placed) {
-  if (const auto found = placed.find(fact); found != placed.end()) return found->second;
-  if (proof.steps.size() >= limits_.explain_facts) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the proof has more facts than explain_facts = ", limits_.explain_facts));
-  }
-  const size_t number = proof.steps.size();
-  placed[fact] = number;
-  ProofStep step;
+// The derivation on which the step rests; null: it is told, or made by rules that are not known here.
+absl::StatusOr<const Prover::Derivation*> Prover::WriteStep(const Quad& fact, ProofStep& step) {
   step.fact = {dictionary_.Decode(fact.subject), dictionary_.Decode(fact.predicate),
                dictionary_.Decode(fact.object), Term()};
   for (const Quad& quad : ToldQuads(fact)) step.told.push_back({dictionary_.Decode(quad.graph), 0, 0, ""});
-  proof.steps.push_back(step);
-  if (!step.told.empty()) return number;
+  if (!step.told.empty()) return nullptr;
   const Known& known = *known_.at(fact);
-  if (known.proven < 0) return number;  // made by rules that are not known here
+  if (known.proven < 0) return nullptr;
   const Derivation& derivation = known.derivations[known.best];
   const RuleClause& rule = rules_.clauses()[derivation.clause];
   step.rule = rules_.rules()[rule.rule].label;
@@ -187,13 +195,44 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
   auto further = FurtherSupportOf(derivation.row);
   if (!further.ok()) return further.status();
   step.conditions = std::move(further->conditions);
-  for (const Quad& premise : derivation.facts) {
-    auto placed_at = Write(premise, proof, placed);
-    if (!placed_at.ok()) return placed_at;
-    step.premises.push_back(*placed_at);
+  return &derivation;
+}
+
+// Depth first, without recursion: a proof may be thousands of steps deep.
+absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
+                                     absl::flat_hash_map<Quad, size_t>& placed) {
+  struct Open {
+    size_t number;
+    const Derivation* derivation;
+    size_t written = 0;  // premises
+  };
+  std::vector<Open> open;
+  const auto place = [&](const Quad& quad) -> absl::StatusOr<size_t> {
+    const auto [at, is_new] = placed.try_emplace(quad, proof.steps.size());
+    if (!is_new) return at->second;
+    if (proof.steps.size() >= limits_.explain_facts) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("the proof has more facts than explain_facts = ", limits_.explain_facts));
+    }
+    const size_t number = at->second;
+    auto derivation = WriteStep(quad, proof.steps.emplace_back());
+    if (!derivation.ok()) return derivation.status();
+    if (*derivation != nullptr) open.push_back({number, *derivation});
+    return number;
+  };
+  const absl::StatusOr<size_t> root = place(fact);
+  while (root.ok() && !open.empty()) {
+    Open& at = open.back();
+    if (at.written == at.derivation->facts.size()) {
+      open.pop_back();
+      continue;
+    }
+    const size_t number = at.number;
+    const absl::StatusOr<size_t> premise = place(at.derivation->facts[at.written++]);
+    if (!premise.ok()) return premise;
+    proof.steps[number].premises.push_back(*premise);
   }
-  proof.steps[number] = std::move(step);
-  return number;
+  return root;
 }
 
 // Finds a proof of any depth, if there is one.
@@ -215,7 +254,9 @@ absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof
   const Quad fact = WithoutGraph(quad);
   if (version_.Count({fact.subject, fact.predicate, fact.object, TermId()}) == 0)
     return std::optional<size_t>();
-  if (absl::Status status = Prove(fact); !status.ok()) return status;
+  absl::Status proven = Prove(fact);
+  if (absl::IsResourceExhausted(proven)) proven = ProveByGoals(fact);
+  if (!proven.ok()) return proven;
   absl::flat_hash_map<Quad, size_t> placed;
   for (size_t i = 0; i < proof.steps.size(); ++i) {
     const TermQuad& f = proof.steps[i].fact;

@@ -1,8 +1,9 @@
 // Proof of a fact: its assertion, or the rule and the facts from which it follows, down to asserted facts.
 //
 // Proofs are searched on demand, from the rules backward, on one immutable version. A proof is well-founded:
-// no fact rests on itself, and each step has a proof of minimum depth. (Facts inferred for the version always
-// have a proof.)
+// no fact rests on itself. Each step has a proof of minimum depth, if the search for it ends within
+// explain_steps; else any proof is searched (proof_goals.cc). (Facts inferred for the version always have a
+// proof.)
 #ifndef DOCENT_REASONER_EXPLAIN_PROOF_H_
 #define DOCENT_REASONER_EXPLAIN_PROOF_H_
 
@@ -15,6 +16,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "graph/base/clock.h"
 #include "graph/base/explain_limits.h"
@@ -69,9 +71,9 @@ class Prover {
          const ExplainLimits& limits, std::vector<std::pair<std::string, std::string>> prefixes);
 
   // Adds the fact and its proof. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
-  // explain_steps or explain_facts.
+  // proof_steps or explain_facts.
   absl::StatusOr<std::optional<size_t>> Add(const Quad& fact, Proof& proof);
-  // The leaves of the fact's proof. Errors as of Add.
+  // The leaves of the fact's proof of minimum depth. RESOURCE_EXHAUSTED: the limit explain_steps.
   absl::StatusOr<Support> SupportOf(const Quad& fact);
   // Further support of a solution, apart from the matches of its patterns.
   struct FurtherSupport {
@@ -81,7 +83,9 @@ class Prover {
   };
   absl::StatusOr<FurtherSupport> FurtherSupportOf(const Row& row);
   // Work done so far: matches, and places of paths.
-  size_t steps() const { return solver_.steps() + part_facts_.steps(); }
+  size_t steps() const {
+    return solver_.steps() + part_facts_.steps() + (of_goals_ == nullptr ? 0 : of_goals_->steps());
+  }
 
  private:
   // A rule that may make a fact, with the variables bound by the fact.
@@ -104,29 +108,44 @@ class Prover {
     std::vector<Derivation> derivations;
   };
 
+  static constexpr size_t kDerivationsLooked = 2000;  // tried for one fact
+  // True once no further derivation is looked for.
+  using Enough = absl::FunctionRef<bool(const std::vector<Derivation>& found)>;
+  class Goals;  // proof_goals.cc
+
   std::vector<Quad> ToldQuads(const Quad& fact) const;
+  Known& KnownOf(const Quad& fact);  // its address is stable
   absl::StatusOr<std::vector<Maker>> MakersOf(const Quad& fact);
-  absl::Status Derive(const Quad& fact, Known& known);
-  absl::Status DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Known& known);
+  absl::Status Derive(const Quad& fact, Enough enough, std::vector<Derivation>& found);
+  absl::Status DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Enough enough,
+                        std::vector<Derivation>& found);
   // proof_equality.cc: one derivation for each rule of equality. True if there is one.
-  absl::StatusOr<bool> DeriveEqual(const Quad& fact, Known& known);
-  absl::StatusOr<bool> DerivePair(const Quad& pair, Known& known);
+  absl::StatusOr<bool> DeriveEqual(const Quad& fact, std::vector<Derivation>& found);
+  absl::StatusOr<bool> DerivePair(const Quad& pair, std::vector<Derivation>& found);
   void AddEqual(rules::EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
-                const std::vector<Quad>& facts, Known& known);
+                const std::vector<Quad>& facts, std::vector<Derivation>& found);
   absl::StatusOr<bool> ConnectByRules(TermId term);
   std::optional<Quad> ToldUnderOtherNames(const Quad& fact);
+  absl::Status TooManySteps() const;
   absl::StatusOr<bool> Prove(const Quad& fact, int depth);
   absl::Status Prove(const Quad& fact);
+  absl::Status ProveByGoals(const Quad& fact);
   absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
+  absl::StatusOr<const Derivation*> WriteStep(const Quad& fact, ProofStep& step);
+
+  Solver& solver() { return of_goals_ == nullptr ? solver_ : *of_goals_; }
 
   const GraphVersion& version_;
   Dictionary& dictionary_;
   const RuleBase& rules_;
+  const sparql::FunctionRegistry* const functions_;
+  const sparql::RunOptions run_;
   const ExplainLimits limits_;
   const TermId inferred_;
   const std::vector<std::pair<std::string, std::string>> prefixes_;
   ReportOrigins reports_;
   Solver solver_;
+  std::unique_ptr<Solver> of_goals_;  // takes the place of solver_ once that is exhausted
   PartFacts part_facts_;
   const TermId same_as_;
   EqualWays ways_;

@@ -13,7 +13,7 @@ constexpr size_t kManyNames = 1 << 16;  // for a fact with more names no asserte
 }  // namespace
 
 void Prover::AddEqual(rules::EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
-                      const std::vector<Quad>& facts, Known& known) {
+                      const std::vector<Quad>& facts, std::vector<Derivation>& found) {
   const uint32_t clause = rules_.equality()[static_cast<size_t>(rule)];
   const Clause& body = rules_.clauses()[clause].body;
   Derivation derivation{clause, {}, {}};
@@ -26,7 +26,7 @@ void Prover::AddEqual(rules::EqualityRule rule, const std::vector<std::pair<cons
     if (std::find(derivation.facts.begin(), derivation.facts.end(), fact) == derivation.facts.end())
       derivation.facts.push_back(fact);
   }
-  known.derivations.push_back(std::move(derivation));
+  found.push_back(std::move(derivation));
 }
 
 // Adds the pairs of the class of `term` that other rules make of asserted facts to ways_. True if any is new.
@@ -48,7 +48,7 @@ absl::StatusOr<bool> Prover::ConnectByRules(TermId term) {
         return true;
       };
       if (!bind(head[1], same_as_) || !bind(head[0], name)) return;
-      status = solver_.Solve(rule.body, seed, SolveOptions(), [&](const Solution& solution) {
+      status = solver().Solve(rule.body, seed, SolveOptions(), [&](const Solution& solution) {
         const bool told = std::all_of(solution.facts.begin(), solution.facts.end(),
                                       [&](const Quad& fact) { return !ToldQuads(fact).empty(); });
         const TermId other = head[2].variable < 0
@@ -65,7 +65,7 @@ absl::StatusOr<bool> Prover::ConnectByRules(TermId term) {
   return any;
 }
 
-absl::StatusOr<bool> Prover::DerivePair(const Quad& pair, Known& known) {
+absl::StatusOr<bool> Prover::DerivePair(const Quad& pair, std::vector<Derivation>& found) {
   const TermId a = pair.subject, b = pair.object;
   const auto pair_of = [this](TermId x, TermId y) { return Quad{x, same_as_, y, TermId()}; };
   std::vector<TermId> way = ways_.Way(a, b);
@@ -76,14 +76,14 @@ absl::StatusOr<bool> Prover::DerivePair(const Quad& pair, Known& known) {
     way = ways_.Way(a, b);
   }
   if (way.size() == 2) {  // asserted, or made by another rule, in one of the directions
-    AddEqual(rules::EqualityRule::kSymmetry, {{"x", b}, {"y", a}}, {pair_of(b, a)}, known);
+    AddEqual(rules::EqualityRule::kSymmetry, {{"x", b}, {"y", a}}, {pair_of(b, a)}, found);
     return true;
   }
   // Half way, so that the depth of a proof is logarithmic in the length; only the last step may lead to a
   // literal.
   const TermId between = b.IsLiteral() ? way[way.size() - 2] : way[way.size() / 2];
   AddEqual(rules::EqualityRule::kTransitivity, {{"x", a}, {"y", between}, {"z", b}},
-           {pair_of(a, between), pair_of(between, b)}, known);
+           {pair_of(a, between), pair_of(between, b)}, found);
   return true;
 }
 
@@ -108,9 +108,9 @@ std::optional<Quad> Prover::ToldUnderOtherNames(const Quad& fact) {
   return best;
 }
 
-absl::StatusOr<bool> Prover::DeriveEqual(const Quad& fact, Known& known) {
+absl::StatusOr<bool> Prover::DeriveEqual(const Quad& fact, std::vector<Derivation>& found) {
   if (fact.predicate == same_as_ && version_.Count({fact.subject, same_as_, fact.object, TermId()}) > 0) {
-    auto pair = DerivePair(fact, known);
+    auto pair = DerivePair(fact, found);
     if (!pair.ok() || *pair) return pair;
   }
   const std::optional<Quad> told = ToldUnderOtherNames(fact);
@@ -121,17 +121,17 @@ absl::StatusOr<bool> Prover::DeriveEqual(const Quad& fact, Known& known) {
     maker.subject = s_p_o.subject;
     AddEqual(rules::EqualityRule::kSubject,
              {{"s", maker.subject}, {"s2", fact.subject}, {"p", fact.predicate}, {"o", fact.object}},
-             {{maker.subject, same_as_, fact.subject, TermId()}, maker}, known);
+             {{maker.subject, same_as_, fact.subject, TermId()}, maker}, found);
   } else if (s_p_o.object != fact.object) {
     maker.object = s_p_o.object;
     AddEqual(rules::EqualityRule::kObject,
              {{"o", maker.object}, {"o2", fact.object}, {"s", fact.subject}, {"p", fact.predicate}},
-             {{maker.object, same_as_, fact.object, TermId()}, maker}, known);
+             {{maker.object, same_as_, fact.object, TermId()}, maker}, found);
   } else {
     maker.predicate = s_p_o.predicate;
     AddEqual(rules::EqualityRule::kPredicate,
              {{"p", maker.predicate}, {"p2", fact.predicate}, {"s", fact.subject}, {"o", fact.object}},
-             {{maker.predicate, same_as_, fact.predicate, TermId()}, maker}, known);
+             {{maker.predicate, same_as_, fact.predicate, TermId()}, maker}, found);
   }
   return true;
 }

@@ -4,11 +4,13 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/step_costs.h"
 
 namespace docent::explain {
 namespace {
 
-constexpr size_t kPartRows = 10000;  // of one evaluation of a part
+constexpr size_t kPartRows = 10000;        // of one evaluation of a part
+constexpr size_t kStepsBetweenLooks = 16;  // at the clock: a step of many goals takes long
 
 }  // namespace
 
@@ -150,8 +152,9 @@ bool Solver::Step() {
     exhausted_ = true;
     return false;
   }
-  if (run_.cancellation != nullptr && steps_ % 64 == 0) {
-    status_ = run_.cancellation->Check();
+  if (run_.cancellation != nullptr) {
+    run_.cancellation->Spend(kStepsOfLookup * (goals_.size() + 1));
+    status_ = steps_ % kStepsBetweenLooks == 0 ? run_.cancellation->CheckNow() : run_.cancellation->Check();
     if (!status_.ok()) return false;
   }
   const size_t mark = Mark();

@@ -68,6 +68,7 @@ bool Overlap(const Conflict& a, const Conflict& b) {
 
 WhyNotFinder::WhyNotFinder(Parts parts)
     : parts_(std::move(parts)),
+      steps_kept_(parts_.run.cancellation == nullptr ? 0 : parts_.run.cancellation->steps_left() / 2),
       display_(parts_.prefixes),
       solver_(*parts_.version, *parts_.dictionary, parts_.functions, parts_.run,
               parts_.limits.explain_steps) {}

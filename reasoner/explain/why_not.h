@@ -103,9 +103,11 @@ class WhyNotFinder {
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);
   // False: no time was left to verify it.
   absl::StatusOr<bool> Minimise(Repair& repair);
-  // True after half of the question's time: then the sets found so far are returned.
+  // True after half of the question's time or steps: then the sets found so far are returned.
   bool OutOfTime() const {
-    return parts_.run.cancellation != nullptr && parts_.run.cancellation->HalfIsOver();
+    const Cancellation* cancellation = parts_.run.cancellation;
+    return cancellation != nullptr &&
+           (cancellation->HalfIsOver() || cancellation->steps_left() < steps_kept_);
   }
   bool IsNew(const Repair& repair);
   void Rank(std::vector<Node>& nodes) const;
@@ -115,6 +117,7 @@ class WhyNotFinder {
   void LeaveOut(int size) { left_out_ = std::min(left_out_, size); }
 
   const Parts parts_;
+  const int64_t steps_kept_;  // half of the question's steps
   const Display display_;
   Solver solver_;
   std::unique_ptr<sparql::PreparedQuery> ask_;

@@ -107,6 +107,10 @@ const std::vector<FindingKind>& FindingKinds() {
       {"shape", "error or warning", "RDF",
        "A SHACL shape is not well-formed, refers to itself, or uses something that is not supported.",
        "See the hint of the finding, and the reference of shapes."},
+      {"shared-start", "warning", "CAWL",
+       "Another workflow, among the files or deployed and enabled, starts a run on the same wish, event or "
+       "situation. Each of them serves it, one after the other or with two robots.",
+       "Disable or replace one of them, or say in the conditions what tells them apart."},
       {"syntax", "error or warning", "all",
        "The file does not follow its grammar. Nothing else of it is checked.",
        "Correct the text at the place that the finding names."},

@@ -32,6 +32,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_writer.h"
+#include "reasoner/matching/computed_terms.h"
 #include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/negation_order.h"
@@ -55,6 +56,7 @@ class Materialiser {
     size_t& inferred_so_far;  // quads inferred since the last Commit; updated here
     RuleEngine::Counters& counters;
     Cancellation* cancellation;  // null: none
+    matching::ComputedTerms& computed;
   };
 
   // `before`: the rules of the current inferred graph; the same object as `program` if the rules did not

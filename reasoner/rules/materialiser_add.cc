@@ -244,6 +244,12 @@ absl::Status Materialiser::FireInstances(uint32_t number) {
 }
 
 bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase) {
+  if (context_.cancellation != nullptr && !rule.body->flat()) {  // what the log has was decided
+    if (absl::Status fits = context_.computed.Check(); !fits.ok()) {
+      status_ = rule.Named(std::move(fits));
+      return false;
+    }
+  }
   if (rule.check) {
     std::vector<Triple> facts;
     context_.inconsistencies.Make(rule, row, facts);

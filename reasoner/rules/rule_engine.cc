@@ -66,6 +66,7 @@ struct RuleEngine::Impl {
     classes.Settle();
   }
 
+  matching::ComputedTerms computed{dictionary};  // since the last Commit
   RuleProgram no_rules;
   EqualityClasses classes;                 // as schema
   SchemaIndex schema;                      // of the applied program, in the graph as of the last Update
@@ -127,7 +128,8 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   Materialiser materialiser(
       program, before, told,
       {writer, impl.schema, impl.classes, impl.inconsistencies, impl.dictionary, impl.inferred_graph,
-       impl.limits, impl.inferred_since_commit, impl.counters, cancellation});
+       impl.limits, impl.inferred_since_commit, impl.counters, cancellation, impl.computed});
+  impl.computed.Begin();
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   if (!program.equality.by_classes) impl.classes.Clear();
   impl.state.applied = impl.state.wanted;
@@ -142,12 +144,14 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
 void RuleEngine::Commit() {
   impl_->committed = impl_->state;
   impl_->inferred_since_commit = 0;
+  impl_->computed.Reset();
   impl_->changed_since_commit = false;
 }
 
 void RuleEngine::Rollback() {
   impl_->state = impl_->committed;
   impl_->inferred_since_commit = 0;
+  impl_->computed.Reset();
   if (impl_->changed_since_commit) impl_->schema_of = nullptr;
   impl_->changed_since_commit = false;
 }

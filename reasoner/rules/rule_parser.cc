@@ -1,11 +1,13 @@
 #include "reasoner/rules/rule_parser.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/query_limits.h"
 #include "graph/base/rule_limits.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
@@ -432,6 +434,16 @@ size_t PatternsIn(const Algebra& node) {
   return count;
 }
 
+// Patterns have a limit of their own (CheckSize), and what was accepted once stays accepted.
+QueryLimits QueryLimitsOf(RuleTextOrigin origin) {
+  constexpr size_t kAny = std::numeric_limits<size_t>::max();
+  QueryLimits limits;
+  limits.query_patterns = kAny;
+  if (origin == RuleTextOrigin::kNew) return limits;
+  limits.query_path_steps = limits.query_list_elements = limits.query_values = kAny;
+  return limits;
+}
+
 void CheckSize(const Rule& rule, const std::string& file, Diagnostics& diagnostics) {
   const size_t patterns = PatternsIn(*rule.body.algebra);
   if (patterns <= kRuleLimits.rule_patterns) return;
@@ -462,6 +474,7 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
   options.file = std::string(file);
   options.rule_elements = true;
   options.limits.query_text_bytes = limits.document_bytes;
+  options.query_limits = QueryLimitsOf(origin);
   ParsedRules result;
   if (text.size() > limits.document_bytes) {
     result.diagnostics.push_back({std::string(file),

@@ -68,4 +68,10 @@ std::string BuiltInRuleSet(std::string_view name) {
   return "";
 }
 
+std::vector<std::string> EntailmentRegimes(std::string_view name) {
+  if (name == "rdfs") return {"http://www.w3.org/ns/entailment/RDF", "http://www.w3.org/ns/entailment/RDFS"};
+  if (name == "owl2rl") return {"http://www.w3.org/ns/owl-profile/RL"};
+  return {};
+}
+
 }  // namespace docent::rules

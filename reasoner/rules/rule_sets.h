@@ -17,6 +17,10 @@ std::vector<std::string> BuiltInRuleSets();
 // Empty if no set has this name.
 std::string BuiltInRuleSet(std::string_view name);
 
+// The IRIs of the entailment regimes that the graph follows under the built-in set of this name; none for another
+// name.
+std::vector<std::string> EntailmentRegimes(std::string_view name);
+
 // Longest lists for which owl2rl has a rule of that length: classes of one intersection (cls-int1; longer
 // ones go cell by cell), properties of one chain (prp-spo2) and of one key (prp-key). With these, a body has at most
 // 32 patterns, which are joined on ids (reasoner/matching/body.h).

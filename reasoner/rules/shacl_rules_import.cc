@@ -10,13 +10,41 @@
 #include "absl/strings/str_replace.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
+#include "reasoner/matching/trigger_analysis.h"
 #include "reasoner/rules/rule_parser.h"
 
 namespace docent::rules {
 namespace {
 
 constexpr std::string_view kShNs = "http://www.w3.org/ns/shacl#";
+
+void GiveOwnName(sparql::Variable& variable) {
+  if (variable.name != "this" && !variable.name.empty())
+    variable.name = absl::StrReplaceAll(absl::StrCat("target_", variable.name), {{".", "_"}});
+}
+
+// Renames all variables but ?this.
+void GiveOwnNames(sparql::Algebra& node) {
+  const auto rename = [](sparql::PatternTerm& term) {
+    if (!term.IsVariable()) return;
+    sparql::Variable variable = term.variable();
+    GiveOwnName(variable);
+    term.Set(std::move(variable));
+  };
+  for (sparql::TriplePattern& triple : node.triples) {
+    for (sparql::PatternTerm* term : {&triple.subject, &triple.predicate, &triple.object}) rename(*term);
+  }
+  for (sparql::PatternTerm* term : {&node.subject, &node.object, &node.name}) rename(*term);
+  GiveOwnName(node.variable);
+  for (sparql::Variable& variable : node.variables) GiveOwnName(variable);
+  sparql::ForEachExpression(node, [](sparql::Expression& e) {
+    if (e.kind == sparql::Expression::Kind::kVariable) GiveOwnName(e.variable);
+    if (e.pattern) GiveOwnNames(*e.pattern);
+  });
+  for (const sparql::AlgebraPtr& child : node.children) GiveOwnNames(*child);
+}
 
 class Importer {
  public:
@@ -96,8 +124,41 @@ class Importer {
     return text;
   }
 
-  // The patterns that bind ?this: one for each target.
-  std::vector<std::string> Targets() const {
+  // The pattern of a target that a query selects; its other variables than ?this are not those of the rule. Empty:
+  // ill-formed, and reported.
+  std::string QueryTarget(const Term& target) {
+    place_ = PlaceOf(shape_, Sh("target"), Key(target));
+    const std::vector<Term>& selects = Values(Key(target), Sh("select"));
+    const std::string name = absl::StrCat("its sh:target ", ToDisplay(target));
+    if (target.IsLiteral() || selects.size() != 1) {
+      Error(absl::StrCat(name, " has no sh:select"),
+            "write sh:target [ a sh:SPARQLTarget ; sh:select \"SELECT ?this WHERE { … }\" ]");
+      return "";
+    }
+    sparql::ParseOptions options;
+    options.file = file_;
+    options.prefixes = sparql::WellKnownPrefixes();
+    sparql::ParsedQuery parsed = sparql::ParseQuery(Prologue(Key(target)) + selects[0].lexical, options);
+    for (const Diagnostic& d : parsed.diagnostics) {
+      if (d.severity == Diagnostic::Severity::kError)
+        Error(absl::StrCat(name, " is not SPARQL: ", d.message), d.hint);
+    }
+    if (!parsed.ok()) return "";
+    const std::vector<sparql::Variable>& shown = parsed.query.projection;
+    const bool selects_this =
+        parsed.query.form == sparql::Query::Form::kSelect &&
+        std::any_of(shown.begin(), shown.end(), [](const sparql::Variable& v) { return v.name == "this"; });
+    if (!selects_this || !parsed.query.from.empty() || !parsed.query.from_named.empty()) {
+      Error(absl::StrCat(name, " is no SELECT of ?this from all facts"), "write SELECT ?this WHERE { … }");
+      return "";
+    }
+    const sparql::AlgebraPtr where = matching::WithoutModifiers(*parsed.query.algebra).Clone();
+    GiveOwnNames(*where);
+    return WithoutLineBreaks(sparql::PrintPattern(*where));
+  }
+
+  // The patterns that bind ?this: one for each target. Mistakes are reported.
+  std::vector<std::string> Targets() {
     std::vector<std::string> targets;
     const auto add = [&](const char* kind, const char* before, const char* after) {
       for (const Term& value : Values(shape_, Sh(kind))) {
@@ -113,6 +174,9 @@ class Importer {
           type.lexical == absl::StrCat(std::string(kOwlNs), "Class")) {
         targets.push_back(absl::StrCat("?this a <", shape_, "> ."));
       }
+    }
+    for (const Term& target : Values(shape_, Sh("target"))) {
+      if (std::string query = QueryTarget(target); !query.empty()) targets.push_back(std::move(query));
     }
     return targets;
   }
@@ -144,9 +208,11 @@ class Importer {
     }
     if (parsed.query.form != sparql::Query::Form::kConstruct)
       return Error("its sh:construct is not a CONSTRUCT", "");
+    const SourceSpan place = place_;
     const std::vector<std::string> targets = Targets();
-    if (targets.empty())
-      return Error("the shape has no target", "give it a sh:targetClass, or make it a class");
+    place_ = place;
+    if (targets.empty() && Values(shape_, Sh("target")).empty())
+      return Error("the shape has no target", "give it a sh:targetClass or a sh:target, or make it a class");
     const sparql::PrintOptions print;
     std::string head;
     for (const sparql::TriplePattern& triple : parsed.query.construct_template) {

@@ -44,10 +44,10 @@ struct ImportedRules {
 };
 
 // The rules of all shapes of `shapes`. Targets: sh:targetClass, sh:targetNode, sh:targetSubjectsOf,
-// sh:targetObjectsOf, and a shape that is a class itself; a class stands for its instances in the graph,
+// sh:targetObjectsOf, sh:target with a sh:select, and a shape that is a class itself; a class stands for its instances in the graph,
 // which a warning mentions. Deactivated shapes and rules are left out; sh:order is ignored, as rules run to a
-// fixpoint. Errors: sh:condition and other kinds of rules (sh:TripleRule), a query that is no CONSTRUCT, its
-// mistakes, and constructs that a rule must not have (rule_parser.h). `source` is the document's text, `file`
+// fixpoint. Errors: sh:condition and other kinds of rules (sh:TripleRule), other kinds of sh:target, a query that
+// is no CONSTRUCT, its mistakes, and constructs that a rule must not have (rule_parser.h). `source` is the document's text, `file`
 // names it in diagnostics. `functions`: as of ParseRules.
 ImportedRules ImportShaclRules(const LocatedRdf& shapes, std::string_view source, std::string_view file,
                                const sparql::FunctionRegistry* functions = nullptr);

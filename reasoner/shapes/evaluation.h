@@ -15,6 +15,7 @@
 #include "absl/status/status.h"
 #include "graph/sparql/regex/regex.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/shapes/validator.h"
 
 namespace docent::shapes {
@@ -32,7 +33,7 @@ struct PreparedShapeQuery {
 
 class Evaluation {
  public:
-  Evaluation(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
+  Evaluation(const ShapeSet& shapes, const GraphView& data, Dictionary& dictionary,
              const ValidateOptions& options);
 
   absl::StatusOr<ValidationReport> Run();
@@ -82,7 +83,9 @@ class Evaluation {
   Prepared* Prepare(const ShapeQuery& query);
   Prepared* Start(const Place& place, TermId value);
   void SetDataset(sparql::Query* query) const;
-  sparql::RunOptions RunNow() const;
+  sparql::RunOptions RunNow(const ShapeQuery& query);
+  // The name of the shapes graph, for $shapesGraph.
+  TermId ShapesGraph();
   void Fail(const ShapeQuery& query, const absl::Status& status);
   void ReportRow(const Place& place, const Prepared& prepared);
   std::vector<std::pair<std::string, std::string>> GivenTexts(const Place& place) const;
@@ -116,7 +119,7 @@ class Evaluation {
 
   const ShapeSet& shapes_;
   const GraphView& data_;
-  const Dictionary& dictionary_;
+  Dictionary& dictionary_;
   const ValidateOptions& options_;
   const TermId type_, sub_class_of_;
   absl::Status status_;
@@ -127,6 +130,9 @@ class Evaluation {
   std::map<TermId, absl::flat_hash_set<TermId>> classes_;
   absl::flat_hash_map<const Constraint*, std::unique_ptr<sparql::Regex>> regexes_;
   absl::flat_hash_map<const ShapeQuery*, std::unique_ptr<Prepared>> prepared_;
+  std::map<const Shape*, std::vector<TermId>> of_queries_;  // targets
+  // The data, and the shapes as one graph beside them; null: no query needs it.
+  std::unique_ptr<GraphWriter> with_shapes_;
 };
 
 }  // namespace docent::shapes

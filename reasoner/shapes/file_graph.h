@@ -22,7 +22,7 @@ class FileGraph {
   // must have different labels (ParseRdfOptions::blank_node_scope).
   void Add(const std::string& file, const LocatedRdf& document, const std::string& name);
 
-  const Dictionary& dictionary() const { return dictionary_; }
+  Dictionary& dictionary() { return dictionary_; }
   const GraphVersion& version() const { return writer_.current(); }
   // The graph for SHACL; invalid after another Add. An unknown name is an empty graph.
   GraphView View(const std::string& name) const;

@@ -10,6 +10,8 @@
 namespace docent::shapes {
 namespace {
 
+constexpr std::string_view kShapesGraphName = "urn:docent:shapes-graph";
+
 // A value as shown in a message: a text unchanged, an IRI as a short name.
 std::string InMessage(const Term& term) {
   return term.IsLiteral() ? term.lexical : ToDisplay(term);
@@ -27,6 +29,21 @@ void Evaluation::SetDataset(sparql::Query* query) const {
   if (query->from.empty()) query->from.push_back(Term::Iri("urn:docent:no-graph"));
   if (!shapes_.shapes_graph.IsNone() && shapes_.shapes_graph != kAbsentTerm)
     query->from_named.push_back(dictionary_.Decode(shapes_.shapes_graph));
+  if (with_shapes_ != nullptr) query->from_named.push_back(Term::Iri(std::string(kShapesGraphName)));
+}
+
+// A graph of its own if the shapes are in several graphs, or not in the data's version (SHACL 5.3.1).
+TermId Evaluation::ShapesGraph() {
+  if (!shapes_.shapes_graph.IsNone()) return shapes_.shapes_graph;
+  const TermId name = dictionary_.InternIri(kShapesGraphName);
+  if (with_shapes_ != nullptr) return name;
+  constexpr size_t kQuadBytes = 200;
+  if (!Charge(shapes_.triples.size() * kQuadBytes)) return name;
+  with_shapes_ = std::make_unique<GraphWriter>(GraphVersionPtr(&data_.version(), [](const GraphVersion*) {}));
+  std::vector<Quad> quads = shapes_.triples;
+  for (Quad& quad : quads) quad.graph = name;
+  with_shapes_->AddAll(std::move(quads));
+  return name;
 }
 
 // Null: it cannot run; status_ gives the reason.
@@ -48,7 +65,7 @@ Evaluation::Prepared* Evaluation::Prepare(const ShapeQuery& query) {
   const bool ask = query.query.form == sparql::Query::Form::kAsk;
   if (ask) made->value_at = give("value", TermId());
   if (!query.is_target) made->shape_at = give("currentShape", TermId());
-  if (!query.is_target && !shapes_.shapes_graph.IsNone()) give("shapesGraph", shapes_.shapes_graph);
+  if (!query.is_target && mentions("shapesGraph")) give("shapesGraph", ShapesGraph());
 
   sparql::Query own = query.query.Clone();
   SetDataset(&own);
@@ -98,14 +115,19 @@ Evaluation::Prepared* Evaluation::Start(const Place& place, TermId value) {
   set(prepared->this_at, place.focus);
   set(prepared->value_at, value);
   set(prepared->shape_at, place.shape.node);
-  const absl::Status status = prepared->query->Start(RunNow(), prepared->values);
+  const absl::Status status = prepared->query->Start(RunNow(*place.constraint.query), prepared->values);
   if (status.ok()) return prepared;
   Fail(*place.constraint.query, status);
   return nullptr;
 }
 
-sparql::RunOptions Evaluation::RunNow() const {
-  return {.version = &data_.version(), .cancellation = options_.cancellation, .now_us = options_.now_us};
+sparql::RunOptions Evaluation::RunNow(const ShapeQuery& query) {
+  const bool asks_shapes =
+      with_shapes_ != nullptr && !query.is_target &&
+      std::find(query.variables.begin(), query.variables.end(), "shapesGraph") != query.variables.end();
+  return {.version = asks_shapes ? &with_shapes_->current() : &data_.version(),
+          .cancellation = options_.cancellation,
+          .now_us = options_.now_us};
 }
 
 // 5.3 and 6.3: each solution of a SELECT violates, and each value for which an ASK is false.
@@ -213,17 +235,20 @@ void Evaluation::AddOfQuery(const Place& place, ValidationResult result,
           : Concat("violates the constraint ", Show(query.component)));
 }
 
-// The values of ?this. A value without an id is not in the data, so there is nothing to check.
+// The values of ?this, also those that are not in the data (SHACL 2.1.3).
 void Evaluation::AddTargetsOf(const ShapeQuery& query, std::vector<TermId>* nodes) {
   Prepared* prepared = Prepare(query);
   if (prepared == nullptr) return;
-  if (absl::Status status = prepared->query->Start(RunNow(), prepared->values); !status.ok())
+  if (absl::Status status = prepared->query->Start(RunNow(query), prepared->values); !status.ok())
     return Fail(query, status);
   while (Poll() && prepared->query->Next()) {
     TermId node = prepared->query->row()[static_cast<size_t>(prepared->this_column)];
-    if (node.tag() == TermId::Tag::kLocal)
-      node = dictionary_.Find(prepared->query->Decode(node)).value_or(TermId());
-    if (!node.IsNone()) nodes->push_back(node);
+    if (node.tag() == TermId::Tag::kLocal) {
+      const Term computed = prepared->query->Decode(node);
+      if (!Charge(computed.lexical.size())) break;
+      node = dictionary_.Intern(computed);
+    }
+    if (!node.IsNone() && Charge(sizeof(TermId))) nodes->push_back(node);
   }
   Fail(query, prepared->query->status());
   prepared->query->Stop();

@@ -13,6 +13,7 @@
 #include "graph/rdf/term.h"
 #include "graph/rdf/term_id.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "graph/store/quad.h"
 
 namespace docent::shapes {
 
@@ -135,7 +136,8 @@ struct Shape {
 // itself, directly or through others.
 struct ShapeSet {
   std::vector<Shape> shapes;  // by ShapeIndex
-  TermId shapes_graph;        // its name, for $shapesGraph; kNone: it is several graphs
+  TermId shapes_graph;        // its name, for $shapesGraph; kNone: it is several graphs, or without a name
+  std::vector<Quad> triples;  // of the shapes graph without a name, if a query asks for $shapesGraph
   // The properties whose triples can matter for a validation; `any_property`: all properties (a closed shape,
   // a query).
   std::vector<TermId> properties;

@@ -1,7 +1,6 @@
 #include "reasoner/shapes/shape_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <functional>
 #include <tuple>
@@ -17,6 +16,7 @@
 #include "graph/sparql/regex/regex_parser.h"
 #include "reasoner/shapes/path_reader.h"
 #include "reasoner/shapes/shape_order.h"
+#include "reasoner/shapes/shape_parameters.h"
 #include "reasoner/shapes/shape_properties.h"
 #include "reasoner/shapes/shape_words.h"
 #include "reasoner/shapes/sparql_reader.h"
@@ -24,63 +24,16 @@
 namespace docent::shapes {
 namespace {
 
-// The allowed values of a parameter, and their number.
-enum class ValueRule : uint8_t {
-  kIri,
-  kInteger,
-  kLiteral,
-  kNodeKind,
-  kAny,
-  kTrue,
-  kString,
-  kList,
-  kShape,
-  kShapes
-};
-struct Parameter {
-  Component component;
-  ValueRule values;
-  bool single;
-  bool property_only;  // not allowed on a node shape (section 4, "scope" of the syntax rules)
-};
-constexpr std::array<Parameter, 27> kParameters = {{
-    {Component::kClass, ValueRule::kIri, false, false},
-    {Component::kDatatype, ValueRule::kIri, true, false},
-    {Component::kNodeKind, ValueRule::kNodeKind, true, false},
-    {Component::kMinCount, ValueRule::kInteger, true, true},
-    {Component::kMaxCount, ValueRule::kInteger, true, true},
-    {Component::kMinExclusive, ValueRule::kLiteral, true, false},
-    {Component::kMinInclusive, ValueRule::kLiteral, true, false},
-    {Component::kMaxExclusive, ValueRule::kLiteral, true, false},
-    {Component::kMaxInclusive, ValueRule::kLiteral, true, false},
-    {Component::kMinLength, ValueRule::kInteger, true, false},
-    {Component::kMaxLength, ValueRule::kInteger, true, false},
-    {Component::kPattern, ValueRule::kString, true, false},
-    {Component::kLanguageIn, ValueRule::kList, true, false},
-    {Component::kUniqueLang, ValueRule::kTrue, true, true},
-    {Component::kEquals, ValueRule::kIri, false, false},
-    {Component::kDisjoint, ValueRule::kIri, false, false},
-    {Component::kLessThan, ValueRule::kIri, false, true},
-    {Component::kLessThanOrEquals, ValueRule::kIri, false, true},
-    {Component::kNot, ValueRule::kShape, false, false},
-    {Component::kAnd, ValueRule::kShapes, false, false},
-    {Component::kOr, ValueRule::kShapes, false, false},
-    {Component::kXone, ValueRule::kShapes, false, false},
-    {Component::kNode, ValueRule::kShape, false, false},
-    {Component::kProperty, ValueRule::kShape, false, false},
-    {Component::kClosed, ValueRule::kTrue, true, false},
-    {Component::kHasValue, ValueRule::kAny, false, false},
-    {Component::kIn, ValueRule::kList, true, false},
-}};
-
 class ShapeReader {
  public:
   ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-              const SourceMap* places, const sparql::FunctionRegistry* functions)
+              const SourceMap* places, const sparql::FunctionRegistry* functions,
+              const std::vector<std::string>* regimes)
       : graph_(graph),
         dictionary_(dictionary),
         limits_(limits),
         places_(places),
+        regimes_(regimes),
         paths_(graph, dictionary, limits.shape_nesting),
         type_(Id(kRdfType)),
         sparql_(graph, dictionary, functions, roles_,
@@ -97,8 +50,9 @@ class ShapeReader {
       Read(index);
     }
     sparql_.CheckUnused();
+    CheckEntailment();
     CheckWords();
-    if (graph_.graphs().size() == 1) parsed_.shapes.shapes_graph = graph_.graphs()[0];
+    NameGraph();
     if (!HasErrors(parsed_.diagnostics)) CheckOrder();
     if (!HasErrors(parsed_.diagnostics)) CollectProperties(dictionary_, &parsed_.shapes);
     std::stable_sort(
@@ -131,6 +85,17 @@ class ShapeReader {
     diagnostic.hint = std::move(hint);
     diagnostic.severity = severity;
     parsed_.diagnostics.push_back(std::move(diagnostic));
+  }
+
+  void NameGraph() {
+    if (graph_.graphs().size() == 1) {
+      parsed_.shapes.shapes_graph = graph_.graphs()[0];
+    } else if (sparql_.asks_shapes_graph()) {
+      graph_.ForEach(TermId(), TermId(), TermId(), [this](const Quad& quad) {
+        parsed_.shapes.triples.push_back(quad);
+        return true;
+      });
+    }
   }
 
   // The nodes that are shapes by their targets or types, ascending.
@@ -491,11 +456,26 @@ class ShapeReader {
     for (const TermId sibling : sorted) out->siblings.push_back(IndexOf(sibling));
   }
 
+  // Section 1.5: a regime that the data do not follow is a failure.
+  void CheckEntailment() {
+    if (regimes_ == nullptr) return;
+    graph_.ForEach(TermId(), Sh("entailment"), TermId(), [this](const Quad& q) {
+      const bool followed = q.object.IsIri() && std::find(regimes_->begin(), regimes_->end(),
+                                                          dictionary_.Lexical(q.object)) != regimes_->end();
+      if (!followed) {
+        Report(q.subject, "entailment",
+               Concat("the entailment regime ", Show(q.object), " is not supported here"),
+               "put the rule set of that regime in use at the server, rdfs or owl2rl, or remove the triple");
+      }
+      return true;
+    });
+  }
+
   // Reports triples with words of the sh: namespace that have no effect.
   void CheckWords() {
     for (const TermId predicate : graph_.version().predicates()) {
       const std::string_view iri = dictionary_.Lexical(predicate);
-      if (!iri.starts_with(kShaclNs)) continue;
+      if (!iri.starts_with(kShaclNs) || (regimes_ != nullptr && predicate == Sh("entailment"))) continue;
       const std::string word(iri.substr(kShaclNs.size()));
       TermId last;
       graph_.ForEach(TermId(), predicate, TermId(), [&](const Quad& q) {
@@ -570,6 +550,7 @@ class ShapeReader {
   const Dictionary& dictionary_;
   const CheckLimits& limits_;
   const SourceMap* places_;
+  const std::vector<std::string>* const regimes_;  // null: not known
   PathReader paths_;
   const TermId type_;
   NodeRoles roles_;
@@ -583,8 +564,9 @@ class ShapeReader {
 }  // namespace
 
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-                        const SourceMap* places, const sparql::FunctionRegistry* functions) {
-  return ShapeReader(graph, dictionary, limits, places, functions).Run();
+                        const SourceMap* places, const sparql::FunctionRegistry* functions,
+                        const std::vector<std::string>* regimes) {
+  return ShapeReader(graph, dictionary, limits, places, functions, regimes).Run();
 }
 
 }  // namespace docent::shapes

@@ -2,6 +2,9 @@
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 
+#include <string>
+#include <vector>
+
 #include "graph/base/check_limits.h"
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/dictionary.h"
@@ -27,15 +30,17 @@ struct ParsedShapes {
 //  error    an ill-formed path, list, parameter or target; a regular expression that cannot be compiled; a
 //           query that is not SPARQL, or that SHACL does not allow with given variables (appendix A); an
 //           ill-formed component that is used; shapes nested deeper than shape_nesting; a shape that refers to
-//           itself (section 3.4.3 leaves its meaning open: it is refused, with the cycle)
+//           itself (section 3.4.3 leaves its meaning open: it is refused, with the cycle); a sh:entailment that
+//           is not among `regimes`, the IRIs that the data follow
 //  warning  other triples with words of the sh: namespace that are not evaluated: unknown words (with the
 //           nearest known), words without effect at their node, or of unsupported features (rules, JavaScript,
-//           node expressions, entailment); unused nodes that look like shapes; unused ill-formed components
+//           node expressions; entailment without `regimes`); unused nodes that look like shapes; unused ill-formed components
 // At most CheckLimits::check_diagnostics of them. `places` may be null; `functions` too: then the functions of
 // a query are checked at its evaluation.
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits = {},
                         const SourceMap* places = nullptr,
-                        const sparql::FunctionRegistry* functions = nullptr);
+                        const sparql::FunctionRegistry* functions = nullptr,
+                        const std::vector<std::string>* regimes = nullptr);
 
 }  // namespace docent::shapes
 

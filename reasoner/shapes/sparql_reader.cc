@@ -226,9 +226,7 @@ std::shared_ptr<ShapeQuery> SparqlReader::ReadQuery(TermId node, std::string_vie
   read->query = std::move(query);
   read->messages = Messages(node);
   read->node = node;
-  if (Mentions(read->variables, "shapesGraph") && graph_.graphs().size() != 1) {
-    Warn(node, word, "$shapesGraph has no value: the shapes are in several graphs", "use $currentShape");
-  }
+  asks_shapes_graph_ = asks_shapes_graph_ || Mentions(read->variables, "shapesGraph");
   return read;
 }
 

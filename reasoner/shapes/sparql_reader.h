@@ -43,6 +43,8 @@ class SparqlReader {
   void ReadTargets(Shape* shape);
   // Reports mistakes in components and target types that no shape uses.
   void CheckUnused();
+  // True if a query that was read mentions $shapesGraph.
+  bool asks_shapes_graph() const { return asks_shapes_graph_; }
 
  private:
   struct Parameter {
@@ -102,6 +104,7 @@ class SparqlReader {
   const sparql::FunctionRegistry* functions_;
   NodeRoles& roles_;
   const Tell tell_;
+  bool asks_shapes_graph_ = false;
   bool lenient_ = false;  // no shape uses it: mistakes are warnings
   std::vector<Declared> components_, target_types_;
 };

@@ -11,7 +11,7 @@
 
 namespace docent::shapes {
 
-Evaluation::Evaluation(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
+Evaluation::Evaluation(const ShapeSet& shapes, const GraphView& data, Dictionary& dictionary,
                        const ValidateOptions& options)
     : shapes_(shapes),
       data_(data),
@@ -21,6 +21,11 @@ Evaluation::Evaluation(const ShapeSet& shapes, const GraphView& data, const Dict
       sub_class_of_(Id(Concat(kRdfsNs, "subClassOf"))) {}
 
 absl::StatusOr<ValidationReport> Evaluation::Run() {
+  // First: the constants of all other queries are looked up when targets that are computed have their ids.
+  for (const Shape& shape : shapes_.shapes) {
+    if (shape.deactivated) continue;
+    for (const ShapeQueryPtr& query : shape.target_queries) AddTargetsOf(*query, &of_queries_[&shape]);
+  }
   for (const Shape& shape : shapes_.shapes) {
     if (shape.deactivated || !shape.HasTargets()) continue;
     for (const TermId focus : FocusNodes(shape)) {
@@ -69,7 +74,8 @@ std::vector<TermId> Evaluation::FocusNodes(const Shape& shape) {
       return Poll();
     });
   }
-  for (const ShapeQueryPtr& query : shape.target_queries) AddTargetsOf(*query, &nodes);
+  if (const auto found = of_queries_.find(&shape); found != of_queries_.end())
+    nodes.insert(nodes.end(), found->second.begin(), found->second.end());
   Charge(nodes.size() * sizeof(TermId));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -159,7 +165,7 @@ std::string Evaluation::ShowPath(const Shape& shape) const {
 }
 
 absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data,
-                                          const Dictionary& dictionary, const ValidateOptions& options) {
+                                          Dictionary& dictionary, const ValidateOptions& options) {
   return Evaluation(shapes, data, dictionary, options).Run();
 }
 

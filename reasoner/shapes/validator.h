@@ -26,7 +26,7 @@ class FunctionRegistry;
 
 namespace docent::shapes {
 
-// A result of section 3.6.2. Its ids are the dictionary's.
+// A result of section 3.6.2. Its ids are those of the dictionary that Validate was given.
 struct ValidationResult {
   TermId focus;
   TermId value;                  // kNone if the component names no value
@@ -59,11 +59,12 @@ struct ValidateOptions {
   TimeMicros now_us = 0;                                // NOW() in queries
 };
 
+// `dictionary` is the caller's own, over the one of the data: it receives targets that queries compute.
 // CANCELLED, DEADLINE_EXCEEDED, or RESOURCE_EXHAUSTED naming query_memory_bytes; INVALID_ARGUMENT, with its
 // shape, if a query calls an unknown function; FAILED_PRECONDITION if a query reports a failure (?failure):
 // then there is no report.
 absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data,
-                                          const Dictionary& dictionary, const ValidateOptions& options = {});
+                                          Dictionary& dictionary, const ValidateOptions& options = {});
 
 }  // namespace docent::shapes
 

@@ -1,12 +1,5 @@
 #include "robot_adapters/localization/localiser.h"
 
-#include <mrpt/bayes/CParticleFilter.h>
-#include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/random/RandomGenerators.h>
-#include <mrpt/slam/CMonteCarloLocalization2D.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,21 +7,14 @@
 #include <string>
 #include <utility>
 
-#include "absl/synchronization/mutex.h"
-#include "robot_adapters/localization/distance_map.h"
 #include "robot_adapters/localization/global_search.h"
-#include "robot_adapters/localization/mrpt_error.h"
+#include "robot_adapters/localization/particle_filter.h"
+#include "robot_adapters/localization/sensor_model.h"
 
 namespace docent::robot {
 namespace {
 
 using maps::Pose2;
-
-// Guards MRPT's process-wide random generator; held while a filter draws numbers.
-absl::Mutex& MrptRandomMutex() {
-  static absl::Mutex mutex;
-  return mutex;
-}
 
 constexpr int kCandidates = 32;     // candidates of a global search that get particles
 constexpr double kSureXy_m = 0.10;  // standard deviation below which the search's particles are thinned
@@ -52,36 +38,12 @@ struct Localiser::Impl {
         settings(with),
         random(seed),
         model(std::make_shared<SensorModel>(hall->laser_field(), with.sensor)),
-        map(std::make_shared<DistanceMap>(model, with.sensor.max_beams)),
-        pdf(static_cast<size_t>(with.particles)) {
-    pdf.options.metricMap = map;
-    filter.m_options.PF_algorithm = mrpt::bayes::CParticleFilter::pfStandardProposal;
-    filter.m_options.resamplingMethod = mrpt::bayes::CParticleFilter::prSystematic;
-    filter.m_options.adaptiveSampleSize = false;
-    filter.m_options.BETA = with.resample_below;
-    motion.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;
-    motion.gaussianModel.a1 = static_cast<float>(with.motion.xy_per_m);
-    motion.gaussianModel.a2 = static_cast<float>(with.motion.xy_per_rad);
-    motion.gaussianModel.a3 = static_cast<float>(with.motion.heading_per_m);
-    motion.gaussianModel.a4 = static_cast<float>(with.motion.heading_per_rad);
-    motion.gaussianModel.minStdXY = static_cast<float>(with.motion.min_xy_m);
-    motion.gaussianModel.minStdPHI = static_cast<float>(with.motion.min_heading_rad);
-  }
+        filter(with.motion, with.resample_below, &random) {}
 
   // Replaces all particles by samples around `centres`, which are chosen in proportion to their weights.
   void Spread(const std::vector<std::pair<Pose2, double>>& centres, double sigma_xy_m,
               double sigma_heading_rad, int count) {
-    std::vector<double> weights;
-    for (const auto& [pose, weight] : centres) weights.push_back(weight);
-    std::discrete_distribution<size_t> choose(weights.begin(), weights.end());
-    std::normal_distribution<double> normal(0, 1);
-    pdf.m_particles.clear();
-    for (int k = 0; k < count; ++k) {
-      const Pose2& centre = centres[choose(random)].first;
-      const double x = centre.x_m + sigma_xy_m * normal(random), y = centre.y_m + sigma_xy_m * normal(random);
-      const double heading = maps::WrapAngle(centre.heading_rad + sigma_heading_rad * normal(random));
-      pdf.m_particles.emplace_back(mrpt::math::TPose2D(x, y, heading), 0.0);
-    }
+    filter.Spread(centres, sigma_xy_m, sigma_heading_rad, count);
     initialised = true;
     lost_share = 0;
   }
@@ -89,70 +51,44 @@ struct Localiser::Impl {
   // Keeps `settings.particles` of the search's particles, drawn by weight.
   void Thin() {
     std::vector<std::pair<Pose2, double>> centres;
-    for (const auto& particle : pdf.m_particles) {
-      centres.push_back({{particle.d.x, particle.d.y, particle.d.phi}, std::exp(particle.log_w)});
-    }
+    for (const Particle& particle : filter.particles())
+      centres.push_back({particle.robot_in_hall, std::exp(particle.log_weight)});
     const double before = lost_share;
     Spread(centres, settings.motion.min_xy_m, settings.motion.min_heading_rad, settings.particles);
     lost_share = before;
   }
 
-  // One MRPT filter step: moves every particle, weighs it, resamples if few carry the weight.
-  absl::Status Step(const Pose2& increment, const maps::LaserScan& scan) {
-    try {
-      mrpt::obs::CActionRobotMovement2D movement;
-      movement.computeFromOdometry(mrpt::poses::CPose2D(increment.x_m, increment.y_m, increment.heading_rad),
-                                   motion);
-      mrpt::obs::CActionCollection actions;
-      actions.insert(movement);
-      const mrpt::obs::CObservation2DRangeScan::Ptr observation = ToMrpt(scan);
-      mrpt::obs::CSensoryFrame frame;
-      frame.insert(observation);
-      map->Prepare(*observation);
-      mrpt::bayes::CParticleFilter::TParticleFilterStats stats;
-      absl::MutexLock lock(&MrptRandomMutex());
-      mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(random()));
-      filter.executeOn(pdf, &actions, &frame, &stats);
-      neff = stats.ESS_beforeResample * static_cast<double>(pdf.m_particles.size());
-      return absl::OkStatus();
-    } catch (const std::exception& error) {
-      return absl::InternalError("MRPT's particle filter: " + MrptMessage(error));
-    }
-  }
-
-  void MoveBy(const Pose2& increment) {
-    for (auto& particle : pdf.m_particles) {
-      const Pose2 moved = maps::Compose({particle.d.x, particle.d.y, particle.d.phi}, increment);
-      particle.d = mrpt::math::TPose2D(moved.x_m, moved.y_m, moved.heading_rad);
-    }
+  void Step(const Pose2& increment, const maps::LaserScan& scan) {
+    const BeamEnds ends = EndsOf(scan, settings.sensor.max_beams);
+    neff = filter.Step(increment, [&](const Pose2& pose) { return model->LogLikelihood(ends, pose); });
   }
 
   // Mean and covariance of the weighted particles; the heading's mean is that of the unit vectors.
   Estimate Summary() const {
     Estimate e;
     double heaviest = -1e300, total = 0, sum_x = 0, sum_y = 0, sum_sin = 0, sum_cos = 0;
-    for (const auto& particle : pdf.m_particles) heaviest = std::max(heaviest, particle.log_w);
-    for (const auto& particle : pdf.m_particles) {
-      const double w = std::exp(particle.log_w - heaviest);
+    for (const Particle& particle : filter.particles()) heaviest = std::max(heaviest, particle.log_weight);
+    for (const auto& [pose, log_weight] : filter.particles()) {
+      const double w = std::exp(log_weight - heaviest);
       total += w;
-      sum_x += w * particle.d.x;
-      sum_y += w * particle.d.y;
-      sum_sin += w * std::sin(particle.d.phi);
-      sum_cos += w * std::cos(particle.d.phi);
+      sum_x += w * pose.x_m;
+      sum_y += w * pose.y_m;
+      sum_sin += w * std::sin(pose.heading_rad);
+      sum_cos += w * std::cos(pose.heading_rad);
     }
     e.x_m = sum_x / total;
     e.y_m = sum_y / total;
     e.heading_rad = std::atan2(sum_sin, sum_cos);
-    for (const auto& particle : pdf.m_particles) {
-      const double w = std::exp(particle.log_w - heaviest) / total;
-      const double d[3] = {particle.d.x - e.x_m, particle.d.y - e.y_m,
-                           maps::WrapAngle(particle.d.phi - e.heading_rad)};
+    for (const auto& [pose, log_weight] : filter.particles()) {
+      const double w = std::exp(log_weight - heaviest) / total;
+      const double d[3] = {pose.x_m - e.x_m, pose.y_m - e.y_m,
+                           maps::WrapAngle(pose.heading_rad - e.heading_rad)};
       for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) e.covariance[3 * row + column] += w * d[row] * d[column];
       }
     }
     e.neff = neff;
-    e.particles = static_cast<int>(pdf.m_particles.size());
+    e.particles = static_cast<int>(filter.particles().size());
     e.lost_share = lost_share;
     e.relocalisations = relocalisations;
     return e;
@@ -190,10 +126,7 @@ struct Localiser::Impl {
   LocaliserSettings settings;
   std::mt19937_64 random;
   std::shared_ptr<const SensorModel> model;
-  std::shared_ptr<DistanceMap> map;
-  mrpt::slam::CMonteCarloLocalization2D pdf;
-  mrpt::bayes::CParticleFilter filter;
-  mrpt::obs::CActionRobotMovement2D::TMotionModelOptions motion;
+  ParticleFilter filter;
   bool initialised = false;
   double neff = 0;
   double lost_share = 0;
@@ -236,13 +169,7 @@ absl::StatusOr<Estimate> Localiser::Update(const Pose2& odometry_increment, cons
   if (!Finite(odometry_increment) || !Finite(scan)) {
     return absl::InvalidArgumentError("localiser: a number of the odometry or the scan is not finite");
   }
-  const auto before = impl.pdf.m_particles;
-  if (absl::Status status = impl.Step(odometry_increment, scan); !status.ok()) {
-    impl.pdf.m_particles = before;
-    impl.MoveBy(odometry_increment);
-    estimate_ = impl.Summary();
-    return status;
-  }
+  impl.Step(odometry_increment, scan);
   Estimate e = impl.Summary();
   const BeamEnds few = EndsOf(scan, impl.settings.search_beams);
   const double through =
@@ -269,8 +196,7 @@ absl::StatusOr<Estimate> Localiser::Update(const Pose2& odometry_increment, cons
 
 std::vector<Pose2> Localiser::Particles() const {
   std::vector<Pose2> poses;
-  for (const auto& particle : impl_->pdf.m_particles)
-    poses.push_back({particle.d.x, particle.d.y, particle.d.phi});
+  for (const Particle& particle : impl_->filter.particles()) poses.push_back(particle.robot_in_hall);
   return poses;
 }
 

@@ -1,12 +1,9 @@
-// Localiser: MRPT's particle filter with our sensor model on the hall's distance field.
+// Localiser: a particle filter with our sensor model on the hall's distance field.
 //
-// Why not MRPT's own sensor models: COctoMap scores a pose outside the map above the true one, and the
-// likelihood fields on grids cost 8 to 20 times as much per particle (bench/localisation_bench.h has the
-// figures). This header does not expose MRPT. MRPT's exceptions become absl::Status here.
+// It was MRPT's filter once. What is used of one is small, and MRPT brings OpenCV, GTK, Qt and GDAL into whatever links it; the
+// bench compares the two (bench/localisation_bench.h has the figures).
 //
-// One thread at a time per Localiser. A process may have any number of them: they share MRPT's only random
-// generator, so each update takes it under a lock and seeds it with this localiser's own next seed. The same
-// seed and inputs give the same estimates.
+// One thread at a time per Localiser; a process may have any number of them. The same seed and inputs give the same estimates.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_LOCALISER_H_
 #define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_LOCALISER_H_
 
@@ -53,8 +50,7 @@ class Localiser {
 
   // One step: the robot has moved by `odometry_increment` (in its own frame) and then sees `scan`.
   // FAILED_PRECONDITION: not initialised. INVALID_ARGUMENT: a number that is not finite; the state is
-  // unchanged. INTERNAL: an MRPT exception; the filter then keeps the particles of before, moved by the
-  // increment.
+  // unchanged.
   absl::StatusOr<Estimate> Update(const maps::Pose2& odometry_increment, const maps::LaserScan& scan);
 
   const Estimate& estimate() const { return estimate_; }

@@ -17,8 +17,8 @@ struct SensorModelSettings {
   double cell_m = 0.025;   // 0.005..0.5: cells of the table of log-likelihoods, interpolated from the field
 };
 
-// Errors of one odometry increment, standard deviations: MRPT's Gaussian model
-// (mrpt::obs::CActionRobotMovement2D), with its names in the comments.
+// Errors of one odometry increment, standard deviations. MRPT's Gaussian model (mrpt::obs::CActionRobotMovement2D) has the same;
+// its names are in the comments.
 struct MotionModelSettings {
   double xy_per_m = 0.15;    // 0..1, m per m driven (a1); real robots slip: measured on s02, bench/README.md
   double xy_per_rad = 0.02;  // 0..1, m per rad turned (a2)

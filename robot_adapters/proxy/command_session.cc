@@ -67,6 +67,11 @@ bool CommandSession::IsReplaced() const {
 void CommandSession::Try() {
   if (done_ || call_ != nullptr) return;
   ++attempt_;
+  asks_life_ = false;
+  if (MustNotBegin()) {
+    if (!begun_) return FinishNotBegun();
+    attach_next_ = true;
+  }
   if (address_.empty()) {
     Lost(absl::StrCat("robot ", command_.robot.value(), " has no adapter now"));
     return;
@@ -85,8 +90,10 @@ void CommandSession::Try() {
   }
 }
 
-void CommandSession::OnProbed(uint64_t attempt, const grpc::Status& status) {
+void CommandSession::OnProbed(uint64_t attempt, const grpc::Status& status, const std::string& incarnation) {
   if (done_ || attempt != attempt_) return;
+  if (asks_life_) return OnTold(status, incarnation);
+  if (MustNotBegin()) return Try();
   if (host_->IsConnected(address_)) return Invoke();  // whatever it answered
   Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
 }
@@ -102,7 +109,7 @@ void CommandSession::Invoke() {
 void CommandSession::Call(FeedbackCall::Request request) {
   call_ = host_->Call(command_.id, address_, std::move(request),
                       std::max(TimeLeft(), absl::ZeroDuration()) + kCallBeyondDeadline);
-  if (cancel_requested_) AskToEnd();
+  if (asks_to_end_) AskToEnd();
 }
 
 absl::Duration CommandSession::TimeLeft() const {
@@ -158,7 +165,7 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     unknown_because_ = absl::StrCat("the command was meant for incarnation ", expected_incarnation_,
                                     " of the adapter, and ", feedback.incarnation(), " answers");
     host_->Refused(command_, unknown_because_);
-    if (!IsFinal(feedback.state()) && !cancel_requested_) AskToEnd();
+    if (!IsFinal(feedback.state()) && !asks_to_end_) AskToEnd();
   }
   answers_as_ = feedback.incarnation();
   running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
@@ -205,7 +212,7 @@ void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
     Lost(absl::StrCat("adapter at ", address_,
                       " broke off the feedback of a command that has not ended: ", status.error_message()));
   } else if (code == grpc::StatusCode::NOT_FOUND && was_attach) {
-    NeverBegun();
+    OnNotKnown();
   } else if (code == grpc::StatusCode::FAILED_PRECONDITION) {
     Finish(CommandReport::Outcome::kUnknown, status.error_message());
   } else if (code == grpc::StatusCode::UNIMPLEMENTED && was_attach) {
@@ -219,39 +226,68 @@ void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
   }
 }
 
-// The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries
-// with its own, so that a forgetful one cannot do the command a second time.
-void CommandSession::NeverBegun() {
-  if (cancel_requested_ && !begun_) {
-    Finish(CommandReport::Outcome::kCancelled, "cancelled before the robot began it");
-  } else if (cancel_requested_) {
+bool CommandSession::MustNotBegin() const {
+  return cancel_requested_ || recalled_ || asks_to_end_ || TimeLeft() <= absl::ZeroDuration();
+}
+
+// The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries with its own, so that
+// a forgetful one cannot do the command a second time. Of what is not invoked again, the adapter is asked which incarnation it is:
+// one that may have forgotten the command may have begun it.
+void CommandSession::OnNotKnown() {
+  const bool must_not = MustNotBegin();
+  if (seen_ && must_not) {
+    Finish(CommandReport::Outcome::kUnknown,
+           absl::StrCat("adapter at ", address_, " does not know the command any more, which it had begun"));
+  } else if (expected_incarnation_.empty() && (must_not || !command_.idempotent)) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
-  } else if (begun_ && expected_incarnation_.empty() && !command_.idempotent) {
-    Finish(CommandReport::Outcome::kUnknown,
-           absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
-  } else if (begun_ && IsReplaced()) {
+  } else if (IsReplaced()) {
     Finish(CommandReport::Outcome::kUnknown,
            absl::StrCat("the command was begun by incarnation ", expected_incarnation_,
                         " of the adapter, and incarnation ", incarnation_, " does not know it"));
+  } else if (must_not) {
+    asks_life_ = true;
+    host_->Probe(command_.id, address_, ++attempt_);
   } else {
     attach_next_ = false;
     Try();
   }
 }
 
-void CommandSession::Cancel() {
-  if (done_ || cancel_requested_) return;
-  cancel_requested_ = true;
-  if (!attach_next_) {
-    Finish(CommandReport::Outcome::kCancelled, "cancelled before it was sent");
+void CommandSession::OnTold(const grpc::Status& status, const std::string& incarnation) {
+  if (!status.ok() && IsConnectionLoss(status.error_code())) {
+    Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
+  } else if (incarnation == expected_incarnation_) {
+    FinishNotBegun();
   } else {
-    AskToEnd();  // also between two calls: it is a call of its own
+    Finish(
+        CommandReport::Outcome::kUnknown,
+        absl::StrCat("the command was meant for incarnation ", expected_incarnation_, " of the adapter, and ",
+                     incarnation.empty() ? "what is there now does not say which it is"
+                                         : absl::StrCat("incarnation ", incarnation, " does not know it")));
   }
 }
 
-void CommandSession::AskToEnd() {
+void CommandSession::FinishNotBegun() {
+  if (!cancel_requested_ && !recalled_) return Finish(CommandReport::Outcome::kFailed, OverdueText());
+  Finish(CommandReport::Outcome::kNotBegun,
+         absl::StrCat(cancel_requested_ ? "cancelled" : "called back", " before the robot began it"));
+}
+
+void CommandSession::Cancel() {
+  if (done_ || cancel_requested_) return;
   cancel_requested_ = true;
+  begun_ ? AskToEnd() : FinishNotBegun();  // between two calls, too: it is a call of its own
+}
+
+void CommandSession::Recall() {
+  if (done_ || recalled_) return;
+  recalled_ = true;
+  if (!begun_) FinishNotBegun();
+}
+
+void CommandSession::AskToEnd() {
+  asks_to_end_ = true;
   cancel_pause_ = absl::FromChrono(settings_.first_retry);
   SendCancel();
 }
@@ -278,15 +314,17 @@ void CommandSession::AwaitDeadline() {
 // The adapter gives up at the deadline by itself. One that does not is asked to; only what it says last is the end.
 void CommandSession::OnDeadline() {
   if (done_) return;
-  std::string where = address_.empty() ? absl::StrCat("robot ", command_.robot.value(), " has no adapter and")
-                                       : absl::StrCat("adapter at ", address_);
-  std::string what = seen_ ? absl::StrCat(" did not finish ", command_.operation)
-                           : absl::StrCat(" did not take ", command_.operation);
-  std::string why = unreachable_ && !address_.empty() ? absl::StrCat("; last: ", last_error_) : "";
-  const std::string message = absl::StrCat(where, what, " before its deadline", why);
-  if (!attach_next_) return Finish(CommandReport::Outcome::kFailed, message);
+  if (!begun_) return FinishNotBegun();
   AskToEnd();
-  host_->Overdue(command_, message);
+  host_->Overdue(command_, OverdueText());
+}
+
+std::string CommandSession::OverdueText() const {
+  return absl::StrCat(address_.empty() ? absl::StrCat("robot ", command_.robot.value(), " has no adapter and")
+                                       : absl::StrCat("adapter at ", address_),
+                      seen_ ? " did not finish " : " did not take ", command_.operation,
+                      " before its deadline",
+                      unreachable_ && !address_.empty() ? absl::StrCat("; last: ", last_error_) : "");
 }
 
 void CommandSession::Abandon() {

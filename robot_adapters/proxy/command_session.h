@@ -45,13 +45,16 @@ class CommandSession {
   // Where the robot's adapter is as of now, and which incarnation serves there; empty: not known. The first call starts the
   // session.
   void UseAdapter(const std::string& address, const std::string& incarnation);
+  // See RobotProxies.
   void Cancel();
+  void Recall();
   // `known`: the adapter has the command. It may not have it yet, where the Cancel came before the Invoke.
   void OnCancelAnswered(uint64_t attempt, bool known);
   // `call` is the call's serial.
   void OnFeedback(uint64_t call, const v1::Feedback& feedback);
   void OnCallEnded(uint64_t call, const grpc::Status& status);
-  void OnProbed(uint64_t attempt, const grpc::Status& status);
+  // `incarnation`: that the adapter names, if it answered.
+  void OnProbed(uint64_t attempt, const grpc::Status& status, const std::string& incarnation);
   // Lets go of the call without a report.
   void Abandon();
 
@@ -77,7 +80,12 @@ class CommandSession {
   std::string Fault(const v1::Feedback& feedback) const;
   // Counted and logged; the first one goes into the run's facts and events.
   void Refuse(const std::string& why);
-  void NeverBegun();
+  // It is cancelled, called back or overdue: it is not invoked any more.
+  bool MustNotBegin() const;
+  void OnNotKnown();
+  void OnTold(const grpc::Status& status, const std::string& incarnation);
+  void FinishNotBegun();
+  std::string OverdueText() const;
   void Finish(CommandReport::Outcome outcome, std::string message);
   CommandReport NewReport(CommandReport::Outcome outcome, std::string message) const;
 
@@ -91,9 +99,10 @@ class CommandSession {
   std::shared_ptr<FeedbackCall> call_;  // nullptr: waiting for the next attempt
   bool started_ = false;
   bool done_ = false;
-  bool attach_next_;          // the adapter may have the command already
-  bool seen_ = false;         // the adapter has told its state
-  bool begun_;                // an adapter may have begun it before, and have forgotten
+  bool attach_next_;   // the adapter may have the command already
+  bool seen_ = false;  // the adapter has told its state
+  bool begun_;  // an adapter may have begun it before, and have forgotten; always where attach_next_ is
+  bool asks_life_ = false;    // the probe under way is to tell which incarnation does not know the command
   bool accepted_ = false;     // reported
   bool unreachable_ = false;  // reported, and not seen since
   bool refused_ = false;      // reported that feedback was refused
@@ -101,6 +110,8 @@ class CommandSession {
   bool running_ = false;      // the present call has said that it runs
   std::string answers_as_;    // the incarnation that the present call names; empty: none yet
   bool cancel_requested_ = false;
+  bool recalled_ = false;
+  bool asks_to_end_ = false;  // a Cancel is sent with each call
   uint64_t cancel_attempt_ = 0;
   absl::Duration cancel_pause_;
   bool retry_at_once_ = false;  // when the present call has ended

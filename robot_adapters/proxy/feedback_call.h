@@ -1,4 +1,5 @@
-// One Invoke or Attach call to an adapter, from its start until gRPC is done with it. Callback API.
+// One Invoke or Attach call to an adapter, from its start until gRPC is done with it. Callback API. Each message is read when
+// the one before is done with: an adapter that tells more than is used waits.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_FEEDBACK_CALL_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_FEEDBACK_CALL_H_
 
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <variant>
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
@@ -17,7 +19,8 @@ namespace docent::proxy {
 class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
  public:
   using Request = std::variant<v1::InvokeRequest, v1::AttachRequest>;
-  using FeedbackCallback = std::function<void(const v1::Feedback&)>;
+  // Gets the call, too, whose Next it has to call, then or later.
+  using FeedbackCallback = std::function<void(v1::Feedback, FeedbackCall*)>;
   // Takes over the call. Must not let go of it on the thread that it runs on: a call may hold the last
   // reference to its channel, and gRPC 1.51 crashes when one of its own callback threads destroys the last
   // channel of a process.
@@ -37,10 +40,14 @@ class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
     } else {
       call->stub_->async()->Attach(&call->context_, &std::get<v1::AttachRequest>(call->request_), call.get());
     }
+    call->AddHold();  // while reads are started from outside; until one fails
     call->StartRead(&call->message_);
     call->StartCall();
     return call;
   }
+
+  // Reads the next message. Once for each message, any thread. The call is there until then.
+  void Next() { StartRead(&message_); }
 
   // Unique to this call, so that a late callback is not taken for one of the next call.
   uint64_t serial() const { return serial_; }
@@ -58,9 +65,8 @@ class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
         on_done_(std::move(on_done)) {}
 
   void OnReadDone(bool ok) override {
-    if (!ok) return;
-    on_feedback_(message_);
-    StartRead(&message_);
+    if (!ok) return RemoveHold();
+    on_feedback_(std::exchange(message_, {}), this);
   }
   void OnDone(const grpc::Status& status) override {
     DoneCallback on_done = std::move(on_done_);  // the call may be gone before it returns

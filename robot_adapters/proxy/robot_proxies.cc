@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "graph/base/steady_clock.h"
 #include "robot_adapters/proxy/adapter_channels.h"
 #include "robot_adapters/proxy/command_session.h"
@@ -17,6 +18,22 @@ namespace {
 
 constexpr std::chrono::milliseconds kCancelTimeout{2000};
 constexpr std::chrono::milliseconds kProbeTimeout{2000};
+
+// How fast the feedback of one call is read: some messages at once, and then so many in a second. Loop thread only.
+class Pace {
+ public:
+  // The pause after a message that is done with at `now`.
+  absl::Duration After(absl::Time now) {
+    due_ = std::max(due_, now - kAtOnce * kEach) + kEach;
+    return std::max(due_ - now, absl::ZeroDuration());
+  }
+  bool told = false;  // that its feedback is refused
+
+ private:
+  static constexpr int kAtOnce = 50;
+  static constexpr absl::Duration kEach = absl::Milliseconds(10);
+  absl::Time due_ = absl::InfinitePast();
+};
 
 }  // namespace
 
@@ -56,26 +73,27 @@ class RobotProxies::Impl final : public SessionHost {
       if (sessions_.contains(command.id)) return;
       CommandReport report;
       report.command = command.id;
-      report.outcome = CommandReport::Outcome::kCancelled;
+      report.outcome = CommandReport::Outcome::kNotBegun;
       report.message = "cancelled before it was sent";
       Report(std::move(report));
     });
   }
 
-  void Begin(const RobotCommand& command, bool may_have_been_sent) {
+  void Begin(const RobotCommand& command, bool may_have_been_sent, CommandWish wish) {
     // The time left counts from here, not from when the loop gets to it.
-    absl::Duration left = command.deadline_us != 0 ? absl::Microseconds(command.deadline_us - clock_->Now())
-                                                   : absl::FromChrono(settings_.default_deadline);
-    if (may_have_been_sent) left = std::max(left, absl::FromChrono(settings_.resume_patience));
+    const absl::Duration left = command.deadline_us != 0
+                                    ? absl::Microseconds(command.deadline_us - clock_->Now())
+                                    : absl::FromChrono(settings_.default_deadline);
     ++queued_;
-    loop_.Post([this, command, left, may_have_been_sent] {
+    loop_.Post([this, command, left, may_have_been_sent, wish] {
       Open(command, left, may_have_been_sent);
+      Wish(command.id, wish);  // before an adapter can answer: what is not to begin does not
       --queued_;
     });
   }
 
-  void Cancel(const CommandId& command) {
-    loop_.Post([this, command] { With(command, [](CommandSession& session) { session.Cancel(); }); });
+  void Change(const CommandId& command, CommandWish wish) {
+    loop_.Post([this, command, wish] { Wish(command, wish); });
   }
 
   // SessionHost
@@ -87,6 +105,8 @@ class RobotProxies::Impl final : public SessionHost {
 
   void Refused(const RobotCommand& command, const std::string& why) override {
     ++refused_;
+    const auto found = sessions_.find(command.id);
+    if (found != sessions_.end() && ++found->second.refused > 1) return;  // the first says what is wrong
     spdlog::warn("{}: feedback about command {} is refused: {}", command.robot.value(), command.id.value(),
                  why);
   }
@@ -115,7 +135,9 @@ class RobotProxies::Impl final : public SessionHost {
         &call->context, &call->request, &call->reply,
         [this, call, command, attempt](const grpc::Status& status) {
           loop_.Post([this, ended = std::shared_ptr<DescribeCall>(call), command, attempt, status] {
-            With(command, [&](CommandSession& session) { session.OnProbed(attempt, status); });
+            With(command, [&](CommandSession& session) {
+              session.OnProbed(attempt, status, ended->reply.incarnation());
+            });
             AddCalls(-1);
           });
         });
@@ -129,12 +151,16 @@ class RobotProxies::Impl final : public SessionHost {
         serial, channels_.StubFor(address), std::move(request),
         std::chrono::system_clock::now() +
             absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
-        [this, command, serial](const v1::Feedback& feedback) {
-          loop_.Post([this, command, serial, feedback] {
+        [this, command, serial, pace = std::make_shared<Pace>()](v1::Feedback feedback, FeedbackCall* call) {
+          loop_.Post([this, command, serial, pace, call, feedback = std::move(feedback)] {
             if (!With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); })) {
               ++refused_;
-              spdlog::warn("feedback about command {} is refused: the command has ended", command.value());
+              if (!std::exchange(pace->told, true))
+                spdlog::warn("feedback about command {} is refused: the command has ended", command.value());
             }
+            const absl::Duration pause = pace->After(absl::Now());
+            if (pause == absl::ZeroDuration() || closing_) return call->Next();
+            loop_.PostAfter(pause, [call] { call->Next(); });
           });
         },
         [this, command, serial](const grpc::Status& status, std::shared_ptr<FeedbackCall> ended) {
@@ -186,9 +212,17 @@ class RobotProxies::Impl final : public SessionHost {
          [&](CommandSession& session) { session.UseAdapter(adapter.address, adapter.incarnation); });
   }
 
+  void Wish(const CommandId& command, CommandWish wish) {
+    if (wish == CommandWish::kNotBegin)
+      With(command, [](CommandSession& session) { session.Recall(); });
+    else if (wish == CommandWish::kEnd)
+      With(command, [](CommandSession& session) { session.Cancel(); });
+  }
+
   struct Entry {
     std::unique_ptr<CommandSession> session;
     std::vector<EventLoop::Timer> timers;  // of the session
+    uint64_t refused = 0;                  // feedback
   };
   using Sessions = std::map<CommandId, Entry>;
 
@@ -204,6 +238,10 @@ class RobotProxies::Impl final : public SessionHost {
   void ForgetIfDone(Sessions::iterator place) {
     if (!place->second.session->done()) return;
     for (const EventLoop::Timer& timer : place->second.timers) loop_.Cancel(timer);
+    if (place->second.refused > 1) {
+      spdlog::warn("feedback about command {} was refused {} times", place->first.value(),
+                   place->second.refused);
+    }
     sessions_.erase(place);
     open_ = sessions_.size();
   }
@@ -250,13 +288,16 @@ void RobotProxies::NeverSend(const RobotCommand& command) {
   impl_->NeverSend(command);
 }
 void RobotProxies::Send(const RobotCommand& command) {
-  impl_->Begin(command, false);
+  impl_->Begin(command, false, CommandWish::kDone);
 }
-void RobotProxies::Resume(const RobotCommand& command) {
-  impl_->Begin(command, true);
+void RobotProxies::Resume(const RobotCommand& command, CommandWish wish) {
+  impl_->Begin(command, true, wish);
 }
 void RobotProxies::Cancel(const CommandId& command) {
-  impl_->Cancel(command);
+  impl_->Change(command, CommandWish::kEnd);
+}
+void RobotProxies::Recall(const CommandId& command) {
+  impl_->Change(command, CommandWish::kNotBegin);
 }
 uint64_t RobotProxies::refused_feedback() const {
   return impl_->refused();

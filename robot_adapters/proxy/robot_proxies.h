@@ -14,6 +14,8 @@
 //             └ still away: wait longer, Attach again …; at the deadline: Cancel, and Attach on
 //
 // A Cancel may overtake the Invoke, or be lost: it is sent again until the adapter says that it has the command, or its end.
+// What is cancelled, called back or overdue is not invoked any more. Where an adapter does not know such a command, and is still the
+// incarnation that it was meant for, the command is reported as not begun, or failed if its time is over.
 //
 // Thread-safe. `Send`, `Resume`, `Cancel` and `SetAdapter` only queue the request for the proxies' own thread
 // and never block. Feedback goes out through `report`, called on that thread, one at a time; it should not
@@ -42,10 +44,15 @@ struct ProxySettings {
   std::chrono::milliseconds progress_interval{200};
   // An adapter gives up at the deadline by itself; it has this long to say so.
   std::chrono::milliseconds grace{300};
-  // A resumed command has at least this long to tell how it ended, even if its deadline passed meanwhile.
-  std::chrono::milliseconds resume_patience{5000};
   // Deadline of commands that carry none.
   std::chrono::milliseconds default_deadline{300000};
+};
+
+// What is wanted of a command.
+enum class CommandWish {
+  kDone,      // that it is done
+  kNotBegin,  // that it does not begin; if a robot has begun it, that it is done
+  kEnd        // that it ends as soon as it is safe
 };
 
 class RobotProxies {
@@ -66,13 +73,17 @@ class RobotProxies {
 
   // A command that was never sent before. Nothing happens if this id is under way.
   void Send(const RobotCommand& command);
-  // A command whose run ended in the turn that decided it: it is reported as cancelled.
+  // A command that was cancelled or called back in the turn that decided it: it is reported as not begun.
   void NeverSend(const RobotCommand& command);
-  // A command that may have been sent before this process began: asks for its state first.
-  void Resume(const RobotCommand& command);
+  // A command that may have been sent before this process began: asks for its state first. Where it is under way, `wish` counts
+  // all the same.
+  void Resume(const RobotCommand& command, CommandWish wish = CommandWish::kDone);
   // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the
   // id is not under way.
   void Cancel(const CommandId& command);
+  // The command does not begin any more, and is then reported as not begun; one that the robot has begun goes on. Nothing happens
+  // if the id is not under way.
+  void Recall(const CommandId& command);
   // Messages of adapters that were refused since the start: about another command, of another incarnation, after the end, with
   // a state, progress or result that cannot be. Each is logged; the first about a command is reported (kRefused).
   uint64_t refused_feedback() const;

@@ -1,5 +1,5 @@
 // Recording of a real robot: its odometry and laser scans (an MRPT rawlog), and the map of its building (an
-// MRPT simple map: scans at known poses). MRPT reads the files; its types are not exposed. Free functions;
+// MRPT simple map: scans at known poses). A module with MRPT reads the files (mrpt_files_module.h). Free functions;
 // any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
 #define DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
@@ -32,8 +32,8 @@ struct RecordedDrive {
 absl::StatusOr<std::string> FindMrptDataset(const std::string& name);
 
 // Reads a rawlog of action and observation pairs with a 2D laser. The first scan of an observation is used;
-// movements without a scan are added to the next. NOT_FOUND; INVALID_ARGUMENT: not a rawlog, or no scan in
-// it.
+// movements without a scan are added to the next. NOT_FOUND: the file, or the module; INVALID_ARGUMENT: not a rawlog, or no
+// scan in it.
 absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path);
 
 // The scans of a simple map (.simplemap, .simplemap.gz) with their mean poses. Errors as ReadRawlog.

@@ -244,7 +244,9 @@ void CommandTable::Run(const Operation& operation, const v1::InvokeRequest& requ
       command->Publish(feedback);
     }
     CommandRunner runner(request, clock_, command);
-    absl::StatusOr<NamedTerms> result = RunGuarded(operation, runner);
+    // What was cancelled, or whose time was over, before it began does not begin: it may be one that cannot be stopped.
+    absl::StatusOr<NamedTerms> result =
+        runner.StopRequested() ? absl::CancelledError("it was not begun") : RunGuarded(operation, runner);
     outcome = runner.Judge(result, &message);
     if (result.ok()) results = *std::move(result);
     if (absl::Status finished = journal_->Finish(id, outcome, message, results); !finished.ok()) {

@@ -1,12 +1,10 @@
 // docent-robot: a simulated guide robot, or the replay of a real robot's recording, as an adapter of a docent
 // server.
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include "CLI/App.hpp"
 #include "graph/base/program_setup.h"
 #include "graph/base/text.h"
 #include "graph/base/version.h"
+#include "graph/command_line/log_output.h"
 #include "graph/command_line/program.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/signals.h"
@@ -15,8 +13,7 @@ int main(int argc, char** argv) {
   docent::PrepareStandardStreams();
   docent::SetMutexChecks();
   docent::robot::BlockSignals();
-  spdlog::set_default_logger(
-      spdlog::stderr_logger_mt("docent-robot"));  // results on stdout, diagnostics on stderr
+  docent::UseLogOutput("docent-robot", "");  // results on stdout, diagnostics on stderr
   CLI::App app(
       "A simulated guide robot: it localises with a particle filter, plans paths, drives, shows pages and "
       "speaks, as a docent server commands.",

@@ -3,11 +3,14 @@
 #include <utility>  // before asio: Boost 1.74 with GCC 12 needs it
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 
 #include <chrono>
+#include <list>
 #include <map>
+#include <string_view>
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
@@ -25,6 +28,7 @@ using tcp = asio::ip::tcp;
 namespace {
 
 constexpr std::chrono::seconds kConnectionTimeout{15};
+constexpr std::chrono::milliseconds kPause{50};  // after an error of accepting
 constexpr size_t kRequestBodyBytes = 1024;
 
 // Follows the robot from page to page, and marks the words that it speaks.
@@ -120,8 +124,20 @@ class Pages {
   double share_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
+// This machine's own name or an address, with this port or none. Host may be missing in HTTP/1.0.
+bool IsOwnHost(std::string_view host, int port) {
+  const size_t colon = host.rfind(':');
+  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
+  if (has_port && host.substr(colon + 1) != std::to_string(port)) return false;
+  std::string name(host.substr(0, has_port ? colon : host.size()));
+  if (name.size() > 2 && name.front() == '[' && name.back() == ']') name = name.substr(1, name.size() - 2);
+  beast::error_code error;
+  asio::ip::make_address(name, error);
+  return !error || beast::iequals(name, "localhost");
+}
+
 http::response<http::string_body> Answer(const http::request_parser<http::string_body>::value_type& request,
-                                         const Pages& pages) {
+                                         const Pages& pages, int port) {
   http::response<http::string_body> response;
   response.version(request.version());
   response.keep_alive(false);
@@ -130,7 +146,14 @@ http::response<http::string_body> Answer(const http::request_parser<http::string
   response.set(
       "Content-Security-Policy",
       "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'self'; connect-src 'self'");
-  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+  const auto host = request.find(http::field::host);
+  const bool named = host != request.end();
+  if (named ? !IsOwnHost({host->value().data(), host->value().size()}, port) : request.version() > 10) {
+    response.result(named ? http::status::forbidden : http::status::bad_request);
+    response.set(http::field::content_type, "text/plain; charset=utf-8");
+    response.body() =
+        absl::StrCat("the screen answers to localhost:", port, " and to addresses, not to this host\n");
+  } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
     response.result(http::status::method_not_allowed);
     response.set(http::field::allow, "GET, HEAD");
   } else if (request.target() == "/-/now") {
@@ -151,7 +174,8 @@ http::response<http::string_body> Answer(const http::request_parser<http::string
 // One connection: one request, one answer.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(tcp::socket socket, const Pages& pages) : stream_(std::move(socket)), pages_(pages) {}
+  Connection(tcp::socket socket, const Pages& pages, int port)
+      : stream_(std::move(socket)), pages_(pages), port_(port) {}
 
   void Run() {
     stream_.expires_after(kConnectionTimeout);
@@ -161,9 +185,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
+  void Close() { stream_.close(); }
+
  private:
   void Write() {
-    response_ = Answer(parser_.get(), pages_);
+    response_ = Answer(parser_.get(), pages_, port_);
     http::async_write(stream_, response_, [self = shared_from_this()](beast::error_code, size_t) {
       beast::error_code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -172,6 +198,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   beast::tcp_stream stream_;
   const Pages& pages_;
+  const int port_;
   beast::flat_buffer buffer_;
   http::request_parser<http::string_body> parser_;
   http::response<http::string_body> response_;
@@ -192,7 +219,7 @@ class ScreenServer::Impl {
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(kConnectionLimit, error);
+    if (!error) acceptor_.listen(kWaitingLimit, error);
     if (error) {
       return absl::UnavailableError(
           absl::StrCat("cannot show the screen at 127.0.0.1:", port, ": ", error.message()));
@@ -209,13 +236,32 @@ class ScreenServer::Impl {
  private:
   void Accept() {
     acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
-      if (!error) std::make_shared<Connection>(std::move(socket), pages_)->Run();
-      if (error != asio::error::operation_aborted) Accept();
+      if (error == asio::error::operation_aborted) return;
+      if (error) return AcceptLater();
+      std::erase_if(connections_, [](const auto& one) { return one.expired(); });
+      if (connections_.size() >= kConnectionLimit) {
+        if (const auto oldest = connections_.front().lock()) oldest->Close();
+        connections_.pop_front();
+      }
+      const auto connection = std::make_shared<Connection>(std::move(socket), pages_, port_);
+      connections_.push_back(connection);
+      connection->Run();
+      Accept();
+    });
+  }
+
+  // Out of descriptors, or the client went at once.
+  void AcceptLater() {
+    pause_.expires_after(kPause);
+    pause_.async_wait([this](beast::error_code error) {
+      if (!error) Accept();
     });
   }
 
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
+  asio::steady_timer pause_{io_};
+  std::list<std::weak_ptr<Connection>> connections_;  // the oldest first
   std::thread thread_;
 };
 

@@ -1,8 +1,10 @@
 // The robot's screen: a small HTTP server on loopback that shows the robot's pages, and below them what the robot
 // says, with the word that is spoken marked. GET and HEAD only. A browser at / follows the robot from page to page:
-// a script, /-/screen.js, asks /-/now (JSON) a few times a second.
+// a script, /-/screen.js, asks /-/now (JSON) a few times a second. A request that names another host is refused: no page of
+// another site reads the screen by a name that leads here (DNS rebinding).
 //
-// One thread of its own serves all connections asynchronously; each has a time limit. `Show` and `Say` from any thread.
+// One thread of its own serves all connections asynchronously; each has a time limit, and where there are too many the oldest
+// is closed. `Show` and `Say` from any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
 
@@ -15,7 +17,8 @@ namespace docent::robot {
 
 class ScreenServer {
  public:
-  static constexpr int kConnectionLimit = 64;  // connections waiting to be accepted
+  static constexpr int kWaitingLimit = 64;        // connections that wait to be accepted
+  static constexpr size_t kConnectionLimit = 32;  // connections at the same time
 
   // `port` 0: any free port. UNAVAILABLE: the port is in use.
   static absl::StatusOr<std::unique_ptr<ScreenServer>> Start(int port);

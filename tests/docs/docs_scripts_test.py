@@ -11,8 +11,48 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import check_site  # noqa: E402
 import docs_nav  # noqa: E402
+import package_try  # noqa: E402
 from tutorial_blocks import compare, read_blocks  # noqa: E402
 from tutorial_renewal import renewed  # noqa: E402
+
+
+class Help(unittest.TestCase):
+    def test_every_script_answers_before_it_does_anything(self):
+        scripts = [p for p in sorted((ROOT / "scripts").iterdir()) if p.is_file() and os.access(p, os.X_OK)]
+        self.assertGreater(len(scripts), 15)
+        calls = [[script, "--help"] for script in scripts]
+        calls += [[ROOT / "scripts/demo", "--web", "--help"], [ROOT / "scripts/demo", "s03", "-h"], [ROOT / "scripts/soak", "fuzz", "-h"],
+                  [ROOT / "scripts/test", "--preset", "release", "--help"]]
+        with tempfile.TemporaryDirectory() as elsewhere:
+            # Whatever would be installed, built or started is not to be found.
+            for tool in ("apt-get", "dpkg-query", "cmake", "ninja", "npm", "mkdocs", "sudo"):
+                fake = pathlib.Path(elsewhere) / tool
+                fake.write_text("#!/bin/sh\necho $0 is called >&2\nexit 99\n")
+                fake.chmod(0o755)
+            path = f"{elsewhere}:{os.environ['PATH']}"
+            for call in calls:
+                with self.subTest(" ".join(str(c) for c in call)):
+                    said = subprocess.run(call, cwd=elsewhere, env={**os.environ, "PATH": path}, stdin=subprocess.DEVNULL,
+                                          capture_output=True, text=True, timeout=60)
+                    self.assertEqual((said.returncode, said.stderr), (0, ""))
+                    self.assertTrue(said.stdout.strip())
+
+
+class Pages(unittest.TestCase):
+    def test_each_tutorial_names_its_packages_and_stands_in_the_index(self):
+        index = (ROOT / "docs/tutorials/index.md").read_text()
+        for page in sorted((ROOT / "docs/tutorials").glob("[0-9]*.md")):
+            self.assertIn("docent", package_try.packages_of(page), page.name)
+            title = page.read_text().split("\n")[0].split(". ", 1)[1]
+            self.assertIn(f"[{title}]({page.name})", index)
+        self.assertEqual(package_try.packages_of(ROOT / "docs/index.md"), ["docent", "docent-robot"])
+
+    def test_the_tour_of_the_readme_is_that_of_the_documentation(self):
+        tour = (ROOT / "README.md").read_text().split("## A short tour")[1].split("\n## ")[0]
+        commands = [line.strip() for line in tour.split("\n") if line.startswith("    ")][2:]  # without where the tree is
+        shown = [s.command.replace("/usr/share/docent", "$TREE") for s in read_blocks((ROOT / "docs/index.md").read_text())
+                 if s.command is not None]
+        self.assertEqual(commands, shown)
 
 
 class Blocks(unittest.TestCase):

@@ -111,7 +111,7 @@ class Replay(StageTest):
         self.assert_refused(server.run("replay", "--run", run, "--node", "Move2Boot"), 2, "did you mean Move2Booth?")
         cut = self.file("cut.run.json", saved.read_text()[:5000])
         self.assert_refused(self.docent("test", GUIDE, cut, saved), 2, "cut.run.json", "damaged")
-        newer = self.file("newer.run.json", saved.read_text().replace('"formatVersion": 1', '"formatVersion": 7'))
+        newer = self.file("newer.run.json", saved.read_text().replace('"formatVersion": 2', '"formatVersion": 7'))
         self.assert_refused(self.docent("test", GUIDE, newer), 2, "format version 7")
         self.assert_refused(self.docent("test", GUIDE, self.stage.folder / "none.json"), 2, "none.json")
         self.assert_refused(server.run("replay", "--run", run, "--at", "3"), 2, "--node")

@@ -61,7 +61,7 @@ class HospitalRound(StageTest):
         event(server, "refused", "care:D2 care:refusedBy care:ResidentOfRoom2")
         run, state, reason = wait_for_end(server, "D2")
         self.assertEqual(state, "failed")
-        self.assertIn("Settle", reason)
+        self.assertIn("Refuse: the delivery was refused", reason)
         self.assertTrue(server.ask("care:D2 care:notDelivered true"), "a rule sees how its run has ended")
         self.assertTrue(server.ask("care:C01 docent:isAt care:Pharmacy"), "it was brought back before the run ended")
         self.assertTrue(server.ask(f'?undo docent:parentRun <{run}> ; docent:runState "done"'), "the undoing is a run of its own")

@@ -57,8 +57,9 @@ void CheckOne(std::string_view text) {
   Cancellation cancellation(std::chrono::milliseconds(20));
   sparql::UpdateOptions update_options;
   update_options.prepare.memory_bytes = 1 << 20;
-  update_options.load = [](const std::string&) -> absl::StatusOr<std::vector<TermQuad>> {
-    return std::vector<TermQuad>{{Term::Blank("b"), Term::Iri("urn:p"), Term::Blank("b"), Term{}}};
+  update_options.load = [](const std::string&) -> absl::StatusOr<sparql::DocumentQuads> {
+    return std::make_shared<const std::vector<TermQuad>>(
+        std::vector<TermQuad>{{Term::Blank("b"), Term::Iri("urn:p"), Term::Blank("b"), Term{}}});
   };
   auto effect = sparql::EvaluateUpdate(parsed.update, graph.dictionary,
                                        {&graph.writer.current(), &cancellation, 0, 1}, update_options);

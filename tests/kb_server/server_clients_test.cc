@@ -186,8 +186,10 @@ TEST_F(ServerClientsTest, AnAnswerThatIsMadeButNotTakenIsDroppedToo) {
   EXPECT_EQ(code, grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
+// They hold no thread either, of which there is one.
 TEST_F(ServerClientsTest, ThoseWhoWaitForARevisionHarmNobody) {
-  settings_.limits.queries_running = 2;
+  settings_.limits.queries_running = 1;
+  settings_.limits.queries_open = 1;
   StartServer();
   std::vector<std::unique_ptr<Slow>> waiting;
   for (int i = 0; i < 5; ++i) waiting.push_back(Begin("ASK {}", 1));
@@ -206,8 +208,19 @@ TEST_F(ServerClientsTest, ThoseWhoWaitForARevisionHarmNobody) {
   }
 }
 
+TEST_F(ServerClientsTest, ARevisionFarAheadIsRefusedAtOnce) {
+  StartServer();
+  const grpc::Status status = Begin("ASK {}", 999999999)->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::OUT_OF_RANGE) << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("revisions_ahead"));
+  for (const char* path :
+       {"/sparql?query=ASK%7B%7D&min-revision=999999999", "/rdf-graphs?default&min-revision=999999999"})
+    EXPECT_EQ(HttpClient(http_port()).Ask("GET", path).status, 400) << path;
+}
+
 TEST_F(ServerClientsTest, UpdatesThatWaitForARevisionHarmNobody) {
-  settings_.limits.queries_running = 2;
+  settings_.limits.queries_running = 1;
+  settings_.limits.queries_open = 1;
   StartServer();
   std::vector<std::thread> waiting;
   std::atomic<int> done = 0;

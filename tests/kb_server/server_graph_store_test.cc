@@ -411,6 +411,61 @@ TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
   EXPECT_EQ(Ask("GET", "/rdf-graphs?graph=urn:w:f&as-of=").status, 400);
 }
 
+// RFC 7578 section 4.4: a part without a type says by its name what it is.
+TEST_F(GraphStoreTest, PartsWithoutATypeAreReadByTheirNames) {
+  StartServer();
+  const auto put = [this](const std::string& graph, const std::string& file, const std::string& text) {
+    const std::string name = file.empty() ? "" : "; filename=\"" + file + "\"";
+    return Ask("PUT", "/rdf-graphs?graph=" + graph, "Content-Type: multipart/form-data; boundary=x\r\n",
+               "--x\r\nContent-Disposition: form-data; name=\"f\"" + name + "\r\n\r\n" + text +
+                   "\r\n--x--\r\n")
+        .status;
+  };
+  const std::string xml =
+      "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:w=\"urn:w:\">"
+      "<rdf:Description rdf:about=\"urn:w:a\"><w:p>1</w:p></rdf:Description></rdf:RDF>";
+  EXPECT_EQ(put("urn:w:1", "a.rdf", xml), 201);
+  EXPECT_EQ(put("urn:w:2", "A.NT", "<urn:w:a> <urn:w:p> \"1\" ."), 201);
+  EXPECT_EQ(put("urn:w:3", "a.nt", "@prefix w: <urn:w:> . w:a w:p 1 ."), 400) << "that is Turtle";
+  EXPECT_EQ(put("urn:w:4", "a.ttl.gz", Gzip("<urn:w:a> <urn:w:p> 1 .")), 201);
+  for (const char* unnamed : {"", "data", "data.csv"})
+    EXPECT_NE(put("urn:w:5", unnamed, "@prefix w: <urn:w:> . w:a w:p 1 ."), 400) << "Turtle: " << unnamed;
+  EXPECT_TRUE(Holds("GRAPH :1 { :a :p \"1\" } GRAPH :2 { :a :p \"1\" } GRAPH :4 { :a :p 1 }"));
+}
+
+// Which graphs are named, and where, makes no difference.
+TEST_F(GraphStoreTest, APatchNamesNoGraph) {
+  StartServer();
+  ASSERT_EQ(Update("INSERT DATA { GRAPH :g { :a :p 1 } GRAPH :h { :a :p 2 } }").status, 200);
+  const auto patch = [this](const std::string& text) {
+    return Ask("PATCH", "/rdf-graphs?graph=urn:w:g", kUpdate, "PREFIX : <urn:w:> " + text).status;
+  };
+  for (const char* text :
+       {"INSERT { :b :q ?o } USING :h WHERE { :a :p ?o }",
+        "INSERT { :b :q ?o } WHERE { GRAPH :h { :a :p ?o } }",
+        "INSERT { :b :q ?o } WHERE { GRAPH ?g { :a :p ?o } }",
+        "WITH :h INSERT { :b :q ?o } WHERE { :a :p ?o }",
+        "INSERT { :b :q ?o } USING NAMED :h WHERE { :a :p ?o }", "DELETE WHERE { GRAPH :h { :a :p ?o } }",
+        "INSERT { :b :q 1 } WHERE { :a :p ?o FILTER NOT EXISTS { GRAPH :h { ?o :p 9 } } }",
+        "INSERT { :b :q 1 } WHERE { { SELECT ?o { OPTIONAL { GRAPH :h { :a :p ?o } } } } }",
+        "INSERT { :b :q 1 } WHERE { :a :p ?o BIND(EXISTS { GRAPH :h { :a :p 2 } } AS ?x) }"})
+    EXPECT_EQ(patch(text), 422) << text;
+  EXPECT_FALSE(Holds("GRAPH ?g { :b :q ?o }"));
+  EXPECT_EQ(patch("INSERT { :b :q ?o } WHERE { :a :p ?o FILTER EXISTS { :a :p 1 } }"), 200);
+  EXPECT_TRUE(Holds("GRAPH :g { :b :q 1 }"));
+}
+
+TEST_F(GraphStoreTest, APageOfAnotherSiteReadsNothingAndStartsNothing) {
+  StartServer();
+  for (const char* target : {"/sparql?query=ASK%7B%7D", "/sparql", "/rdf-graphs?default"}) {
+    EXPECT_EQ(Ask("GET", target, "Sec-Fetch-Site: cross-site\r\n").status, 403) << target;
+    EXPECT_EQ(Ask("HEAD", target, "Sec-Fetch-Site: same-site\r\n").status, 403) << target;
+    EXPECT_EQ(Ask("GET", target, "Sec-Fetch-Site: none\r\n").status, 200) << target;
+    EXPECT_EQ(Ask("GET", target, "Sec-Fetch-Site: same-origin\r\n").status, 200) << target;
+  }
+  EXPECT_NE(Ask("GET", "/healthz", "Sec-Fetch-Site: cross-site\r\n").status, 403);
+}
+
 TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
   settings_.allow = {"everything"};
   EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);

@@ -219,6 +219,24 @@ TEST_F(ServerNamesTest, ARobotJoinsWithAnAddressThatCanBeReached) {
   }
 }
 
+TEST_F(ServerNamesTest, ARobotIsNotNamedAsSomethingOfTheServersOwn) {
+  StartServer();
+  for (const char* robot :
+       {"https://w3id.org/docent#clock", "https://w3id.org/docent#documents", "https://w3id.org/docent#runs",
+        "https://w3id.org/docent#inferred", "https://w3id.org/docent#default",
+        "https://w3id.org/docent#Robot", "https://w3id.org/docent/ontology/core", "urn:docent:shapes",
+        "urn:docent:operator", "urn:docent:run:F-1"}) {
+    v1::JoinRequest request;
+    request.set_address("127.0.0.1:1");
+    request.mutable_description()->set_robot(robot);
+    request.mutable_description()->set_incarnation("1");
+    v1::JoinReply reply;
+    const grpc::Status status = Call(fleet_, &v1::Fleet::Stub::Join, request, &reply);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << robot;
+    EXPECT_THAT(status.error_message(), HasSubstr("is a name of the server's own")) << robot;
+  }
+}
+
 TEST_F(ServerNamesTest, ARobotJoinsWithoutTheOperationsThatCannotBeNamed) {
   StartServer();
   v1::JoinReply reply;

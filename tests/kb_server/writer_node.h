@@ -34,7 +34,7 @@ class SharedStatus {
 };
 
 // A log in memory that refuses appends when told to.
-class FakeLog final : public log::ContextLog {
+class FakeLog : public log::ContextLog {
  public:
   absl::StatusOr<log::AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch,
                                            uint64_t expected) override {

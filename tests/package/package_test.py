@@ -25,7 +25,7 @@ class PackageTest(unittest.TestCase):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="docent-package-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.usr = cls.folder / "usr"
-        for component in ("docent", "docent-robot", "docent-redland", "docent-dev"):
+        for component in ("docent", "docent-robot", "docent-robot-replay", "docent-redland", "docent-dev"):
             done = run("cmake", "--install", BUILD, "--prefix", cls.usr, "--component", component)
             assert done.returncode == 0, done.stdout + done.stderr
         cls.docent = cls.usr / "bin" / "docent"
@@ -124,6 +124,44 @@ _docent; printf '%s\\n' "${{COMPREPLY[@]}}"'''
         self.assertEqual(sorted(self.complete("docent query --format ")), ["csv", "json", "tsv", "xml"])
         (self.folder / "hall.ttl").write_text("")
         self.assertIn("hall.ttl", self.complete("docent load hal"))
+
+    def test_the_robot_needs_no_mrpt_and_its_module_is_where_it_looks(self):
+        needed = run("readelf", "-d", self.usr / "bin/docent-robot").stdout
+        self.assertNotRegex(needed, "mrpt|opencv")
+        self.assertTrue((self.usr / "lib/docent/docent_mrpt_files.so").is_file())
+
+    def calls_of(self, script, *arguments, installed_before, enabled=False):
+        """What a script of the package calls of systemd's helpers."""
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder) / "log"
+            helper = f"""#!/bin/sh
+[ "$1" = debian-installed ] && exit {0 if installed_before else 1}
+case "$*" in *was-enabled*) exit {0 if enabled else 1} ;; esac
+echo "$(basename $0) $*" >> {log}
+"""
+            for name in ("deb-systemd-helper", "deb-systemd-invoke", "systemctl"):
+                (pathlib.Path(folder) / name).write_text(helper)
+                (pathlib.Path(folder) / name).chmod(0o755)
+            text = (ROOT / "packaging/debian" / script).read_text().replace("-d /run/systemd/system", "-d /")
+            done = run("sh", "-c", text, script, *arguments, env={"PATH": f"{folder}:/usr/bin:/bin"})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return log.read_text()
+
+    def test_a_new_installation_starts_and_enables_nothing(self):
+        calls = self.calls_of("postinst", "configure", "", installed_before=False)
+        for word in (" enable ", " start ", " restart ", "try-restart"):
+            self.assertNotIn(word, f" {calls} ")
+
+    def test_an_upgrade_starts_a_server_again_that_runs_and_keeps_it_enabled(self):
+        calls = self.calls_of("postinst", "configure", "0.0.9", installed_before=True, enabled=True)
+        self.assertIn("deb-systemd-invoke try-restart docent.service", calls)
+        self.assertIn("deb-systemd-helper enable docent.service", calls)
+        self.assertNotIn(" enable ", self.calls_of("postinst", "configure", "0.0.9", installed_before=True))
+
+    def test_the_definitions_of_the_api_come_with_the_server(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(run("cmake", "--install", BUILD, "--prefix", folder, "--component", "docent").returncode, 0)
+            self.assertTrue((pathlib.Path(folder) / "share/docent/proto/docent/v1/context.proto").is_file())
 
     def test_the_unit_is_one_that_systemd_takes(self):
         if not shutil.which("systemd-analyze"):

@@ -31,10 +31,18 @@ Text Attribute(const xml::Element& element, std::string_view name, xml::ElementR
 void ReadAt(const xml::Element& element, xml::ElementReader* reader, Action* out) {
   const Text at = Attribute(element, "at", reader);
   if (!at.given() || at.value == "open") return;
-  out->when_done = at.value == "done";
-  if (!out->when_done)
+  const bool may_follow_failure = out->kind == Action::Kind::kTell || out->kind == Action::Kind::kWithdraw ||
+                                  out->kind == Action::Kind::kNotify;
+  if (at.value == "done") {
+    out->when = Action::When::kDone;
+  } else if (at.value == "failure" && may_follow_failure) {
+    out->when = Action::When::kFailure;
+  } else {
     reader->Error(at.span, Concat("at is \"", at.value, "\""),
-                  "write open (before the invokes of the node) or done (after them)");
+                  Concat("write open (before the invokes of the node)",
+                         may_follow_failure ? ", done (after them) or failure (when the node has failed)"
+                                            : " or done (after them)"));
+  }
 }
 
 void ReadLifetime(const xml::Element& element, xml::ElementReader* reader, Action* out) {
@@ -164,6 +172,20 @@ void ReadNotification(const xml::Element& element, xml::ElementReader* reader, A
   out->waits = wait.value == "true";
   if (wait.given() && !out->waits && wait.value != "false")
     reader->Error(wait.span, Concat("wait is \"", wait.value, "\""), "write true or false");
+  if (out->waits && out->when == Action::When::kFailure)
+    reader->Error(wait.span, "a node that has failed waits for nothing", "take wait away");
+}
+
+void ReadFailure(const xml::Element& element, xml::ElementReader* reader, Action* out) {
+  reader->CheckAttributes(element, {"at", "reason"}, {"at", "reason"});
+  reader->ReadChildren(element, {});
+  out->reason = Attribute(element, "reason", reader);
+  if (out->reason.empty()) {
+    reader->Error(element.name_span, "<fail> needs the attribute reason",
+                  "it says to people why the run fails; $name is the value of a variable");
+  } else if (out->reason.value.starts_with("$")) {
+    Uses(out->reason, std::string_view(out->reason.value).substr(1), 1, reader, out);
+  }
 }
 
 // Each robot as a fact about it, so that its word is checked and has a value as in other facts.
@@ -245,6 +267,9 @@ Action ReadAction(const xml::Element& element, Action::Kind kind, const Limits& 
       reader->CheckAttributes(element, {"at", "robots"}, {"at", "robots"});
       reader->ReadChildren(element, {});
       if (Attribute(element, "robots", reader).given()) ReadRobots(element, "release", reader, &out);
+      break;
+    case Action::Kind::kFail:
+      ReadFailure(element, reader, &out);
       break;
     case Action::Kind::kTell:
     case Action::Kind::kWithdraw:

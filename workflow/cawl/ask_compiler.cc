@@ -155,24 +155,14 @@ absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask) {
   return status;
 }
 
-bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b) {
-  const auto query = [](std::string_view text) {  // without what AddLasting notes for people
-    while (text.starts_with("#")) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
-    return text;
-  };
-  return query(a.ask) == query(b.ask) && a.priority == b.priority && a.free_variables == b.free_variables &&
-         a.event_variables == b.event_variables &&
-         std::equal(a.lasting.begin(), a.lasting.end(), b.lasting.begin(), b.lasting.end(),
-                    [](const LastingAsk& x, const LastingAsk& y) {
-                      return x.ask == y.ask && x.variables == y.variables && x.at_least_ms == y.at_least_ms;
-                    });
-}
-
-std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask) {
+std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask,
+                                      const std::map<std::string, std::string>& names) {
   std::vector<std::string> declared;
   for (const std::string& name : ask.free_variables) {
+    const auto other = names.find(name);
+    const std::string& own = other == names.end() ? name : other->second;
     if (std::any_of(activator.variables.begin(), activator.variables.end(),
-                    [&](const Variable& v) { return v.name.value == name; }))
+                    [&](const Variable& v) { return v.name.value == own; }))
       declared.push_back(name);
   }
   const std::vector<std::string>& keys = declared.empty() ? ask.free_variables : declared;

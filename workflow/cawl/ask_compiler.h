@@ -13,6 +13,7 @@
 #define DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -82,12 +83,11 @@ absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Co
 // that. Apart from compiling, because most texts are compared and thrown away.
 absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask);
 
-// Whether two alternatives hold for the same reasons, whatever they are called.
-bool AskTheSame(const CompiledAsk& a, const CompiledAsk& b);
-
 // The variables of which each new binding starts a run: those of the activator's own variables that `ask` binds; all
-// of ask.free_variables if that are none; ask.event_variables in front when there are any.
-std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask);
+// of ask.free_variables if that are none; ask.event_variables in front when there are any. `names`: what variables of `ask` are called
+// in the activator, where that is otherwise.
+std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask,
+                                      const std::map<std::string, std::string>& names = {});
 
 // A condition of a document as people see it (`docent check --ask`, Workflows.Check).
 struct ConditionText {

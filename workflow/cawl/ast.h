@@ -71,12 +71,13 @@ struct Initialize {
 
 // <variable name="user" type="docent:Visitor"> initialize* </variable>
 // `type` is a message's name (the variable then has parts, written $name.part, kept under "name.part"), or a class
-// or datatype as prefix:local (for people and for checks).
+// or datatype as prefix:local (for people and for checks). ext:required="true": a run of the flow does not begin without a value.
 struct Variable {
   Text name;
   Text type;
   std::optional<Term> type_term;  // its IRI, where it is prefix:local or <iri>
   std::vector<Initialize> initializers;
+  bool required = false;
   SourceSpan span;
 };
 
@@ -288,13 +289,18 @@ struct Invoke {
 // <ext:release robots="$lift"/>
 //   Gives back robots that the run holds, with those that it is nested in. The reservation stays.
 //
-// `at`: "open", when the node opens and before its invokes; "done", when all its invokes are done.
+// <ext:fail reason="the door is locked"/>
+//   The node fails, without another attempt. `reason` may be $name.
+//
+// `at`: "open", when the node opens and before its invokes; "done", when all its invokes are done; "failure" (of tell, withdraw and
+// notify), when the node has failed for good, before its run goes on or ends.
 inline constexpr char kDefaultEventType[] = "org.w3id.docent.notification";
 
 struct Action {
-  enum class Kind : uint8_t { kTell, kWithdraw, kAssign, kNotify, kReserve, kRelease };
+  enum class Kind : uint8_t { kTell, kWithdraw, kAssign, kNotify, kReserve, kRelease, kFail };
+  enum class When : uint8_t { kOpen, kDone, kFailure };
   Kind kind = Kind::kTell;
-  bool when_done = false;
+  When when = When::kOpen;
   std::vector<Constraint>
       facts;  // without comparisons and types. kReserve, kRelease: ROBOT docent:reservedBy docent:Reservation
   std::optional<int64_t> lifetime_ms;
@@ -304,13 +310,15 @@ struct Action {
   bool may_be_none = false;       // none="unset"
   std::optional<Term> otherwise;  // default
   Text otherwise_text;
+  Text reason;  // kFail: a text, or $name
   // kNotify
-  std::vector<Text> data;                                // names of variables
-  Text target;                                           // "https://…", "mqtt:TOPIC" or $name
-  std::vector<std::pair<std::string, SourceSpan>> uses;  // variables of `target` and `event_subject`
-  Text event_type;                                       // empty: kDefaultEventType
-  Text event_subject;                                    // a text, or $name
-  bool waits = false;                                    // wait="true"
+  std::vector<Text> data;  // names of variables
+  Text target;             // "https://…", "mqtt:TOPIC" or $name
+  std::vector<std::pair<std::string, SourceSpan>>
+      uses;            // variables of `target`, `event_subject` and `reason`
+  Text event_type;     // empty: kDefaultEventType
+  Text event_subject;  // a text, or $name
+  bool waits = false;  // wait="true"
   // kReserve; `lifetime_ms` is how long it lasts
   std::optional<int> priority;  // none: that of the run
   SourceSpan span;
@@ -328,7 +336,7 @@ struct Node {
   std::optional<Expression> join;
   std::optional<Condition> condition;
   std::vector<Invoke> invokes;
-  std::vector<Action> actions;  // ext:tell, ext:withdraw
+  std::vector<Action> actions;  // ext:tell and the like
   Text timeout_text;
   std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
   int retry = 0;                      // ext:retry: the whole node again after a failure

@@ -85,7 +85,8 @@ class DocumentReader {
   Variable ReadVariable(const xml::Element& element) {
     Variable out;
     out.span = element.span;
-    reader_.CheckAttributes(element, {"name", "type"});
+    reader_.CheckAttributes(element, {"name", "type"}, {"required"});
+    out.required = reader_.Flag(element, "required");
     out.name = ReadVariableName(element);
     out.type = reader_.Attribute(element, "type");
     if (out.type.value.find(':') != std::string::npos) out.type_term = reader_.TermOf(element, out.type);
@@ -283,7 +284,8 @@ class DocumentReader {
                   {"assign", action(Action::Kind::kAssign)},
                   {"notify", action(Action::Kind::kNotify)},
                   {"reserve", action(Action::Kind::kReserve)},
-                  {"release", action(Action::Kind::kRelease)}});
+                  {"release", action(Action::Kind::kRelease)},
+                  {"fail", action(Action::Kind::kFail)}});
     if (out.holds_condition &&
         (!out.condition || (out.condition->contexts.empty() && out.condition->cases.empty()))) {
       reader_.Error(out.hold_text.span, "while-holds=\"true\" on a node without a condition",

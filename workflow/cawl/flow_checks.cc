@@ -90,9 +90,18 @@ class FlowChecker {
     return false;
   }
 
+  // A run that comes to it need not come to the sink: it fails there.
+  static bool Fails(const Node& node) {
+    return std::any_of(node.actions.begin(), node.actions.end(),
+                       [](const Action& action) { return action.kind == Action::Kind::kFail; });
+  }
+
   void CheckReachable() {
     std::set<std::string> from_source = Reachable(all_, flow_.source.value);
-    std::set<std::string> to_sink = Reachable(back_, flow_.sink.value);
+    std::set<std::string> to_end = Reachable(back_, flow_.sink.value);
+    for (const Node& node : flow_.nodes) {
+      if (Fails(node)) to_end.merge(Reachable(back_, node.name.value));
+    }
     for (const Node& node : flow_.nodes) {
       if (node.name.empty()) continue;
       if (!from_source.contains(node.name.value)) {
@@ -102,7 +111,7 @@ class FlowChecker {
                 Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
                 "link it, or remove it")
             .rule = kUnreachableNode;
-      } else if (!to_sink.contains(node.name.value)) {
+      } else if (!to_end.contains(node.name.value)) {
         reader_
             .Error(node.name.span,
                    Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),

@@ -147,6 +147,14 @@ Formula FormulaOf(const Condition& condition) {
   return Combine(condition.expression, names, children);
 }
 
+std::vector<Formula> PartsOf(const Condition& condition) {
+  if (condition.expression) return {FormulaOf(condition)};
+  std::vector<Formula> parts;
+  for (const Context& context : condition.contexts) parts.push_back(FormulaOf(context));
+  for (const Case& c : condition.cases) parts.push_back(FormulaOf(c));
+  return parts;
+}
+
 absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula) {
   std::vector<Conjunction> out;
   switch (formula.kind) {

@@ -26,6 +26,9 @@ Formula FormulaOf(const Case& event_case);
 // Of a condition with an expression.
 Formula FormulaOf(const Condition& condition);
 
+// A formula for each ASK by which the condition is tried: its expression, or each context and case.
+std::vector<Formula> PartsOf(const Condition& condition);
+
 // One alternative: everything in it must hold together. A `not` keeps its formula whole, because "no such thing
 // exists" may not be pulled apart where its parts share a free variable.
 struct Conjunction {

@@ -13,6 +13,7 @@ inline constexpr char kMaxWithoutEffect[] = "max-without-effect";
 inline constexpr char kNoWayToSink[] = "no-way-to-sink";
 inline constexpr char kReleaseBeforeUse[] = "release-before-use";
 inline constexpr char kRobotRace[] = "robot-race";
+inline constexpr char kSharedStart[] = "shared-start";
 inline constexpr char kTimeoutWithoutEffect[] = "timeout-without-effect";
 inline constexpr char kTypeClash[] = "type-clash";
 inline constexpr char kUndefinedTerm[] = "undefined-term";

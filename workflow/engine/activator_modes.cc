@@ -33,8 +33,10 @@ void StartRun(Engine::Core* core, const Activations::Place& place, Firing firing
   const cawl::DocumentPtr document = core->deployments.at(place.first).document;
   const auto flow = core->FindFlow(document, document->activator->flow.value);
   if (!flow) return;
-  const RunId run =
-      core->Start(flow->first, flow->second, std::move(firing.variables), firing.cause, nullptr);
+  TermBinding variables;
+  for (auto& [name, value] : firing.variables)
+    variables.emplace(cawl::NameIn(core->deployments.at(place.first).names, name), std::move(value));
+  const RunId run = core->Start(flow->first, flow->second, std::move(variables), firing.cause, nullptr);
   core->activations.Started(place, run);
   core->touched.insert(run);  // also where it has ended already
 }

@@ -21,16 +21,19 @@ void Engine::Core::DisarmDeployed(ConditionHandle handle) {
 namespace {
 
 // Whether a document's activator fires for the same bindings as the deployed one: then what is armed stays, with its times and
-// with what it has fired for.
+// with what it has fired for. `*names`: what its variables are called in the document.
 bool FiresForTheSame(const Deployment& deployed, const cawl::Document& document,
-                     const std::vector<cawl::CompiledAsk>& asks) {
+                     const std::vector<cawl::CompiledAsk>& asks, cawl::NameMap* names) {
   if (deployed.document == nullptr || !deployed.document->activator || !document.activator) return false;
-  return std::equal(deployed.armed.begin(), deployed.armed.end(), asks.begin(), asks.end(),
-                    [&](const ArmedCondition& armed, const cawl::CompiledAsk& ask) {
-                      return cawl::AskTheSame(armed.ask, ask) &&
-                             cawl::KeyVariables(*deployed.document->activator, armed.ask) ==
-                                 cawl::KeyVariables(*document.activator, ask);
-                    });
+  const auto& armed = deployed.armed;
+  const bool same = std::equal(armed.begin(), armed.end(), asks.begin(), asks.end(),
+                               [names](const ArmedCondition& has, const cawl::CompiledAsk& ask) {
+                                 return cawl::AskTheSame(has.ask, ask, names);
+                               });
+  return same && std::all_of(armed.begin(), armed.end(), [&](const ArmedCondition& has) {
+           return cawl::KeyVariables(*deployed.document->activator, has.ask, deployed.names) ==
+                  cawl::KeyVariables(*document.activator, has.ask, *names);
+         });
 }
 
 }  // namespace
@@ -48,11 +51,14 @@ absl::Status Engine::Deploy(cawl::DocumentPtr document) {
     }
   }
   Deployment& deployment = core_->MutableDeployment(document->name.value);
-  if (FiresForTheSame(deployment, *document, asks)) {
+  cawl::NameMap names;
+  if (FiresForTheSame(deployment, *document, asks, &names)) {
+    std::erase_if(names, [](const auto& name) { return name.first == name.second; });
     for (size_t i = 0; i < asks.size(); ++i) {
       core_->event_waits.Arm(deployment.armed[i].handle, asks[i]);
-      deployment.armed[i].ask = Armed(0, std::move(asks[i])).ask;
+      if (names.empty()) deployment.armed[i].ask = Armed(0, std::move(asks[i])).ask;
     }
+    deployment.names = std::move(names);
     deployment.document = std::move(document);
     return absl::OkStatus();
   }
@@ -82,6 +88,7 @@ bool Engine::Undeploy(const std::string& workflow, bool cancel_runs) {
   for (const ArmedCondition& armed : core_->MutableDeployment(workflow).armed)
     core_->DisarmDeployed(armed.handle);
   core_->deployments.erase(workflow);
+  core_->deploy_gone.push_back(workflow);
   core_->activations.Forget(workflow);
   if (const auto pause = core_->paused_workflows.find(workflow); pause != core_->paused_workflows.end()) {
     core_->deploy_remove = PausedWorkflowFacts(workflow, pause->second, &core_->run_terms);

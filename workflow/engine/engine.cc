@@ -119,27 +119,13 @@ void Engine::Core::Say(std::string subject, std::string_view from, std::string_v
   output->transitions.push_back({std::move(subject), std::string(from), std::string(to), std::move(cause)});
 }
 
-std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
-                                                                           const std::string& name) const {
-  const auto found = [](const cawl::DocumentPtr& document, const cawl::Flow* flow) {
-    return std::make_pair(document, static_cast<size_t>(flow - document->flows.data()));
-  };
-  if (from != nullptr) {
-    if (const cawl::Flow* flow = from->FindFlow(name)) return found(from, flow);
-  }
-  for (const auto& [workflow, flow_name] : cawl::StartTargets(name)) {
-    const auto it = deployments.find(workflow);
-    if (it == deployments.end()) continue;
-    if (const cawl::Flow* flow = it->second.document->FlowToStart(flow_name))
-      return found(it->second.document, flow);
-  }
-  return std::nullopt;
-}
-
-RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
+RunId Engine::Core::Start(const cawl::DocumentPtr& given, size_t given_flow, TermBinding variables,
                           const std::string& cause, const CommandOwner* parent) {
   Run run;
-  run.number = next_run++;
+  run.number = TakeNumber(parent);
+  cawl::DocumentPtr document = given;
+  size_t flow = given_flow;
+  if (played && parent == nullptr) played->Begin(run.number, &document, &flow, &variables);
   run.id = RunId(absl::StrCat(IriSegment(document->flows[flow].name.value), "-", run.number));
   run.document = document;
   run.flow = flow;
@@ -401,6 +387,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
     core_->Cancel(run, "its workflow was undeployed");
   }
   std::swap(output.remove, core_->deploy_remove);
+  for (const std::string& workflow : std::exchange(core_->deploy_gone, {}))
+    core_->EndReservationsOf(workflow);
   if (input.requests != nullptr) TakeRequests(core_.get());
   if (input.reports != nullptr) TakeReports(core_.get());
   if (input.events != nullptr) core_->event_waits.Take(*input.events);
@@ -414,6 +402,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
   core_->TouchAsking();
   for (const std::string& workflow : std::exchange(core_->deploy_enabled, {}))
     StartHeldBack(core_.get(), workflow);
+  if (input.robots->changed()) RecallFromOutOfService(core_.get());
   if (input.robots->changed() || core_->services_changed) ReconsiderWaiting(core_.get());
   core_->services_changed = false;
   AdvanceAll(core_.get());
@@ -494,6 +483,7 @@ void Engine::Rollback() {
   core_->deploy_enabled.clear();
   core_->deploy_cancel.clear();
   core_->deploy_remove.clear();
+  core_->deploy_gone.clear();
   core_->wrote_at_open.clear();
   core_->asking.clear();
   core_->awaiting.clear();
@@ -556,12 +546,12 @@ std::vector<CommandUnderWay> Engine::OpenCommands() const {
   std::map<uint64_t, const Run*> by_age;
   for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
   std::vector<CommandUnderWay> commands;
-  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true});
+  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true, false});
   for (const auto& [number, run] : by_age) {
     for (const NodeState& node : run->nodes) {
       for (const InvocationState& invocation : node.invocations) {
         for (const OpenCommand& open : invocation.commands)
-          commands.push_back({open.command, open.overdue_until_us.has_value()});
+          commands.push_back({open.command, open.IsEnding(), open.recalled != Stopped::kNo});
       }
     }
   }

@@ -37,7 +37,7 @@ struct EngineInput {
   bool clock_tick = false;  // it is a turn of the clock: runs that had more to do than a turn allows go on
   const std::vector<CommandReport>* reports = nullptr;
   const std::vector<RunRequest>* requests = nullptr;
-  const EventNews* events = nullptr;  // in the first round; null: none
+  const EventNews* events = nullptr;  // null: none
   const ConditionView* conditions = nullptr;
   const RobotDirectory* robots = nullptr;
   const FactView* facts = nullptr;
@@ -47,9 +47,20 @@ struct EngineInput {
 // A command without a final report.
 struct CommandUnderWay {
   RobotCommand command;
-  bool ending = false;  // it was cancelled
+  bool ending = false;    // it was cancelled
+  bool recalled = false;  // it is not to begin, where the robot has not begun it
 
   friend bool operator==(const CommandUnderWay&, const CommandUnderWay&) = default;
+};
+
+// A run of a recorded life that is lived again, with the document that it ran or another one.
+struct PlayedRun {
+  uint64_t number = 0;  // of the run, which is nested in none
+  cawl::DocumentPtr document;
+  std::string flow;                      // of the document
+  std::optional<TermBinding> variables;  // that it begins with; nullopt: those that it is started with
+  // Numbers of the recorded runs that were nested in it, in the order in which they began.
+  std::vector<uint64_t> nested;
 };
 
 struct EngineState;  // engine_state.h
@@ -81,7 +92,8 @@ class Engine {
 
   // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT,
   // RESOURCE_EXHAUSTED.
-  // `robots` (null: nothing is asked of them): refuses a robot that does not offer what it is to do.
+  // `robots`: refuses a robot that does not offer what it is to do, and a start without a value that the flow needs. Null: neither is
+  // asked, as of a request that the log has.
   absl::Status CheckRequest(const RunRequest& request, const RobotDirectory* robots = nullptr) const;
 
   // One round. Deterministic.
@@ -114,6 +126,11 @@ class Engine {
   // From the next Step on, runs that this engine does not have hold these robots, and no others; a robot that one of its own
   // runs holds stays with that run. It is neither saved nor journaled: for an engine that has one run of a recorded life.
   void HoldForOthers(std::map<RobotId, RunId> holds);
+
+  // The run with this number, when something starts it, begins with the flow of this document, whatever is deployed. Runs
+  // nested in it get the recorded numbers one after the other, and no other run gets one of these: so the ids of all others
+  // stay what they were. For a replay; neither saved nor journaled.
+  void PlayInstead(PlayedRun played);
 
   const rsel::ServiceRegistry& services() const;
   std::vector<cawl::DocumentPtr> workflows() const;               // by name

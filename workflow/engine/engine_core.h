@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "workflow/cawl/ask_names.h"
 #include "workflow/engine/activations.h"
 #include "workflow/engine/engine.h"
+#include "workflow/engine/run_numbers.h"
 #include "workflow/engine/state/asked_times.h"
 #include "workflow/engine/state/event_waits.h"
 #include "workflow/engine/state/robot_ledger.h"
@@ -50,6 +52,8 @@ struct Deployment {
   // Bindings that appeared while the workflow started no runs and still hold: they start their runs when it does again.
   std::map<std::string, HeldBackStart> held_back;
   bool disabled = false;
+  // What variables of `armed` are called in the document, where that is otherwise: it was loaded again under other names.
+  cawl::NameMap names;
 };
 
 // How a compiled condition is asked for.
@@ -68,7 +72,7 @@ inline constexpr size_t kTextOfAChange = 256;
 inline bool IsFinal(CommandReport::Outcome outcome) {
   using Outcome = CommandReport::Outcome;
   return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
-         outcome == Outcome::kUnknown;
+         outcome == Outcome::kUnknown || outcome == Outcome::kNotBegun;
 }
 
 // Why an invocation is pending: all robots that could do it are held by other runs.
@@ -109,6 +113,7 @@ struct Engine::Core {
   std::set<std::pair<TimeMicros, RunId>> timers;
   RobotLedger ledger;                       // its ending commands are state
   std::map<RobotId, RunId> held_by_others;  // Engine::HoldForOthers
+  std::optional<RunNumbers> played;         // Engine::PlayInstead
   AskedTimes times;
   WaitingRoom waiting;
   std::set<CommandOwner>
@@ -171,6 +176,7 @@ struct Engine::Core {
   std::vector<std::string> deploy_enabled;  // workflows
   std::vector<RunId> deploy_cancel;         // runs of workflows that were undeployed
   std::vector<Quad> deploy_remove;
+  std::vector<std::string> deploy_gone;  // workflows that were undeployed
 
   // The run to be changed; journals it first. Null if it is not live.
   Run* Mutable(const RunId& id);
@@ -188,6 +194,8 @@ struct Engine::Core {
   absl::Status TellMissed();
   // The condition has more matches than are kept: it is not followed any more. An error as above.
   absl::Status GiveUp(ConditionHandle handle);
+  // The number of a run that begins, nested in `parent` (null: in none).
+  uint64_t TakeNumber(const CommandOwner* parent);
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
               const CommandOwner* parent);
@@ -259,6 +267,10 @@ struct Engine::Core {
   static std::string ShowReservation(const Reservation& reservation);
   // What keeps robots for the run alone is withdrawn: it has ended.
   void EndReservations(const RunId& root);
+  // What keeps robots for the runs of a workflow, where it is not deployed any more and none of its runs is live.
+  void EndReservationsOf(const std::string& workflow);
+  // `root`: of the runs that may have written it in this round.
+  void EndReservationsFor(const std::string& kept_for, const RunId& root);
   // The told facts of a reservation, in whatever graph; with what the run tree `root` has written in this round.
   std::vector<TermQuad> ReservationFacts(const std::string& reservation, const RunId& root) const;
   // Whether something that was written in this round may change the condition's answer.

@@ -202,8 +202,12 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
     packed.runs.push_back(*std::move(one));
   }
   for (const auto& [name, deployment] : state.deployments) {
-    packed.deployments[name] = {documents.Of(deployment.document), deployment.armed, deployment.active,
-                                deployment.held_back, deployment.disabled};
+    packed.deployments[name] = {documents.Of(deployment.document),
+                                deployment.armed,
+                                deployment.active,
+                                deployment.held_back,
+                                deployment.disabled,
+                                deployment.names};
   }
   for (const cawl::DocumentPtr& document : documents.objects()) {
     const std::string service = ServiceOf(*document);
@@ -233,6 +237,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   writer(packed.last_used);  // since format 10
   AddedIn11(writer, packed);
   AddedIn12(writer, packed);
+  AddedIn13(writer, packed);
   return writer.Take();
 }
 
@@ -255,6 +260,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) reader(packed.last_used);
   if (!reader.AtEnd()) AddedIn11(reader, packed);
   if (!reader.AtEnd()) AddedIn12(reader, packed);
+  if (!reader.AtEnd()) AddedIn13(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;
@@ -286,6 +292,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
     deployment.active = std::move(one.active);
     deployment.held_back = std::move(one.held_back);
     deployment.disabled = one.disabled;
+    deployment.names = std::move(one.names);
   }
   auto services = RestoreServices(packed, limits);
   if (!services.ok()) return services.status();
@@ -318,7 +325,8 @@ std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
   for (const auto& [name, deployment] : state.deployments) {
     for (const ArmedCondition& armed : deployment.armed) {
       requests.push_back(
-          RequestOf(armed.handle, armed.ask, cawl::KeyVariables(*deployment.document->activator, armed.ask)));
+          RequestOf(armed.handle, armed.ask,
+                    cawl::KeyVariables(*deployment.document->activator, armed.ask, deployment.names)));
     }
   }
   for (const auto& [id, run] : state.runs) {

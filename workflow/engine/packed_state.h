@@ -139,6 +139,7 @@ struct PackedDeployment {
   std::map<std::string, int> active;
   std::map<std::string, HeldBackStart> held_back;
   bool disabled = false;
+  cawl::NameMap names;
 };
 struct Packed {
   std::vector<DocumentText> documents;
@@ -377,6 +378,23 @@ void AddedIn12(Archive& a, Packed& p) {
     }
     List(a, run.late_steps);
   }
+}
+
+// What format 13 added.
+template <class Archive>
+void AddedIn13(Archive& a, PackedInvocation& packed) {
+  for (std::vector<OpenCommand>* commands : {&packed.state.commands, &packed.state.lost}) {
+    for (OpenCommand& open : *commands) a(open.recalled);
+  }
+}
+template <class Archive>
+void AddedIn13(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) {
+    for (PackedNode& node : run.nodes) {
+      for (PackedInvocation& invocation : node.invocations) AddedIn13(a, invocation);
+    }
+  }
+  for (auto& [name, deployment] : p.deployments) a(deployment.names);
 }
 
 }  // namespace docent::engine

@@ -139,8 +139,10 @@ absl::StatusOr<std::vector<TermBinding>> RunStepper::BindingsOf(size_t index) co
   std::vector<TermBinding> bindings;
   for (auto& [match, binding] : *all) {
     const bool begun = run_.nodes[index].actions.begun;
-    if (!begun && !flow_.nodes[index].invokes.empty() && DoneFor(index, binding, 0) != nullptr) continue;
-    if (begun && !flow_.nodes[index].for_each.empty()) AddResults(index, bindings.size(), &binding);
+    const cawl::Node& syntax = flow_.nodes[index];
+    const bool is_each = !syntax.for_each.empty();
+    if (!begun && is_each && !syntax.invokes.empty() && DoneFor(index, binding, 0) != nullptr) continue;
+    if (begun && is_each) AddResults(index, bindings.size(), &binding);
     bindings.push_back(std::move(binding));
   }
   return bindings;
@@ -161,7 +163,7 @@ void RunStepper::AddResults(size_t index, size_t number, TermBinding* binding) c
     for (const auto& [name, result] : done->results) (*binding)[name] = result;
   }
   for (const cawl::Action& action : syntax.actions) {
-    if (!action.when_done) continue;
+    if (action.when != cawl::Action::When::kDone) continue;
     for (const cawl::Text& output : action.computed.outputs) {
       const auto own = value.find(output.value);
       if (own == value.end())
@@ -186,7 +188,7 @@ const InvocationState* RunStepper::DoneFor(size_t index, const TermBinding& bind
 std::vector<TermBinding> RunStepper::WithDoneValues(size_t index, std::vector<TermBinding> matches) const {
   const std::vector<std::string>& names = flow_.nodes[index].for_each;
   const std::vector<InvocationState>& done = run_.nodes[index].invocations;
-  if (done.empty() || matches.empty()) return matches;
+  if (names.empty() || done.empty() || matches.empty()) return matches;
   const bool matched = std::all_of(names.begin(), names.end(),
                                    [&](const std::string& name) { return matches.front().contains(name); });
   if (!matched) return matches;
@@ -258,7 +260,7 @@ RunStepper::Progress RunStepper::DoActions(size_t index, bool when_done) {
     const size_t next = run_.nodes[index].actions.next[when_done];
     if (next == actions.size()) return Progress::kDone;
     const cawl::Action& action = actions[next];
-    const bool due = action.when_done == when_done;
+    const bool due = action.when == (when_done ? cawl::Action::When::kDone : cawl::Action::When::kOpen);
     if (due && action.kind == cawl::Action::Kind::kAssign && WroteInThisRound()) {
       core_.awaiting.insert(run_.id);
       return Progress::kWaits;
@@ -289,8 +291,28 @@ absl::Status RunStepper::DoAction(size_t index, const cawl::Action& action) {
       return Reserve(index, action);
     case cawl::Action::Kind::kRelease:
       return ReleaseReservation(index, action);
+    case cawl::Action::Kind::kFail:
+      return Fail(index, action);
   }
   return absl::OkStatus();
+}
+
+absl::Status RunStepper::Fail(size_t index, const cawl::Action& action) {
+  const auto bindings = BindingsOf(index);
+  const bool matched = bindings.ok() && !bindings->empty();
+  const absl::StatusOr<std::string> reason = TextOf(action.reason, matched ? &bindings->front() : nullptr);
+  return reason.ok() ? absl::FailedPreconditionError(*reason) : reason.status();
+}
+
+// Those at="failure", of a node that has failed for good. What of them cannot be: why, for people.
+std::string RunStepper::DoOnFailure(size_t index) {
+  std::string faults;
+  for (const cawl::Action& action : flow_.nodes[index].actions) {
+    if (action.when != cawl::Action::When::kFailure) continue;
+    if (const absl::Status done = DoAction(index, action); !done.ok())
+      absl::StrAppend(&faults, "; at=\"failure\": ", done.message());
+  }
+  return faults;
 }
 
 // Whether so many facts more may be written in this turn. What a turn writes may start other runs that write: that comes to an
@@ -336,9 +358,10 @@ absl::StatusOr<TermQuad> RunStepper::FactOf(const cawl::Constraint& fact, const 
   return quad;
 }
 
-// All facts of all bindings, or none.
+// All facts of all bindings, each once, or none.
 absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
   std::vector<TermQuad> facts;
+  std::set<TermQuad, TripleLess> known;
   const auto bindings = BindingsOf(index);
   if (!bindings.ok()) return bindings.status();
   for (const TermBinding& binding : *bindings) {
@@ -346,17 +369,17 @@ absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
       absl::StatusOr<TermQuad> quad = FactOf(fact, &binding);
       if (!quad.ok())
         return WithMessage(quad.status(), absl::StrCat("it cannot tell: ", quad.status().message()));
-      facts.push_back(*std::move(quad));
+      if (known.insert(*quad).second) facts.push_back(*std::move(quad));
     }
   }
   if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
   core_.Say(Subject(index), "running", "running", Summary("told", facts));
-  for (TermQuad& fact : facts) Write(true, std::move(fact), &action);
-  if (!facts.empty() && !action.when_done) WritesAtOpen(index);
+  for (TermQuad& fact : facts) Write(true, std::move(fact), &action, Subject(index));
+  if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
 }
 
-void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action) {
+void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by) {
   if (tells && action->until_run_ends)
     run_.actions.until_end.insert(fact);
   else
@@ -364,7 +387,7 @@ void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action) {
   core_.written[run_.id].push_back(core_.output->writes.size());
   core_.writing_trees.insert(core_.RootOf(run_));
   const int64_t lifetime_ms = tells ? action->lifetime_ms.value_or(0) : 0;
-  core_.output->writes.push_back({tells, std::move(fact), static_cast<uint64_t>(lifetime_ms)});
+  core_.output->writes.push_back({tells, std::move(fact), static_cast<uint64_t>(lifetime_ms), std::move(by)});
 }
 
 absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
@@ -387,7 +410,7 @@ absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
     absl::StrAppend(&said, ": what matches was told by others, and source=\"any\" would take it away");
   core_.Say(Subject(index), "running", "running", std::move(said));
   for (TermQuad& fact : facts) Write(false, std::move(fact), &action);
-  if (!facts.empty() && !action.when_done) WritesAtOpen(index);
+  if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
 }
 

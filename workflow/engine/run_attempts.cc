@@ -241,7 +241,8 @@ void RunStepper::LetCommandsEnd(size_t node, size_t index) {
 // Commands that are not sent again, though it is not known of them how they ended.
 void RunStepper::ForgetLost(InvocationState* invocation) {
   for (const OpenCommand& lost : std::exchange(invocation->lost, {}))
-    invocation->unknown = invocation->unknown || lost.stopped == Stopped::kNo;
+    invocation->unknown =
+        invocation->unknown || (lost.stopped == Stopped::kNo && lost.recalled == Stopped::kNo);
 }
 
 // The robot is no longer occupied by this invocation; what it sent may still be ending.

@@ -100,13 +100,11 @@ void RunStepper::RetryNode(size_t index, const RobotId& robot, const std::string
   node.wanted_robot = robot;
   node.attempt = 1;
   node.reason = reason.empty() ? "" : ByOperator("has it begin again", reason);
-  std::vector<InvocationState> done;  // for values of forEach
-  if (!flow_.nodes[index].for_each.empty()) {
-    for (const InvocationState& invocation : node.invocations) {
-      if (invocation.state != WorkState::kDone) continue;
-      done.push_back(invocation);
-      done.back().sent = false;  // not since the node opens again
-    }
+  std::vector<InvocationState> done;
+  for (const InvocationState& invocation : node.invocations) {
+    if (invocation.state != WorkState::kDone) continue;
+    done.push_back(invocation);
+    done.back().sent = false;  // not since the node opens again
   }
   WaitAgain(index, ByOperator("has it begin again", reason), std::move(done));
 }
@@ -152,24 +150,40 @@ void RunStepper::StopCommands(Stopped why, const RobotId* robot) {
   }
 }
 
-// A command that an operator had cancelled has ended without success.
-void RunStepper::CommandStopped(const CommandOwner& owner, OpenCommand stopped, const std::string& reason) {
+// What no robot has begun does not begin while the run is paused, or the robot takes no commands.
+void RunStepper::RecallCommands(Stopped why, const RobotId* robot) {
+  for (NodeState& node : run_.nodes) {
+    for (InvocationState& invocation : node.invocations) {
+      for (OpenCommand& open : invocation.commands) {
+        const bool meant = robot == nullptr || open.command.robot == *robot;
+        if (!meant || open.IsEnding() || open.recalled != Stopped::kNo) continue;
+        core_.output->recalls.push_back(open.command.id);
+        open.recalled = why;
+      }
+    }
+  }
+}
+
+// A command that was cancelled, or called back, has ended without success. `begun`: a robot may have begun it.
+void RunStepper::CommandStopped(const CommandOwner& owner, OpenCommand stopped, bool begun,
+                                const std::string& reason) {
   NodeState& node = run_.nodes[owner.node];
   InvocationState& invocation = node.invocations[owner.invocation];
   const cawl::Node& syntax = flow_.nodes[owner.node];
-  const std::string why =
-      stopped.stopped == Stopped::kByPause ? "its run was paused" : "its robot was taken out of service";
+  const Stopped by = stopped.stopped != Stopped::kNo ? stopped.stopped : stopped.recalled;
+  const std::string why = by == Stopped::kByPause ? "its run was paused" : "its robot takes no commands";
   const bool retries =
       invocation.retries < syntax.invokes[invocation.invoke].retry || node.attempt <= syntax.retry;
   core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(stopped.step)),
-            "running", "cancelled", why);
-  if (stopped.stopped == Stopped::kWithRobot && retries && !invocation.once) {
+            "running", begun ? "cancelled" : "not begun", why);
+  if (by == Stopped::kWithRobot && retries && !invocation.once) {
     // another robot may do it
     return InvocationFailed(owner.node, owner.invocation,
                             absl::StrCat("cancelled: ", why, reason.empty() ? "" : ": ", reason));
   }
-  if (stopped.command.idempotent) {
-    invocation.reason = absl::StrCat("cancelled: ", why, "; it begins again");
+  if (stopped.command.idempotent || !begun) {
+    invocation.reason = begun ? absl::StrCat("cancelled: ", why, "; it begins again")
+                              : absl::StrCat("not begun: ", why, "; it is sent again");
     invocation.lost.push_back(std::move(stopped));
     return;
   }

@@ -30,6 +30,15 @@ std::string ArgumentFault(const RobotOffer& offer, const rsel::Instruction& inst
   return "";
 }
 
+// Whether an operator's stop is why the command has ended without success.
+bool IsStopped(const OpenCommand& open, const CommandReport& report) {
+  using Outcome = CommandReport::Outcome;
+  if (report.outcome == Outcome::kNotBegun)
+    return !open.overdue_until_us && (open.stopped != Stopped::kNo || open.recalled != Stopped::kNo);
+  if (open.stopped == Stopped::kNo) return false;
+  return report.outcome != Outcome::kUnknown || !open.command.idempotent;
+}
+
 }  // namespace
 
 std::string RunStepper::Subject(size_t node, size_t invocation) const {
@@ -380,7 +389,9 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
   again.command.id =
       CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
   again.overdue_until_us.reset();  // its time begins again, and its end is not waited for yet
-  if (std::exchange(again.stopped, Stopped::kNo) != Stopped::kNo && again.command.deadline_us != 0) {
+  again.stopped = again.recalled = Stopped::kNo;
+  const bool was_stopped = lost.stopped != Stopped::kNo || lost.recalled != Stopped::kNo;
+  if (was_stopped && again.command.deadline_us != 0) {
     const rsel::PlanStep& step = invocation.handler->plan().steps[static_cast<size_t>(lost.step - 1)];
     again.command.deadline_us = StepDeadline(node, index, step.timeout_ms).value_or(0);
   }
@@ -443,9 +454,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
               "running", "done", "");
     invocation.handler->Succeeded(done.step, done.attempt, results);
-  } else if (done.stopped != Stopped::kNo && invocation.overdue.empty() &&
-             !(report.outcome == Outcome::kUnknown && done.command.idempotent)) {
-    return CommandStopped(owner, std::move(done), report.message);
+  } else if (IsStopped(done, report) && invocation.overdue.empty()) {
+    return CommandStopped(owner, std::move(done), report.outcome != Outcome::kNotBegun, report.message);
   } else if (report.outcome == Outcome::kUnknown && done.command.idempotent && !done.overdue_until_us &&
              invocation.resends < kResendLimit) {
     ++invocation.resends;
@@ -457,8 +467,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
   } else {
     const bool unknown = report.outcome == Outcome::kUnknown && !done.command.idempotent;
     if (unknown) invocation.once = run_.unknown_outcome = true;
-    bool may_retry =
-        report.outcome == Outcome::kFailed || done.command.idempotent || (done.overdue_until_us && !unknown);
+    bool may_retry = report.outcome == Outcome::kFailed || report.outcome == Outcome::kNotBegun ||
+                     done.command.idempotent || (done.overdue_until_us && !unknown);
     std::string reason = !report.message.empty()                 ? report.message
                          : report.outcome == Outcome::kCancelled ? "cancelled at the robot"
                                                                  : "the robot gave no reason";

@@ -11,7 +11,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/rdf/vocabulary.h"
-#include "workflow/cawl/robot_choice.h"
 #include "workflow/engine/run_stepper.h"
 
 namespace docent::engine {
@@ -139,8 +138,7 @@ RobotId RunStepper::BestOf(const std::string& choose, const std::vector<std::str
   }
   // Without a goal, one that has no place: an open ?goal would be every thing that has one.
   if (choose.empty()) values.emplace("goal", Term::Iri(std::string(kRdfType)));
-  const std::string query = choose.empty() ? std::string(cawl::DefaultRobotChoice()) : choose;
-  return core_.input->ranking->Order(query, std::move(able), values).front();
+  return core_.input->ranking->Order(choose, std::move(able), values).front();
 }
 
 // Of candidates of a node that is to open, by its first invoke that says how to choose, or the first one.

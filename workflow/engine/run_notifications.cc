@@ -38,7 +38,7 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
     // same turn notifies again.
     for (int again = 1; one.id.empty() || core_.outbox.contains(one.id); ++again)
       one.id = CommandId(absl::StrCat(Subject(index), "/", node.iteration, "/notify.",
-                                      node.actions.next[action.when_done], ".", all.size(),
+                                      &action - flow_.nodes[index].actions.data() + 1, ".", all.size(),
                                       again > 1 ? absl::StrCat(".", again) : "", "@", core_.input->now_us));
     absl::StatusOr<std::string> target = TextOf(action.target, &binding);
     if (!target.ok()) return refused(target.status());

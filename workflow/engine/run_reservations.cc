@@ -21,6 +21,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/service_workflow.h"
 
 namespace docent::engine {
 namespace {
@@ -100,11 +101,25 @@ std::vector<TermQuad> Engine::Core::ReservationFacts(const std::string& reservat
 }
 
 void Engine::Core::EndReservations(const RunId& root) {
+  EndReservationsFor(RunIri(root), root);
+}
+
+void Engine::Core::EndReservationsOf(const std::string& workflow) {
+  if (deployments.contains(workflow)) return;
+  const bool has_runs = std::any_of(runs.begin(), runs.end(), [&](const auto& each) {
+    const Run& run = each.second;
+    return run.state == WorkState::kRunning && run.document->name.value == workflow &&
+           ServiceOf(*run.document).empty();
+  });
+  if (!has_runs) EndReservationsFor(WorkflowIri(workflow), RunId());
+}
+
+void Engine::Core::EndReservationsFor(const std::string& kept_for, const RunId& root) {
   if (input->facts == nullptr) return;
-  FactPattern of_run;
-  of_run.predicate = Term::Iri(DocentIri("reservedFor"));
-  of_run.object = Term::Iri(RunIri(root));
-  const auto found = input->facts->Match(of_run, kWorkflowLimits.facts_written_per_turn);
+  FactPattern wanted;
+  wanted.predicate = Term::Iri(DocentIri("reservedFor"));
+  wanted.object = Term::Iri(kept_for);
+  const auto found = input->facts->Match(wanted, kWorkflowLimits.facts_written_per_turn);
   if (!found.ok()) return;
   std::set<std::string> reservations;
   for (const TermQuad& quad : found->told) reservations.insert(quad.subject.lexical);
@@ -159,7 +174,7 @@ absl::Status RunStepper::Reserve(size_t index, const cawl::Action& action) {
   for (const TermQuad& fact : before) {
     if (std::find(facts.begin(), facts.end(), fact) == facts.end()) Write(false, fact, &action);
   }
-  for (TermQuad& fact : facts) Write(true, std::move(fact), &action);
+  for (TermQuad& fact : facts) Write(true, std::move(fact), &action, Subject(index));
   core_.Say(Subject(index), "running", "running", absl::StrCat("reserved ", names));
   return absl::OkStatus();
 }

@@ -9,6 +9,7 @@
 
 #include "workflow/engine/activator_modes.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/service_workflow.h"
 
 namespace docent::engine {
 namespace {
@@ -19,6 +20,7 @@ void Settle(Engine::Core* core, const Run& ended) {
   core->waiting.Block(core->RankOf(ended), ended.id, {});
   ActivatedRunEnded(core, ended.id);
   if (ended.parent.empty()) core->EndReservations(ended.id);
+  if (ServiceOf(*ended.document).empty()) core->EndReservationsOf(ended.document->name.value);
   if (ended.parent.empty()) return;
   if (Run* parent = core->Mutable(ended.parent)) {
     RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
@@ -68,6 +70,25 @@ void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
 }
 
 }  // namespace
+
+void RecallFromOutOfService(Engine::Core* core) {
+  std::map<RunId, std::set<RobotId>> recalled;
+  for (const auto& [robot, root] : core->ledger.holders()) {
+    for (const auto& [owner, occupies] : core->ledger.Tasks(robot)) {
+      const auto run = core->runs.find(owner.run);
+      if (run == core->runs.end()) continue;
+      for (const OpenCommand& open : run->second.nodes[owner.node].invocations[owner.invocation].commands) {
+        if (open.recalled != Stopped::kNo || open.IsEnding()) continue;
+        const RobotOffer* offer = core->OfferOf(open.command.operation, robot);
+        if (offer != nullptr && !offer->out_of_service.empty()) recalled[owner.run].insert(robot);
+      }
+    }
+  }
+  for (const auto& [run, robots] : recalled) {
+    for (const RobotId& robot : robots)
+      RunStepper(core, core->Mutable(run)).RecallCommands(Stopped::kWithRobot, &robot);
+  }
+}
 
 void ReconsiderWaiting(Engine::Core* core) {
   core->waiting.ForEachWish([core](const RobotWish& wish) {

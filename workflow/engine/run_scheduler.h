@@ -11,6 +11,9 @@ namespace docent::engine {
 // everybody whose reason to wait is another one now.
 void ReconsiderWaiting(Engine::Core* core);
 
+// Calls back commands that robots have not begun which take none any more.
+void RecallFromOutOfService(Engine::Core* core);
+
 // Takes touched runs as far as they go, parents after their children, and gives the robots of runs that ended
 // to those that wait.
 void AdvanceAll(Engine::Core* core);

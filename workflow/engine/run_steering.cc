@@ -12,6 +12,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/run_values.h"
+#include "workflow/engine/start_values.h"
 #include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
@@ -68,6 +69,7 @@ void RefreshPauses(Engine::Core* core, const RunId& root) {
       changing->paused_since_us = core->input->now_us;
       core->Say(id.value(), "running", "paused",
                 run.pause ? *run.pause : absl::StrCat("with ", run.parent.value()));
+      RunStepper(core, changing).RecallCommands(Stopped::kByPause, nullptr);
     } else {
       Thaw(changing, core->input->now_us);
       core->Say(id.value(), "paused", "running", "resumed");
@@ -284,6 +286,17 @@ absl::Status Engine::CheckRequest(const RunRequest& request, const RobotDirector
                         TermBinding(request.arguments.begin(), request.arguments.end()));
           !fault.empty())
         return absl::InvalidArgumentError(fault);
+      if (robots != nullptr) {
+        const cawl::Flow& asked = flow->first->flows[flow->second];
+        const std::vector<std::string> needed =
+            NeededWithoutValue(*core_, *flow->first, asked,
+                               TermBinding(request.arguments.begin(), request.arguments.end()), *robots);
+        if (!needed.empty()) {
+          return absl::InvalidArgumentError(absl::StrCat(NeedsText(asked, needed), "; docent run ",
+                                                         request.target, " --var ", needed.front(),
+                                                         "=… gives one"));
+        }
+      }
       if (!core_->IsPaused(*flow->first)) return absl::OkStatus();
       return absl::FailedPreconditionError(absl::StrCat("workflow ", flow->first->name.value,
                                                         " is paused; it starts no run until it is resumed"));

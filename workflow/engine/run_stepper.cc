@@ -10,6 +10,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/time_reader.h"
 #include "workflow/engine/run_values.h"
+#include "workflow/engine/start_values.h"
 #include "workflow/engine/state/flow_graph.h"
 
 namespace docent::engine {
@@ -78,6 +79,8 @@ void RunStepper::Begin(const std::string& cause) {
   core_.Say(run_.id.value(), "", ToString(WorkState::kRunning), cause);
   if (const std::string fault = TypeFault({*run_.document, flow_}, run_.variables); !fault.empty())
     return End(WorkState::kFailed, fault);
+  if (const auto lacks = RequiredWithoutValue(*run_.document, flow_, run_.variables); !lacks.empty())
+    return End(WorkState::kFailed, NeedsText(flow_, lacks));
   Advance();
 }
 
@@ -274,7 +277,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
               absl::StrCat("attempt ", node.attempt, " after: ", reason));
     node.deadline_us.reset();  // it begins with the attempt (BeginTime)
     for (InvocationState& old : node.invocations) {
-      if (!syntax.for_each.empty() && old.state == WorkState::kDone) continue;
+      if (old.state == WorkState::kDone) continue;  // what is done is not done again
       InvocationState fresh;
       fresh.invoke = old.invoke;
       fresh.binding = old.binding;
@@ -284,7 +287,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       fresh.failure = old.state == WorkState::kFailed ? old.reason : old.failure;
       fresh.partly_done = IsPartlyDone(old);
       fresh.unknown = old.unknown;
-      if (old.state != WorkState::kDone && !old.late.empty()) {  // if it succeeds all the same, it is done
+      if (!old.late.empty()) {  // if it succeeds all the same, it is done
         fresh.late = old.late;
         fresh.handler = old.handler;
       }
@@ -302,12 +305,13 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
 void RunStepper::NodeFailedForGood(size_t index, const std::string& reason) {
   const std::string& name = flow_.nodes[index].name.value;
   NoteDone(index);
-  SetNode(index, WorkState::kFailed, reason);
+  const std::string why = absl::StrCat(reason, DoOnFailure(index));
+  SetNode(index, WorkState::kFailed, why);
   std::vector<size_t> taken;
   for (size_t i : graph_.LinksFrom(index)) {
     if (flow_.links[i].on_failure) taken.push_back(i);
   }
-  if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", name, ": ", reason));
+  if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", name, ": ", why));
   FollowLinks(index, taken);
 }
 
@@ -354,7 +358,8 @@ bool RunStepper::CheckDeadlines(size_t index) {
     const cawl::Node& syntax = flow_.nodes[index];
     NodeFailed(index, node.state == WorkState::kWaiting
                           ? absl::StrCat("its condition did not hold within ",
-                                         TimeText(syntax.condition->timeout_ms.value_or(0)))
+                                         TimeText(syntax.condition->timeout_ms.value_or(0)),
+                                         Lacks(*syntax.condition))
                           : absl::StrCat("it was not done within ", TimeText(syntax.timeout_ms.value_or(0)),
                                          LastFailure(node)));
     return true;

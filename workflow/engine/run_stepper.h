@@ -67,6 +67,8 @@ class RunStepper {
   void SetVariable(const std::string& name, const Term& value);
   // Cancels what is under way; it begins again when it may, or an operator is asked. `robot`: of this one only.
   void StopCommands(Stopped why, const RobotId* robot);
+  // Calls back what no robot has begun; it is sent again when it may. What a robot has begun goes on.
+  void RecallCommands(Stopped why, const RobotId* robot);
   // Of a node that may be settled (MaySettle).
   void RetryNode(size_t index, const RobotId& robot, const std::string& reason);
   void SkipNode(size_t index, const TermBinding& values, const std::string& reason);
@@ -94,6 +96,7 @@ class RunStepper {
   void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
   bool CheckDeadlines(size_t index);
+  std::string Lacks(const cawl::Condition& condition) const;  // run_lacks.cc
   bool HasToGoOnLater() const;
   void GoOnLater();
   bool HasEntered() const;
@@ -140,6 +143,8 @@ class RunStepper {
   bool WroteInThisRound() const;
   Progress DoActions(size_t index, bool when_done);
   absl::Status DoAction(size_t index, const cawl::Action& action);
+  absl::Status Fail(size_t index, const cawl::Action& action);
+  std::string DoOnFailure(size_t index);
   absl::StatusOr<std::vector<std::pair<size_t, TermBinding>>> EachBinding(size_t index) const;
   absl::StatusOr<std::vector<TermBinding>> BindingsOf(size_t index) const;
   static absl::Status TooManyBindings();
@@ -169,7 +174,8 @@ class RunStepper {
   absl::StatusOr<std::vector<TermQuad>> ToldFacts(const cawl::Constraint& fact,
                                                   const absl::StatusOr<FactPattern>& wanted,
                                                   bool* of_others) const;
-  void Write(bool tells, TermQuad fact, const cawl::Action* action);
+  // `by`: Subject of the node that tells it.
+  void Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by = "");
   void WithdrawUntilEnd();
   // run_reservations.cc
   absl::Status Reserve(size_t index, const cawl::Action& action);
@@ -191,7 +197,7 @@ class RunStepper {
   void BeginIncident(size_t index, const std::string& reason);
   void LetRobotsGo(size_t index);
   void TakeBackRetry(size_t index);
-  void CommandStopped(const CommandOwner& owner, OpenCommand stopped, const std::string& reason);
+  void CommandStopped(const CommandOwner& owner, OpenCommand stopped, bool begun, const std::string& reason);
   // run_retries.cc: ext:retry-delay and the like
   void DelayAttempt(const cawl::RetryPolicy& policy, int retries, const InvocationState& before,
                     InvocationState* next) const;

@@ -196,8 +196,9 @@ Diagnostics CheckWellFormed(std::string_view text, const std::string& file, cons
   sax.endElementNs = OnEnd;
   sax.serror = OnError;
   context->userData = context.get();
+  // Without libxml2's own limits, of 10 MB for one: those of the document's size and of its elements stand instead.
   xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, "UTF-8",
-                    XML_PARSE_NONET);
+                    XML_PARSE_NONET | XML_PARSE_HUGE);
   if (context->myDoc != nullptr) xmlFreeDoc(context->myDoc);
   context->myDoc = nullptr;
   if (run.diagnostics.empty() && !context->wellFormed) {

@@ -1,5 +1,5 @@
-// List of the mistakes that a parser finds in one document, up to Limits::document_diagnostics. Private to
-// this folder. One thread.
+// List of the mistakes that a parser finds in one document, up to Limits::document_diagnostics. For readers of
+// formats, as XmlReader. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
 #define DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
 

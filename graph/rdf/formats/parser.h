@@ -20,6 +20,8 @@
 
 namespace docent {
 
+class MemoryUse;
+
 enum class RdfFormat { kTurtle, kTriG, kNTriples, kNQuads, kRdfXml };
 
 // By file name ending (.ttl .trig .nt .nq .rdf .owl .xml, and .gz after it) or by media type ("text/turtle; charset=utf-8").
@@ -42,6 +44,8 @@ struct ParseRdfOptions {
   DocumentLimits document_limits;
   std::string charset;  // RDF/XML: the encoding of Content-Type, used if the text itself declares none
   Cancellation* cancellation = nullptr;  // polled every few KiB; null: none
+  MemoryUse* memory =
+      nullptr;  // counts the quads, which stay counted; null: document_bytes alone bounds them
   // Why a graph that the document names is not taken where its quads are to go; empty: it is. Null: all are.
   std::function<std::string(const Term& graph)> refuse_graph;
 };
@@ -55,7 +59,7 @@ struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;
   Diagnostics diagnostics;
-  absl::Status stopped;  // the error of options.cancellation, if it ended the parsing
+  absl::Status stopped;  // the error of options.cancellation or options.memory, if it ended the parsing
   bool ok() const { return stopped.ok() && !HasErrors(diagnostics); }
 };
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});

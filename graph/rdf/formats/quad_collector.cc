@@ -28,7 +28,15 @@ Term QuadCollector::NewBlank() {
   return Term::Blank(absl::StrCat(std::string(1, kNewMark), new_blanks_++));
 }
 
+bool QuadCollector::Count() {
+  if (memory_ == nullptr || memory_->Add(std::exchange(uncounted_, 0))) return true;
+  stopped_ = memory_->Refusal(absl::ResourceExhaustedError(
+      absl::StrCat("the document says more than fits into the limit query_memory_bytes = ", memory_bytes_)));
+  return false;
+}
+
 std::string QuadCollector::Refusal() const {
+  if (!stopped_.ok()) return std::string(stopped_.message());
   if (bytes_ > most_bytes_) {
     return absl::StrCat("the terms of this document have more than ", most_bytes_,
                         " bytes, written out: ", kGrowth, " for each byte of the limit document_bytes");

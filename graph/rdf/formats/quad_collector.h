@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
+#include "absl/status/status.h"
 #include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
 #include "graph/rdf/term.h"
 #include "graph/rdf/text_bytes.h"
 
@@ -19,9 +21,11 @@ namespace docent {
 
 class QuadCollector {
  public:
-  // `limits` bounds the document.
-  QuadCollector(std::string scope, const Limits& limits)
+  // `limits` bounds the document; `memory` counts what is collected, too, if it is not null.
+  QuadCollector(std::string scope, const Limits& limits, MemoryUse* memory)
       : scope_(std::move(scope)),
+        memory_(memory),
+        memory_bytes_(limits.query_memory_bytes),
         most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)),
         most_bytes_(std::max(kFewBytes, limits.document_bytes > SIZE_MAX / kGrowth
                                             ? SIZE_MAX
@@ -36,16 +40,19 @@ class QuadCollector {
   // False if the quad exceeds the number of quads or the size of all texts (see Refusal); short names under a
   // long prefix reach the latter. A quad takes many times the memory of its shortest text.
   bool Add(TermQuad quad) {
-    if (quads_.size() == most_ || !Charge(TextBytes(quad))) return false;
+    if (quads_.size() == most_ || !Charge(TextBytes(quad), sizeof(TermQuad))) return false;
     quads_.push_back(std::move(quad));
     return true;
   }
-  // Counts text that a parser keeps beside the quads.
-  bool Charge(size_t bytes) {
+  // Counts text that a parser keeps beside the quads, and what keeping it takes in addition.
+  bool Charge(size_t bytes, size_t more = kBytesKept) {
     bytes_ += bytes;
-    return bytes_ <= most_bytes_;
+    uncounted_ += bytes + more;
+    return bytes_ <= most_bytes_ && (uncounted_ < kBytesAChunk || Count());
   }
   std::string Refusal() const;
+  // RESOURCE_EXHAUSTED if `memory` was not enough.
+  const absl::Status& stopped() const { return stopped_; }
 
   // Moves all quads out; the collector is empty afterwards.
   std::vector<TermQuad> TakeQuads();
@@ -56,7 +63,15 @@ class QuadCollector {
   static constexpr size_t kGrowth = 16;       // bytes of all terms for each byte of the limit
   static constexpr size_t kFewBytes = 1 << 20;
 
+  static constexpr size_t kBytesAChunk = 64u << 10;
+  static constexpr size_t kBytesKept = 64;
+  bool Count();
+
   std::string scope_;
+  MemoryUse* const memory_;
+  const size_t memory_bytes_;
+  size_t uncounted_ = 0;
+  absl::Status stopped_;
   const size_t most_, most_bytes_;
   size_t bytes_ = 0;
   std::vector<TermQuad> quads_;

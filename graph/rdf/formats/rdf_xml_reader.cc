@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::string_view kSchemaInstanceNs = "http://www.w3.org/2001/XMLSchema-instance";
-constexpr size_t kShown = 40;  // bytes of a stray text in its message
+constexpr size_t kBytesOfPlaces = 300;  // of a quad
+constexpr size_t kShown = 40;           // bytes of a stray text in its message
 
 std::string RdfIri(std::string_view local) {
   return Concat(kRdfNs, local);
@@ -34,13 +35,14 @@ RdfXmlReader::RdfXmlReader(std::string_view text, const ParseRdfOptions& options
       places_(places),
       mistakes_(text, options),
       xml_(text, options, this, &mistakes_),
-      collector_(options.blank_node_scope, options.limits),
+      collector_(options.blank_node_scope, options.limits, options.memory),
       bases_{options.base_iri},
       languages_{""} {}
 
 ParsedRdf RdfXmlReader::Run() {
   ParsedRdf parsed;
   parsed.stopped = xml_.Run();
+  if (parsed.stopped.ok()) parsed.stopped = collector_.stopped();
   parsed.prefixes = prefixes_.Take();
   parsed.diagnostics = mistakes_.Take();
   parsed.quads = collector_.TakeQuads();
@@ -321,7 +323,9 @@ void RdfXmlReader::Add(TermQuad quad, size_t subject_at, size_t at) {
     Error(at, collector_.Refusal(), "split the document");
     return xml_.Stop();
   }
-  if (places_ != nullptr) places_->AddQuad(subject_at, at, at);
+  if (places_ == nullptr) return;
+  collector_.Charge(0, kBytesOfPlaces);  // what is too much ends with the next quad
+  places_->AddQuad(subject_at, at, at);
 }
 
 void RdfXmlReader::RefuseText(std::string_view text) {

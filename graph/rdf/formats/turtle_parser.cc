@@ -24,7 +24,7 @@ class TurtleParser {
         line_based_(format == RdfFormat::kNTriples || format == RdfFormat::kNQuads),
         graphs_(format == RdfFormat::kTriG || format == RdfFormat::kNQuads),
         scan_(text, line_based_, options.limits.term_bytes),
-        collector_(options.blank_node_scope, options.limits),
+        collector_(options.blank_node_scope, options.limits, options.memory),
         base_(options.base_iri),
         places_(places) {}
 
@@ -50,7 +50,7 @@ class TurtleParser {
       scan_.SkipLines();
     }
     parsed.diagnostics.insert(parsed.diagnostics.end(), refusals_.begin(), refusals_.end());
-    parsed.stopped = stopped_;
+    parsed.stopped = stopped_.ok() ? collector_.stopped() : stopped_;
     parsed.prefixes = prefixes_.Take();
     parsed.quads = collector_.TakeQuads();
     if (!parsed.ok()) parsed.quads.clear();
@@ -72,6 +72,9 @@ class TurtleParser {
     stopped_ = options_.cancellation->CheckNow();
     return stopped_.ok();
   }
+
+  // What a prefix takes beside its texts, and what the places of a quad do.
+  static constexpr size_t kBytesOfPrefix = 250, kBytesOfPlaces = 300;
 
   // N-Triples [2] triple, N-Quads [2] statement: subject predicate object graph? '.' end of line
   bool LineStatement() {
@@ -174,6 +177,7 @@ class TurtleParser {
     if (!scan_.ReadPrefix(&prefix)) return false;
     scan_.SkipSpace();
     if (!ReadResolvedIri(&iri) || !EndDirective(dot)) return false;
+    if (!collector_.Charge(prefix.size() + iri.size(), kBytesOfPrefix)) return TooMany();
     if (places_ != nullptr) places_->DeclarePrefix(prefix, iri, at);
     prefixes_.Declare(prefix, std::move(iri));
     return true;
@@ -328,12 +332,15 @@ class TurtleParser {
   }
 
   bool Add(TermQuad quad, size_t subject_at, size_t predicate_at, size_t object_at) {
-    if (!collector_.Add(std::move(quad))) {
-      too_many_ = true;
-      return scan_.Fail(collector_.Refusal(), "split the document");
-    }
+    if (!collector_.Add(std::move(quad))) return TooMany();
+    if (places_ != nullptr && !collector_.Charge(0, kBytesOfPlaces)) return TooMany();
     if (places_ != nullptr) places_->AddQuad(subject_at, predicate_at, object_at);
     return true;
+  }
+
+  bool TooMany() {
+    too_many_ = true;
+    return scan_.Fail(collector_.Refusal(), "split the document");
   }
 
   bool ReadObject(Term* object) {

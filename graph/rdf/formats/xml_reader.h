@@ -4,8 +4,8 @@
 // of them. Nothing is fetched: the external subset and external parameter entities are skipped; the use of an
 // external entity is an error. Internal entities are expanded within limits, defaults of ATTLIST declarations
 // become attributes, other declarations are read and have no effect. libxml2 2.9 compares each attribute of
-// an element with all others and searches prefixes linearly, so both are limited. Private to this folder. One
-// thread.
+// an element with all others and searches prefixes linearly, so both are limited. For readers of formats, as
+// those of this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_XML_READER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_XML_READER_H_
 

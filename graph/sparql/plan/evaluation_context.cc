@@ -2,13 +2,13 @@
 
 #include <utility>
 
-#include "graph/rdf/text_bytes.h"
+#include "graph/sparql/syntax/algebra_memory.h"
 
 namespace docent::sparql {
 
 bool EvaluationContext::PollNow() {
   if (status.ok() && cancellation != nullptr) {
-    cancellation->Spend(static_cast<uint64_t>(polls_given_));
+    cancellation->Spend(TakeSteps());
     status = cancellation->CheckNow();
   }
   polls_left_ = polls_given_ = status.ok() ? kPolls : 1;
@@ -16,7 +16,8 @@ bool EvaluationContext::PollNow() {
 }
 
 bool EvaluationContext::WorkedNow() {
-  work_bytes_ = PollNow() ? 0 : kBytesAPoll;  // after the end, every call returns false
+  PollNow();
+  work_bytes_ = status.ok() ? 0 : kBytesAPoll;  // after the end, every call returns false
   return status.ok();
 }
 
@@ -24,9 +25,9 @@ bool EvaluationContext::Refuse(size_t more) {
   polls_left_ = 1;  // so the next Poll reports it
   if (status.ok()) {
     status =
-        memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
-                                                     std::to_string(memory_limit_)),
-                        more);
+        use_->Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
+                                                   std::to_string(memory_limit_)),
+                      more);
   }
   return false;
 }
@@ -40,7 +41,15 @@ TermId EvaluationContext::Encode(const Term& term) {
 }
 
 TermId EvaluationContext::EncodeComputed(const Value& value) {
-  if (!value.IsExact() || !value.text().empty()) return Encode(value.ToTerm());
+  if (!value.IsExact() || !value.text().empty()) {
+    if (value.text().size() > kLongText && !HasRoom(value.text().size())) return TermId();
+    Term term = value.ToTerm();
+    if (term.IsLiteral()) {
+      if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
+    }
+    const std::optional<TermId> id = FindTerm(term);
+    return id ? *id : AddLocal(std::move(term));
+  }
   const Decimal number = Normalised(value.decimal());
   const int64_t mantissa = static_cast<int64_t>(number.mantissa);
   std::optional<TermId> id;
@@ -60,17 +69,18 @@ std::optional<TermId> EvaluationContext::FindTerm(const Term& term) {
   // run sees, and must keep its local id.
   if (!local_terms_.empty()) {
     const auto it = local_ids_.find(term);
-    if (it != local_ids_.end()) return it->second;
+    if (it != local_ids_.end()) return TermId::Make(TermId::Tag::kLocal, *it);
   }
   return dictionary.Find(term);
 }
 
 TermId EvaluationContext::AddLocal(Term term) {
-  Charge(2 * (sizeof(Term) + TextBytes(term)) + 32);
-  const TermId id = TermId::Make(TermId::Tag::kLocal, local_terms_.size());
-  local_ids_.emplace(term, id);
+  Charge(2 * sizeof(Term) + TextMemory(term) +
+         3 * sizeof(uint32_t));  // in an array that grows, and in a table
+  const auto number = static_cast<uint32_t>(local_terms_.size());
   local_terms_.push_back(std::move(term));
-  return id;
+  local_ids_.insert(number);
+  return TermId::Make(TermId::Tag::kLocal, number);
 }
 
 void EvaluationContext::DecodeLocalTo(TermId id, Term* out) const {
@@ -85,13 +95,14 @@ Value EvaluationContext::ValueOf(TermId id) const {
   return value;
 }
 
-std::string EvaluationContext::LexicalOf(const Value& value) const {
+std::string_view EvaluationContext::LexicalOf(const Value& value, std::string* scratch) const {
   const TermId id = value.id();
-  if (id.IsNone()) return value.Lexical();
-  if (id.InDictionary()) return std::string(dictionary.Lexical(id));
+  if (id.InDictionary()) return dictionary.Lexical(id);
   if (id.tag() == TermId::Tag::kLocal) return local_terms_[id.payload()].lexical;
+  if (id.IsNone() && !value.text().empty()) return value.text();
   InlineBuffer buffer;
-  return std::string(WriteInlineText(id, &buffer));
+  *scratch = id.IsNone() ? value.CanonicalText() : std::string(WriteInlineText(id, &buffer));
+  return *scratch;
 }
 
 uint64_t EvaluationContext::Random() {

@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
 
 namespace docent::sparql {
 namespace {
@@ -49,9 +55,9 @@ bool HasCall(const PlanExpression& e) {
 
 }  // namespace
 
-JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context)
-    : bgp_(bgp), context_(context), patterns_(bgp.patterns.size()) {
-  for (size_t i = 0; i < patterns_.size(); ++i) Count(bgp.patterns[i], &patterns_[i]);
+JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, EvaluationContext& context)
+    : bgp_(bgp), bound_(bound), context_(context), patterns_(bgp.patterns.size()) {
+  for (size_t i = 0; i < patterns_.size() && context.Poll(); ++i) Count(bgp.patterns[i], &patterns_[i]);
   for (size_t v = 0; v < slots_.size() && v < kMaxVariables; ++v) {
     if (bound.Contains(slots_[v])) initial_ |= uint64_t{1} << v;
   }
@@ -77,7 +83,7 @@ JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContex
 
 int JoinOrder::VariableOf(int slot) {
   const auto number = std::find(slots_.begin(), slots_.end(), slot) - slots_.begin();
-  if (number == std::ssize(slots_)) slots_.push_back(slot);
+  if (number == std::ssize(slots_) && slots_.size() < kMaxVariables) slots_.push_back(slot);
   return static_cast<int>(number);
 }
 
@@ -190,6 +196,11 @@ void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) c
 }
 
 JoinOrder::Order JoinOrder::Greedy(State* end) const {
+  if (patterns_.size() > kMaxGreedy) {
+    Order order = Connected();
+    Follow(&order, end);
+    return order;
+  }
   Order order = AsWritten();
   Begin(end);
   for (auto next = order.begin(); next != order.end(); ++next) {  // the rest keeps its order
@@ -206,6 +217,39 @@ JoinOrder::Order JoinOrder::Greedy(State* end) const {
     std::copy_backward(next, best, best + 1);
     *next = place;
     Extend(patterns_[place.pattern], best_step, end);
+  }
+  return order;
+}
+
+JoinOrder::Order JoinOrder::Connected() const {
+  absl::flat_hash_map<int, std::vector<size_t>> users;  // slot → the patterns that it waits in
+  const auto for_open = [&](size_t i, const auto& visit) {
+    const PlanPattern& pattern = bgp_.patterns[i];
+    for (const PlanTerm* term :
+         {&pattern.terms[0], &pattern.terms[1], &pattern.terms[2], &pattern.graph.name}) {
+      if (term->slot >= 0 && !bound_.Contains(term->slot)) visit(term->slot);
+    }
+  };
+  // Apart, matches, number: the first of these is the next.
+  using Candidate = std::tuple<bool, double, size_t>;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
+  for (size_t i = 0; i < patterns_.size(); ++i) {
+    candidates.emplace(true, patterns_[i].matches, i);
+    for_open(i, [&](int slot) { users[slot].push_back(i); });
+  }
+  Order order;
+  std::vector<bool> taken(patterns_.size());
+  while (!candidates.empty()) {
+    const size_t next = std::get<size_t>(candidates.top());
+    candidates.pop();
+    if (taken[next]) continue;
+    taken[next] = true;
+    order.push_back({next, 0});
+    for_open(next, [&](int slot) {
+      for (const size_t other : std::exchange(users[slot], {})) {
+        if (!taken[other]) candidates.emplace(false, patterns_[other].matches, other);
+      }
+    });
   }
   return order;
 }
@@ -249,17 +293,18 @@ JoinOrder::Order JoinOrder::Programmed() const {
   Order order;
   for (size_t set = all; set != 0; set &= ~(size_t{1} << last[set])) order.push_back({last[set], 0});
   std::reverse(order.begin(), order.end());
-  Follow(&order);
+  State end;
+  Follow(&order, &end);
   return order;
 }
 
-void JoinOrder::Follow(Order* order) const {
-  State state;
-  Begin(&state);
+void JoinOrder::Follow(Order* order, State* end) const {
+  Begin(end);
   for (Place& place : *order) {
+    if (!context_.Poll()) return;
     const Pattern& pattern = patterns_[place.pattern];
-    const Step step = Estimate(state, pattern);
-    Extend(pattern, step, &state);
+    const Step step = Estimate(*end, pattern);
+    Extend(pattern, step, end);
     place.rows = step.rows;
   }
 }
@@ -273,8 +318,8 @@ double JoinOrder::Rows() {
 double JoinOrder::Arrange(bool reorder) {
   const size_t n = patterns_.size();
   Order order;
+  State end;
   if (reorder && n > 1) {
-    State end;
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
     // Patterns for which samples improve the estimate.
@@ -282,7 +327,7 @@ double JoinOrder::Arrange(bool reorder) {
         std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
     const double worth = initial_ == 0 ? kSearchWorth : kSearchWorthBound;
     if (end.cost > worth * (kSample * static_cast<double>(unsure) + steps)) {
-      for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
+      for (size_t i = 0; i < n && context_.Poll(); ++i) Refine(bgp_.patterns[i], &patterns_[i]);
       const bool programmed = n <= kMaxProgrammed && (n > 2 || !filters_.empty());  // of two: the rarer first
       if (programmed) {
         order = Programmed();
@@ -292,8 +337,9 @@ double JoinOrder::Arrange(bool reorder) {
     }
   } else {
     order = AsWritten();
-    Follow(&order);
+    Follow(&order, &end);
   }
+  if (!context_.status.ok()) return 1;
   const absl::InlinedVector<PlanPattern, 4> written(bgp_.patterns.begin(), bgp_.patterns.end());
   double rows = 1;
   for (size_t i = 0; i < n; ++i) {

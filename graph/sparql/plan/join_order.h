@@ -5,7 +5,8 @@
 // of a variable among them is that number if nothing else is open, else a power of it; or, if the query looks
 // expensive enough, an estimate from a few sampled matches and their exact counts. Rows of a join: the
 // product over the larger number of values of each shared variable (Selinger et al., SIGMOD 1979). Orders are
-// searched greedily, and by dynamic programming over sets of patterns (left-deep) if that pays. One thread.
+// searched greedily, and by dynamic programming over sets of patterns (left-deep) if that pays; of very many patterns only
+// those that share a variable are looked at, so that the time grows with their number, not its square. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_JOIN_ORDER_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_JOIN_ORDER_H_
 
@@ -23,7 +24,8 @@ class JoinOrder {
  public:
   // The patterns and filters of `bgp`; the slots `bound` have a value before it begins. Reads counts from
   // context.version and stores them in the patterns.
-  JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context);
+  // Ends early where the context's status is no longer OK. `bound` must outlive it.
+  JoinOrder(PlanNode& bgp, const SlotSet& bound, EvaluationContext& context);
 
   // Estimated rows of the greedy order for one start. Changes nothing.
   double Rows();
@@ -34,6 +36,7 @@ class JoinOrder {
  private:
   static constexpr size_t kMaxVariables = 32;
   static constexpr size_t kMaxProgrammed = 10;  // patterns that dynamic programming orders
+  static constexpr size_t kMaxGreedy = 64;      // patterns that are compared with each other at each step
 
   struct Use {
     int variable;   // number within this BGP
@@ -81,12 +84,15 @@ class JoinOrder {
   void Extend(const Pattern& pattern, const Step& step, State* state) const;
   Order AsWritten() const;
   Order Greedy(State* end) const;
+  // The rarest pattern first, then always the rarest that shares a variable with those before, if one does.
+  Order Connected() const;
   Order Programmed() const;
   // Computes the rows of an order.
-  void Follow(Order* order) const;
+  void Follow(Order* order, State* end) const;
 
   PlanNode& bgp_;
-  const EvaluationContext& context_;
+  const SlotSet& bound_;
+  EvaluationContext& context_;
   uint64_t initial_ = 0;
   uint64_t variables_ = 0,
            shared_ = 0;  // those used, and those whose number of values matters: used twice, or initial

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "graph/sparql/syntax/algebra_memory.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/values/function_registry.h"
 #include "graph/sparql/values/text.h"
@@ -21,6 +22,9 @@ PlanNodePtr Node(Plan kind) {
   return std::make_unique<PlanNode>(kind);
 }
 
+// A pattern's three terms or a path's IRI among the constants, and in the map of their numbers.
+constexpr size_t kBytesOfConstants = 3 * (sizeof(Term) + 64);
+
 // A node with one child and the child's variables.
 PlanNodePtr Over(Plan kind, PlanNodePtr child) {
   PlanNodePtr node = Node(kind);
@@ -30,6 +34,15 @@ PlanNodePtr Over(Plan kind, PlanNodePtr child) {
   node->barrier = child->barrier;
   node->children.push_back(std::move(child));
   return node;
+}
+
+// Without its children and the expressions. A node that stands for several of the algebra counts for each.
+size_t MemoryOf(const PlanNode& node) {
+  size_t bytes = sizeof(PlanNode) + kBytesOfAllocation + node.certain.bytes() + node.possible.bytes() +
+                 node.mentions.bytes() + node.patterns.size() * (sizeof(PlanPattern) + kBytesOfConstants) +
+                 node.path_constants.size() * kBytesOfConstants + node.columns.size() * 2 * sizeof(int);
+  for (const SlotSet& reads : node.filter_slots) bytes += sizeof(reads) + reads.bytes();
+  return bytes;
 }
 
 bool HasExists(const Expression& e) {
@@ -91,8 +104,20 @@ PlanExpressionPtr Lowering::LowerExpression(const Expression& expression) {
   return status_.ok() ? std::move(e) : nullptr;
 }
 
+bool Lowering::Count(size_t bytes) {
+  if (context_.ChargePlan(bytes) && context_.Poll()) return true;
+  if (status_.ok()) status_ = context_.status;
+  return false;
+}
+
 PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& graph, bool top) {
   if (!status_.ok()) return Node(Plan::kBgp);
+  PlanNodePtr node = LowerNode(a, scope, graph, top);
+  Count(MemoryOf(*node));
+  return node;
+}
+
+PlanNodePtr Lowering::LowerNode(const Algebra& a, Scope& scope, const GraphRef& graph, bool top) {
   switch (a.kind) {
     case Kind::kBgp:
       return LowerBgp(a, scope, graph);
@@ -249,21 +274,24 @@ PlanNodePtr Lowering::LowerJoin(const Algebra& a, Scope& scope, const GraphRef& 
 
 // Moves a filter to the patterns that bind its variables. This goes through joins, and through the left side
 // of OPTIONAL and MINUS: their right side does not change the variables of the filter.
-bool Lowering::PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const {
+bool Lowering::PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads,
+                          const SlotSet& open) {
   bool placed = false;
+  if (!Count(0)) return false;
   switch (node.kind) {
     case Plan::kBgp:
-      placed = reads.Within(node.certain.Or(bound_));
+      placed = open.Within(node.certain);
       if (!placed) return false;
       node.filters.push_back(std::move(filter));
       node.filter_slots.push_back(reads);
       break;
     case Plan::kJoin:
-      for (const PlanNodePtr& child : node.children) placed = placed || PushFilter(*child, filter, reads);
+      for (const PlanNodePtr& child : node.children)
+        placed = placed || PushFilter(*child, filter, reads, open);
       break;
     case Plan::kLeftJoin:
     case Plan::kMinus:
-      placed = PushFilter(*node.children[0], filter, reads);
+      placed = PushFilter(*node.children[0], filter, reads, open);
       break;
     default:
       break;
@@ -281,7 +309,7 @@ PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef
   for (const Expression* e : conjuncts) {
     SlotSet reads = Reads(*e, scope, graph);
     PlanExpressionPtr lowered = Lower(*e, scope, graph);
-    if (HasExists(*e) || !PushFilter(*child, lowered, reads))
+    if (HasExists(*e) || !PushFilter(*child, lowered, reads, reads.Minus(bound_)))
       rest.emplace_back(std::move(lowered), std::move(reads));
   }
   if (rest.empty()) return child;
@@ -357,12 +385,14 @@ PlanNodePtr Lowering::LowerValues(const Algebra& a, Scope& scope) {
     const int slot = SlotOf(a.variables[i].name, scope);
     node->columns.push_back(slot);
     node->possible.Add(slot);
+    if (!Count(0)) break;
     bool always = true;
     for (const auto& row : a.rows) always &= row[i].has_value();
     if (always) node->certain.Add(slot);
   }
   node->mentions = node->possible;
-  node->rows = a.rows;
+  node->source = &a;
+  node->rows = &a.rows;
   return node;
 }
 
@@ -426,6 +456,8 @@ void Lowering::CheckFunction(const Expression& e) {
 
 PlanExpressionPtr Lowering::Lower(const Expression& e, Scope& scope, const GraphRef& graph) {
   auto out = std::make_unique<PlanExpression>();
+  if (!status_.ok() || !Count(sizeof(PlanExpression) + kBytesOfAllocation + 2 * TextMemory(e.term)))
+    return out;
   out->source = &e;
   out->kind = e.kind;
   out->builtin = e.builtin;

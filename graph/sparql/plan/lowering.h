@@ -11,6 +11,7 @@
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
 #include "graph/rdf/dictionary.h"
+#include "graph/sparql/plan/evaluation_context.h"
 #include "graph/sparql/plan/plan.h"
 #include "graph/sparql/syntax/name_numbers.h"
 #include "graph/sparql/values/function_registry.h"
@@ -22,8 +23,9 @@ using ConstantTerms = absl::InlinedVector<const Term*, 8>;
 
 class Lowering {
  public:
-  Lowering(const Dictionary& dictionary, const FunctionRegistry* functions)
-      : dictionary_(dictionary), functions_(functions) {}
+  // `context` counts the plan's memory, and ends the work with its status.
+  explicit Lowering(EvaluationContext* context)
+      : context_(*context), dictionary_(context->dictionary), functions_(context->functions) {}
 
   // The slot of a variable of the outermost scope, created if new.
   int SlotOf(const std::string& variable) { return SlotOf(variable, root_); }
@@ -31,7 +33,7 @@ class Lowering {
   void SetBound(const SlotSet& bound) { bound_ = bound; }
 
   // The plan of a whole WHERE with modifiers. Null if status() is not OK: UNIMPLEMENTED or INVALID_ARGUMENT,
-  // with line and column.
+  // with line and column; or the context's.
   PlanNodePtr LowerQuery(const Algebra& algebra);
   PlanExpressionPtr LowerExpression(const Expression& expression);
 
@@ -48,11 +50,15 @@ class Lowering {
   int ConstantOfMany(const Term& term);
   int SlotOf(const std::string& variable, Scope& scope);
   PlanTerm TermOf(const PatternTerm& term, Scope& scope);
+  // Counts a part of the plan. False if the work has to end.
+  bool Count(size_t bytes);
   PlanNodePtr Lower(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
+  PlanNodePtr LowerNode(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
   PlanNodePtr LowerBgp(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerFilter(const Algebra& a, Scope& scope, const GraphRef& graph);
-  bool PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const;
+  // `open`: the slots of `reads` without a value before the query begins.
+  bool PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads, const SlotSet& open);
   PlanNodePtr LowerLeftJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerGraph(const Algebra& a, Scope& scope);
   PlanNodePtr LowerValues(const Algebra& a, Scope& scope);
@@ -65,6 +71,7 @@ class Lowering {
   void CheckFunction(const Expression& e);
   void Fail(absl::StatusCode code, const SourceSpan& span, const std::string& message);
 
+  EvaluationContext& context_;
   const Dictionary& dictionary_;
   const FunctionRegistry* functions_;
   Scope root_;

@@ -58,6 +58,7 @@ struct PlanExpression {
   // REGEX and REPLACE: the last compiled expression, and its pattern and flags.
   std::shared_ptr<Regex> regex;
   std::string regex_source;
+  size_t regex_bytes = 0;  // counted of it, as memory of the plan
 
   PlanExpression();
   ~PlanExpression();
@@ -98,7 +99,7 @@ struct PlanNode {
   explicit PlanNode(Kind kind) : kind(kind) {}
 
   Kind kind;
-  const Algebra* source = nullptr;  // kPath, kExtend: as written, for Explain; lives as long as the query
+  const Algebra* source = nullptr;  // kPath, kExtend, kValues: as written; lives as long as the query
   std::vector<std::unique_ptr<PlanNode>> children;
   SlotSet certain;       // bound in every solution
   SlotSet possible;      // bound in some solution; both without slots bound from outside
@@ -109,17 +110,17 @@ struct PlanNode {
   double seconds = 0;                  // time, with all nodes beneath, if measured
 
   std::vector<PlanPattern> patterns;
-  std::vector<PlanExpressionPtr> filters;                 // kBgp: all; kFilter: the conjuncts
-  std::vector<SlotSet> filter_slots;                      // what each filter, or `expression`, reads
-  PlanExpressionPtr expression;                           // kLeftJoin, kHashLeftJoin (may be null), kExtend
-  int slot = -1;                                          // kExtend
-  int graph_slot = -1;                                    // kGraph
-  PlanTerm name;                                          // kGraph
-  std::vector<int> columns;                               // kValues, kProject, kDistinct
-  std::vector<std::vector<std::optional<Term>>> rows;     // kValues
-  std::vector<std::pair<int, PlanExpressionPtr>> keys;    // kGroup
-  std::vector<AggregatePlan> aggregates;                  // kGroup
-  std::vector<std::pair<PlanExpressionPtr, bool>> order;  // kOrderBy: expression, descending
+  std::vector<PlanExpressionPtr> filters;  // kBgp: all; kFilter: the conjuncts
+  std::vector<SlotSet> filter_slots;       // what each filter, or `expression`, reads
+  PlanExpressionPtr expression;            // kLeftJoin, kHashLeftJoin (may be null), kExtend
+  int slot = -1;                           // kExtend
+  int graph_slot = -1;                     // kGraph
+  PlanTerm name;                           // kGraph
+  std::vector<int> columns;                // kValues, kProject, kDistinct
+  const std::vector<std::vector<std::optional<Term>>>* rows = nullptr;  // kValues: as in `source`
+  std::vector<std::pair<int, PlanExpressionPtr>> keys;                  // kGroup
+  std::vector<AggregatePlan> aggregates;                                // kGroup
+  std::vector<std::pair<PlanExpressionPtr, bool>> order;                // kOrderBy: expression, descending
   uint64_t offset = 0;
   std::optional<uint64_t> limit;   // kSlice; kOrderBy: the number of rows needed
   PlanTerm subject, object;        // kPath

@@ -13,9 +13,12 @@ using Kind = PlanNode::Kind;
 
 namespace {
 
+// Operands of one join that are compared with each other at each step.
+constexpr size_t kMostCompared = 64;
+
 class Arranger {
  public:
-  Arranger(const SlotSet& initial, const EvaluationContext& context, const PlannerOptions& options)
+  Arranger(const SlotSet& initial, EvaluationContext& context, const PlannerOptions& options)
       : initial_(initial), context_(context), options_(options) {}
 
   void Arrange(PlanNodePtr& node, const SlotSet& bound);
@@ -27,20 +30,22 @@ class Arranger {
  private:
   double Estimate(PlanNode& node, const SlotSet& bound) const;
   void ArrangeJoin(PlanNodePtr& node, const SlotSet& bound);
+  void SortByRows(std::vector<PlanNodePtr>* operands, const SlotSet& bound) const;
   void ArrangeBinary(PlanNode& node, const SlotSet& bound);
   void SetEstimate(PlanNode& node, const SlotSet& bound) const;
 
   const SlotSet& initial_;
-  const EvaluationContext& context_;
+  EvaluationContext& context_;
   const PlannerOptions& options_;
 };
 
 double Arranger::Estimate(PlanNode& node, const SlotSet& bound) const {
+  if (!context_.Poll()) return 1;
   switch (node.kind) {
     case Kind::kBgp:
       return JoinOrder(node, bound, context_).Rows();
     case Kind::kValues:
-      return static_cast<double>(node.rows.size());
+      return static_cast<double>(node.rows->size());
     case Kind::kUnion: {
       double sum = 0;
       for (const PlanNodePtr& child : node.children) sum += Estimate(*child, bound);
@@ -61,7 +66,7 @@ double Arranger::Estimate(PlanNode& node, const SlotSet& bound) const {
       double steps = 1;  // triples that the path can follow
       for (const int constant : node.path_constants) {
         const TermId predicate = context_.constants[constant];
-        if (predicate == kUnknownTerm) continue;
+        if (predicate == kUnknownTerm || !context_.Poll()) continue;
         steps += static_cast<double>(context_.version->Count({TermId(), predicate, TermId(), TermId()}));
       }
       return from && to ? 0.5 : from || to ? std::sqrt(steps) : steps * 2;
@@ -73,23 +78,33 @@ double Arranger::Estimate(PlanNode& node, const SlotSet& bound) const {
   }
 }
 
+void Arranger::SortByRows(std::vector<PlanNodePtr>* operands, const SlotSet& bound) const {
+  for (const PlanNodePtr& operand : *operands) operand->estimate = Estimate(*operand, bound);
+  std::stable_sort(operands->begin(), operands->end(),
+                   [](const PlanNodePtr& a, const PlanNodePtr& b) { return a->estimate < b->estimate; });
+}
+
 void Arranger::ArrangeJoin(PlanNodePtr& node, const SlotSet& bound) {
   std::vector<PlanNodePtr> rest = std::move(node->children);
+  const bool many = rest.size() > kMostCompared;
+  if (many && options_.reorder) SortByRows(&rest, bound);
   PlanNodePtr done;
   SlotSet now = bound;
-  while (!rest.empty()) {
-    size_t best = 0;
+  for (size_t first = 0; first < rest.size(); ++first) {
+    size_t best = first;
     double best_estimate = std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < rest.size(); ++i) {
+    for (size_t i = first; i < rest.size(); ++i) {
       const double estimate = Estimate(*rest[i], now);
       if (estimate < best_estimate) {
         best = i;
         best_estimate = estimate;
       }
-      if (!options_.reorder) break;
+      if (many || !options_.reorder) break;
     }
     PlanNodePtr next = std::move(rest[best]);
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
+    std::move_backward(rest.begin() + static_cast<std::ptrdiff_t>(first),
+                       rest.begin() + static_cast<std::ptrdiff_t>(best),
+                       rest.begin() + static_cast<std::ptrdiff_t>(best) + 1);
     if (!done) {
       Arrange(next, now);
       now |= next->certain;
@@ -104,6 +119,8 @@ void Arranger::ArrangeJoin(PlanNodePtr& node, const SlotSet& bound) {
     join->mentions = done->mentions.Or(next->mentions);
     join->barrier = done->barrier || next->barrier;
     join->estimate = done->estimate * best_estimate;
+    context_.ChargePlan(sizeof(PlanNode) + join->certain.bytes() + join->possible.bytes() +
+                        join->mentions.bytes());
     now |= next->certain;
     join->children.push_back(std::move(done));
     join->children.push_back(std::move(next));
@@ -188,12 +205,12 @@ void Arranger::Arrange(PlanNodePtr& node, const SlotSet& bound) {
 
 }  // namespace
 
-void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, const EvaluationContext& context,
+void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, EvaluationContext& context,
                  const PlannerOptions& options) {
   Arranger(bound, context, options).Arrange(node, bound);
 }
 
-void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, const EvaluationContext& context,
+void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, EvaluationContext& context,
                        const PlannerOptions& options) {
   Arranger(bound, context, options).Arrange(expression, bound);
 }

@@ -1,6 +1,6 @@
 // Algebra → plan, second half: the order of patterns and joins, and each join's method, from exact counts of
 // one graph version. For patterns see join_order.h. Other operands are ordered greedily: the one with the
-// fewest rows for the variables bound so far comes next. One thread.
+// fewest rows for the variables bound so far comes next; very many are ordered by the rows of each alone. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
 
@@ -18,9 +18,10 @@ struct PlannerOptions {
 // Arranges `node` and everything inside it, also the plans of EXISTS. `bound`: slots that have a value
 // before the plan begins (initial bindings). Reads counts from context.version and ids from
 // context.constants.
-void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, const EvaluationContext& context,
+// Ends early, with a plan that must not run, where context.status is no longer OK.
+void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, EvaluationContext& context,
                  const PlannerOptions& options);
-void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, const EvaluationContext& context,
+void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, EvaluationContext& context,
                        const PlannerOptions& options);
 
 // True if evaluating `node` with the slots `outer` already bound gives exactly its solutions that are

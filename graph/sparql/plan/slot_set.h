@@ -36,8 +36,20 @@ class SlotSet {
   bool empty() const {
     return first_ == 0 && std::all_of(more_.begin(), more_.end(), [](uint64_t w) { return w == 0; });
   }
-  bool Within(const SlotSet& other) const { return Minus(other).empty(); }
-  bool Meets(const SlotSet& other) const { return !And(other).empty(); }
+  bool Within(const SlotSet& other) const {
+    if ((first_ & ~other.first_) != 0) return false;
+    for (size_t i = 0; i < more_.size(); ++i) {
+      if ((more_[i] & ~(i < other.more_.size() ? other.more_[i] : 0)) != 0) return false;
+    }
+    return true;
+  }
+  bool Meets(const SlotSet& other) const {
+    if ((first_ & other.first_) != 0) return true;
+    for (size_t i = 0; i < std::min(more_.size(), other.more_.size()); ++i) {
+      if ((more_[i] & other.more_[i]) != 0) return true;
+    }
+    return false;
+  }
 
   SlotSet& operator|=(const SlotSet& other) {
     first_ |= other.first_;
@@ -60,6 +72,8 @@ class SlotSet {
       out.more_[i] &= ~other.more_[i];
     return out;
   }
+  // Memory beyond its own size.
+  size_t bytes() const { return more_.capacity() * sizeof(uint64_t); }
   // The members in ascending order.
   std::vector<int> List() const {
     std::vector<int> out;

@@ -13,12 +13,15 @@
 
 namespace docent::sparql {
 
-constexpr int64_t kRe2MemoryBytes = 8 << 20;
+// For a program and the states of its searches; the second for what is too large for the first.
+constexpr int64_t kRe2MemoryBytes[] = {512 << 10, 8 << 20};
+constexpr size_t kBytesOfInstruction = 64;  // of our matcher
 
 struct Regex::Impl {
   RegexTree tree;
   RegexLimits limits;
   std::unique_ptr<re2::RE2> re2;  // null: the matcher searches
+  size_t re2_bytes = 0;
   std::vector<re2::StringPiece> pieces;
   std::optional<RegexProgram> program;
   std::optional<RegexMatcher> matcher;
@@ -43,9 +46,13 @@ std::optional<RegexMistake> Regex::Compile(std::string_view pattern, std::string
   if (const std::optional<std::string> source = Re2Source(impl->tree, capture)) {
     re2::RE2::Options options;
     options.set_log_errors(false);
-    options.set_max_mem(kRe2MemoryBytes);
-    impl->re2 = std::make_unique<re2::RE2>(*source, options);
-    if (!impl->re2->ok()) impl->re2 = nullptr;  // too large for RE2's memory limit
+    for (const int64_t bytes : kRe2MemoryBytes) {
+      options.set_max_mem(bytes);
+      impl->re2 = std::make_unique<re2::RE2>(*source, options);
+      impl->re2_bytes = static_cast<size_t>(bytes);
+      if (impl->re2->ok()) break;
+    }
+    if (!impl->re2->ok()) impl->re2 = nullptr;  // too large for RE2
   }
   if (impl->re2 == nullptr) impl->Matcher();
   *out = std::unique_ptr<Regex>(new Regex(std::move(impl)));
@@ -63,6 +70,10 @@ bool Regex::matches_empty_text() const {
 }
 bool Regex::is_re2() const {
   return impl_->re2 != nullptr;
+}
+size_t Regex::bytes() const {
+  const size_t instructions = impl_->program ? impl_->program->instructions.size() : 0;
+  return (impl_->re2 != nullptr ? impl_->re2_bytes : 0) + instructions * kBytesOfInstruction;
 }
 uint64_t Regex::size() const {
   return impl_->re2 != nullptr ? static_cast<uint64_t>(impl_->re2->ProgramSize())

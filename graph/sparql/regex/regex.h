@@ -26,6 +26,8 @@ class Regex {
   bool matches_empty_text() const;
   // Size in instructions: the cost of compiling it, and the worst-case cost of a search for each byte.
   uint64_t size() const;
+  // Memory that it takes at most, with what RE2 keeps of its searches.
+  size_t bytes() const;
   // True if RE2 searches; for tests.
   bool is_re2() const;
 

@@ -15,6 +15,8 @@ using Op = RegexInstruction::Kind;
 constexpr int kStepsAPoll = 1024;
 constexpr size_t kBytesAStep = 4;        // a step takes about as long as reading them
 constexpr size_t kFramesAtFirst = 1024;  // not counted
+constexpr size_t kBytesCompared = 8;     // in the time of a step
+constexpr size_t kStepsOfVariants = 8;   // to look up whether two characters differ in case alone
 constexpr size_t kBytesKept = 1u << 20;  // of buffers, for the next text
 
 }  // namespace
@@ -116,17 +118,31 @@ bool RegexMatcher::AtEnd(size_t at) const {
   return at < text_.size() ? text_[at] == '\n' : text_.empty() || text_.back() != '\n';
 }
 
-bool RegexMatcher::Repeats(int group, size_t* at) const {
+bool RegexMatcher::Worked(size_t steps) {
+  while (steps > 0) {
+    const auto now = std::min(steps, static_cast<size_t>(steps_to_poll_));
+    steps -= now;
+    steps_to_poll_ -= static_cast<int>(now);
+    if (steps_to_poll_ == 0 && !CountSteps()) return false;
+  }
+  return true;
+}
+
+bool RegexMatcher::Repeats(int group, size_t* at) {
   const std::string_view before = Group(group).value_or(std::string_view());
   if (!program_.ignore_case) {
-    if (text_.substr(*at, before.size()) != before) return false;
+    const std::string_view rest = text_.substr(*at, before.size());
+    const auto same =
+        static_cast<size_t>(std::mismatch(rest.begin(), rest.end(), before.begin()).first - rest.begin());
+    if (!Worked(same / kBytesCompared) || same < before.size()) return false;
     *at += before.size();
     return true;
   }
   for (size_t i = 0; i < before.size();) {
-    if (*at >= text_.size()) return false;
+    if (*at >= text_.size() || !Worked(1)) return false;
     const char32_t a = NextCodePoint(before, &i), b = NextCodePoint(text_, at);
-    if (a != b && !AreCaseVariants(a, b)) return false;
+    if (a == b) continue;
+    if (!Worked(kStepsOfVariants) || !AreCaseVariants(a, b)) return false;
   }
   return true;
 }

@@ -57,7 +57,9 @@ class RegexMatcher {
   bool AtStart(size_t at) const;
   bool AtEnd(size_t at) const;
   // Matches the text of the group again and moves *at past it.
-  bool Repeats(int group, size_t* at) const;
+  bool Repeats(int group, size_t* at);
+  // Counts steps. False: the search must end.
+  bool Worked(size_t steps);
   bool CountSteps();
   bool Charge(size_t bytes);
   void Refuse(absl::Status status);

@@ -1,6 +1,7 @@
 // REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15). Mistakes in a constant pattern are found
 // when the query is parsed; with a wrong computed pattern the call is an error.
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "graph/sparql/regex/regex.h"
@@ -34,6 +35,8 @@ Regex* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags,
   if (source == e.regex_source) return e.regex.get();
   std::unique_ptr<Regex> made;
   Regex::Compile(pattern.text(), flags, e.builtin == Builtin::kReplace, &made);
+  context.ReleasePlan(std::exchange(e.regex_bytes, (made ? made->bytes() : 0) + source.size()));
+  if (!context.ChargePlan(e.regex_bytes)) made = nullptr;
   e.regex = std::move(made);
   e.regex_source = std::move(source);
   context.Worked(kBytesAnInstruction *
@@ -60,12 +63,18 @@ std::optional<std::string> Replaced(std::string_view text, Regex& regex, const R
                           : *std::max_element(replacement.groups.begin(), replacement.groups.end());
   std::vector<std::string_view> groups(static_cast<size_t>(highest) + 1);
   std::string out;
-  // The caller has checked that this much memory is available.
+  MemoryPart counted = context.PartOfMemory();
+  // The caller has counted this much memory.
   size_t room = std::max<size_t>(4096, text.size() + text.size() / 2);
   const auto grow = [&](size_t bytes) {
     if (out.size() + bytes <= room) return true;
     room = (out.size() + bytes) * 5 / 4;
-    return context.HasRoom(2 * room);
+    if (!context.HasRoom(2 * room)) return false;
+    const size_t old = counted.used();
+    if (!counted.Add(room)) return context.HasRoom(0);
+    out.reserve(room);
+    counted.Release(old);
+    return true;
   };
   ContextGuard guard(context);
   Regex::Searches searches(&regex, text, &guard);

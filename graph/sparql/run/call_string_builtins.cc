@@ -93,7 +93,10 @@ Value CallSubstr(const std::vector<Value>& a) {
 }
 
 Value CallConcat(const std::vector<Value>& arguments) {
+  size_t bytes = 0;
+  for (const Value& v : arguments) bytes += v.text().size();
   std::string out;
+  out.reserve(bytes);
   bool same_language = !arguments.empty();
   for (const Value& v : arguments) {
     if (!v.IsStringLike()) return Value::Error();

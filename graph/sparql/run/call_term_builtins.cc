@@ -63,10 +63,15 @@ std::string Uuid(EvaluationContext& context) {
 Value MakeIri(const Value& v, EvaluationContext& context) {
   if (v.type() == Type::kIri) return v;
   if (v.type() != Type::kString) return Value::Error();
-  if (v.text().find_first_of("<>\"{}|^`\\ \t\r\n") != std::string_view::npos) return Value::Error();
-  if (IsAbsoluteIri(v.text())) return Value::Iri(std::string(v.text()));
-  if (context.base_iri.empty()) return Value::Error();
-  return Value::Iri(ResolveIri(v.text(), context.base_iri));
+  if (!IsAbsoluteIri(v.text()) && context.base_iri.empty()) return Value::Error();
+  std::string iri = ResolveIri(v.text(), context.base_iri);
+  return IsValidTermIri(iri) ? Value::Iri(std::move(iri)) : Value::Error();
+}
+
+Value StrOf(const Value& v, EvaluationContext& context) {
+  if (v.type() == Type::kBlank) return Value::Error();
+  std::string scratch;
+  return Value::String(std::string(context.LexicalOf(v, &scratch)));
 }
 
 Value DatatypeOf(const Value& v, EvaluationContext& context) {
@@ -116,7 +121,7 @@ Value CallTermBuiltin(PlanExpression& e, const std::vector<Value>& arguments, Ev
   const auto& a = arguments;
   switch (e.builtin) {
     case Builtin::kStr:
-      return a[0].type() == Type::kBlank ? Value::Error() : Value::String(context.LexicalOf(a[0]));
+      return StrOf(a[0], context);
     case Builtin::kLang:
       if (!a[0].IsLiteral()) return Value::Error();
       return Value::String(a[0].type() == Type::kLangString ? std::string(a[0].language()) : "");

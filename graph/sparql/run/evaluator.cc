@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
@@ -19,6 +20,9 @@ namespace {
 constexpr uint64_t kReplanFactor = 2;
 constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
 
+// Of CONSTRUCT, beside its texts: terms, and their share of a table or an array that grows.
+constexpr size_t kBytesOfTriple = sizeof(TermQuad) + 64;
+
 const Term& DefaultGraphTerm() {
   static const Term term = Term::Iri(std::string(kDefaultGraph));
   return term;
@@ -30,7 +34,9 @@ class Program {
   Program(const Dictionary& dictionary, const PrepareOptions& options)
       : dictionary_(dictionary),
         strict_(options.default_graph == DefaultGraph::kStrict),
-        context(dictionary, options.functions, options.memory_bytes, options.all_memory) {}
+        context(dictionary, options.functions, options.memory_bytes, options.all_memory, options.memory) {
+    context.cancellation = options.cancellation;
+  }
 
   // Looks up constants that were not in the dictionary again when it has grown. True if one was
   // found.
@@ -102,8 +108,8 @@ struct PreparedQuery::Impl {
       : query(std::move(q)), dictionary(d), options(o), program(d, o) {}
 
   absl::Status Lower();
-  void Unplan();
-  void Plan(const GraphVersion& version);
+  absl::Status Unplan();
+  absl::Status Plan(const GraphVersion& version);
   absl::Status Begin(const RunOptions& run);
   // Ends the current run, if there is one.
   void End();
@@ -121,7 +127,8 @@ struct PreparedQuery::Impl {
   int default_graph = 0;
   int with = -1;
   size_t slots = 0;
-  PlanNodePtr plan;  // lowered; arranged once `root` stands
+  PlanNodePtr plan;
+  bool lowered = false;  // `plan` is not arranged
   std::unique_ptr<Operator> root;
   std::vector<TermId> ids;  // of the current row:
   absl::Span<TermId> base, out, row;
@@ -133,7 +140,7 @@ struct PreparedQuery::Impl {
 // Assigns slots and constants; leaves `plan` not arranged. The result is the same every time, so slots stay
 // valid when it is repeated.
 absl::Status PreparedQuery::Impl::Lower() {
-  Lowering lowering(dictionary, options.functions);
+  Lowering lowering(&program.context);
   columns.clear();
   bound_slots.clear();
   bound = SlotSet();
@@ -153,27 +160,35 @@ absl::Status PreparedQuery::Impl::Lower() {
   plan = lowering.LowerQuery(*query.algebra);
   slots = lowering.slots();
   constants = lowering.TakeConstants();
+  lowered = lowering.status().ok();
   return lowering.status();
 }
 
 // Returns to the lowered form, from which arranging starts.
-void PreparedQuery::Impl::Unplan() {
-  if (!root) return;
+absl::Status PreparedQuery::Impl::Unplan() {
+  if (lowered) return absl::OkStatus();
   root = nullptr;
   begun = false;
-  Lower().IgnoreError();  // it succeeded before
+  plan = nullptr;
+  program.context.ForgetPlan();
+  return Lower();
 }
 
-void PreparedQuery::Impl::Plan(const GraphVersion& version) {
-  Unplan();
+absl::Status PreparedQuery::Impl::Plan(const GraphVersion& version) {
+  if (absl::Status status = Unplan(); !status.ok()) return status;
+  lowered = false;
   program.planned_size = version.size();
   program.context.version = &version;
   ArrangePlan(plan, bound, program.context, {options.reorder_joins});
+  if (!program.context.status.ok()) return program.context.status;
   ids.assign(2 * slots + columns.size(), TermId());
   base = absl::MakeSpan(ids.data(), slots);
   out = absl::MakeSpan(base.end(), slots);
   row = absl::MakeSpan(out.end(), columns.size());
   root = BuildOperator(*plan, {&program.context, slots, base.data(), measure});
+  if (program.context.status.ok()) return absl::OkStatus();
+  root = nullptr;
+  return program.context.status;
 }
 
 absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
@@ -184,7 +199,7 @@ absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
   }
   program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
   if (!root || found || program.SizeChangedMuch(*run.version)) {
-    Plan(*run.version);
+    if (absl::Status status = Plan(*run.version); !status.ok()) return status;
   } else {
     End();
   }
@@ -228,6 +243,9 @@ absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(Query&& qu
 Query::Form PreparedQuery::form() const {
   return impl_->query.form;
 }
+const Query& PreparedQuery::query() const {
+  return impl_->query;
+}
 const std::vector<std::string>& PreparedQuery::variables() const {
   return impl_->names;
 }
@@ -240,7 +258,9 @@ absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId
     return absl::InvalidArgumentError("the query was prepared for " + std::to_string(p.bound_slots.size()) +
                                       " bound variables, not " + std::to_string(bound.size()));
   }
-  if (absl::Status status = p.Begin(run); !status.ok()) return status;
+  // What ends the planning is told as what ends the run: by Next and status().
+  if (absl::Status status = p.Begin(run); !status.ok())
+    return this->status().ok() ? status : absl::OkStatus();
   std::fill(p.base.begin(), p.base.end(), TermId());
   for (size_t i = 0; i < bound.size(); ++i) p.base[p.bound_slots[i]] = bound[i];
   p.root->Start(p.base.data());
@@ -251,6 +271,7 @@ absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId
 bool PreparedQuery::Next() {
   Impl& p = *impl_;
   if (!p.running || !p.root->Next(p.out.data()) || !p.program.context.status.ok()) {
+    p.program.context.Settle();
     p.End();
     return false;
   }
@@ -288,6 +309,7 @@ TermId PreparedQuery::Encode(const Term& term) {
 absl::StatusOr<bool> PreparedQuery::Ask(const RunOptions& run, absl::Span<const TermId> bound) {
   if (absl::Status status = Start(run, bound); !status.ok()) return status;
   const bool any = Next();
+  impl_->program.context.Settle();
   impl_->End();
   if (!status().ok()) return status();
   return any;
@@ -299,6 +321,7 @@ absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermI
   while (Next()) {
     if (!visit(row())) break;
   }
+  impl_->program.context.Settle();
   impl_->End();
   return status();
 }
@@ -322,24 +345,26 @@ absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions&
   if (absl::Status status = Start(run, bound); !status.ok()) return status;
   std::vector<TermQuad> out;
   absl::flat_hash_set<std::vector<Term>> seen;
+  absl::flat_hash_map<std::string_view, size_t> column_of;
+  for (const std::string& name : p.names) column_of.emplace(name, column_of.size());
+  EvaluationContext& context = p.program.context;
   for (uint64_t solution = 0; Next(); ++solution) {
     const auto instantiate = [&](const PatternTerm& t) -> std::optional<Term> {
       if (!t.IsVariable())
         return t.term().IsBlank() ? Term::Blank(TemplateLabel(t.term().lexical, solution)) : t.term();
-      const auto it = std::find(p.names.begin(), p.names.end(), t.variable().name);
-      if (it == p.names.end()) return std::nullopt;
-      const TermId id = p.row[static_cast<size_t>(it - p.names.begin())];
-      if (id.IsNone()) return std::nullopt;
-      return Decode(id);
+      const auto it = column_of.find(t.variable().name);
+      if (it == column_of.end() || p.row[it->second].IsNone()) return std::nullopt;
+      return Decode(p.row[it->second]);
     };
     for (const TriplePattern& t : p.query.construct_template) {
+      if (!context.Poll()) break;
       const std::optional<Term> s = instantiate(t.subject), r = instantiate(t.predicate),
                                 o = instantiate(t.object);
       if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
+      const size_t text = TextBytes(*s) + TextBytes(*r) + TextBytes(*o);
+      if (!context.Worked(text)) break;
       if (!seen.insert({*s, *r, *o}).second) continue;
-      if (!p.program.context.Charge(2 * (3 * sizeof(Term) + TextBytes(*s) + TextBytes(*r) + TextBytes(*o)))) {
-        break;
-      }
+      if (!context.Charge(2 * (kBytesOfTriple + text))) break;  // in the set, and in the answer
       out.push_back({*s, *r, *o, Term{}});
     }
   }
@@ -359,8 +384,10 @@ std::string PreparedQuery::Explain(const GraphVersion& version) {
 absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, absl::Span<const TermId> bound) {
   Impl& p = *impl_;
   p.measure = true;
-  p.Unplan();
-  absl::Status status = Start(run, bound);
+  // Making the plan anew looks at the cancellation of this run, not at that of the one before.
+  p.program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
+  absl::Status status = p.Unplan();
+  if (status.ok()) status = Start(run, bound);
   while (status.ok() && Next()) {
     if (p.query.form == Query::Form::kAsk) break;
   }
@@ -368,7 +395,8 @@ absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, abs
   p.measure = false;
   if (status.ok()) status = this->status();
   std::string text = status.ok() ? ExplainPlan(*p.plan, true) : "";
-  p.Unplan();
+  if (!status.ok()) return status;
+  status = p.Unplan();
   if (!status.ok()) return status;
   return text;
 }
@@ -376,11 +404,13 @@ absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, abs
 struct PreparedExpression::Impl {
   Impl(const Dictionary& dictionary, const PrepareOptions& options)
       : program(dictionary, options), options(options) {}
-  void Begin(const RunOptions& run, absl::Span<const TermId> row);
+  absl::Status Lower();
+  absl::Status Begin(const RunOptions& run, absl::Span<const TermId> row);
   void End();
 
   Program program;
   PrepareOptions options;
+  std::vector<std::string> variables;
   ExpressionPtr source;  // plans point into it
   PlanExpressionPtr expression;
   ConstantTerms constants;  // of `source`
@@ -397,33 +427,47 @@ absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
     const Expression& expression, const std::vector<std::string>& variables, const Dictionary& dictionary,
     const PrepareOptions& options) {
   auto impl = std::make_unique<Impl>(dictionary, options);
-  Lowering lowering(dictionary, options.functions);
-  for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
-  if (options.default_graph == DefaultGraph::kStrict)
-    impl->default_graph = lowering.ConstantOf(DefaultGraphTerm());
+  impl->variables = variables;
   impl->source = expression.Clone();
-  impl->expression = lowering.LowerExpression(*impl->source);
-  if (!lowering.status().ok()) return lowering.status();
-  impl->constants = lowering.TakeConstants();
-  impl->base.assign(lowering.slots(), TermId());
+  if (absl::Status status = impl->Lower(); !status.ok()) return status;
   return std::unique_ptr<PreparedExpression>(new PreparedExpression(std::move(impl)));
 }
 
-void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const TermId> row) {
+// The result is the same every time, as PreparedQuery's.
+absl::Status PreparedExpression::Impl::Lower() {
+  program.context.ForgetPlan();
+  expression = nullptr;
+  Lowering lowering(&program.context);
+  for (const std::string& name : variables) bound.Add(lowering.SlotOf(name));
+  if (options.default_graph == DefaultGraph::kStrict) default_graph = lowering.ConstantOf(DefaultGraphTerm());
+  expression = lowering.LowerExpression(*source);
+  constants = lowering.TakeConstants();
+  base.assign(lowering.slots(), TermId());
+  return lowering.status();
+}
+
+absl::Status PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const TermId> row) {
   if (program.ResolveConstants(constants) || !arranged) program.SetDataset(false, {}, {}, default_graph);
   program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
   if (!arranged && run.version != nullptr) {
     // Counts of the first version; an EXISTS here is small.
+    if (expression == nullptr) {  // an earlier run ended here
+      if (absl::Status status = Lower(); !status.ok()) return status;
+    }
     ArrangeExpression(*expression, bound, program.context, {options.reorder_joins});
     PrepareExpression(*expression, {&program.context, base.size(), base.data()});
-    arranged = true;
+    arranged = program.context.status.ok();
+    if (!arranged) expression = nullptr;
+    if (!arranged) return program.context.status;
   }
   std::fill(base.begin(), base.end(), TermId());
   std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())),
             base.begin());
+  return absl::OkStatus();
 }
 
 void PreparedExpression::Impl::End() {
+  program.context.Settle();
   ForgetExpression(*expression);
   program.context.Forget();
 }
@@ -438,10 +482,10 @@ bool HasExists(const PlanExpression& e) {
 }  // namespace
 
 absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<const TermId> row) {
-  if (run.version == nullptr && HasExists(*impl_->expression)) {
+  if (run.version == nullptr && impl_->expression != nullptr && HasExists(*impl_->expression)) {
     return absl::InvalidArgumentError("EXISTS needs a graph version");
   }
-  impl_->Begin(run, row);
+  if (absl::Status status = impl_->Begin(run, row); !status.ok()) return status;
   const bool passes = Passes(*impl_->expression, impl_->base.data(), impl_->program.context);
   impl_->End();
   if (!impl_->program.context.status.ok()) return impl_->program.context.status;
@@ -450,10 +494,10 @@ absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<
 
 absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOptions& run,
                                                                  absl::Span<const TermId> row) {
-  if (run.version == nullptr && HasExists(*impl_->expression)) {
+  if (run.version == nullptr && impl_->expression != nullptr && HasExists(*impl_->expression)) {
     return absl::InvalidArgumentError("EXISTS needs a graph version");
   }
-  impl_->Begin(run, row);
+  if (absl::Status status = impl_->Begin(run, row); !status.ok()) return status;
   EvaluationContext& context = impl_->program.context;
   const Value value = sparql::Evaluate(*impl_->expression, impl_->base.data(), context);
   std::optional<Term> term;

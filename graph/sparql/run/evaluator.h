@@ -32,7 +32,8 @@
 
 namespace docent {
 class MemoryBudget;
-}
+class MemoryUse;
+}  // namespace docent
 
 namespace docent::sparql {
 
@@ -52,6 +53,9 @@ struct PrepareOptions {
   size_t memory_bytes = Limits{}.query_memory_bytes;  // of hash tables, sorts, groups, computed terms
   MemoryBudget* all_memory =
       nullptr;  // counts the memory of all queries' runs; null: none; must outlive the query
+  // The request's: counts plan and runs in place of the two above, and must outlive the query. Null: the two above do.
+  MemoryUse* memory = nullptr;
+  Cancellation* cancellation = nullptr;  // ends the preparation; null: none
 };
 
 // Settings of one run. The pointers must outlive the run.
@@ -78,6 +82,7 @@ class PreparedQuery {
   PreparedQuery& operator=(const PreparedQuery&) = delete;
 
   Query::Form form() const;
+  const Query& query() const;
   // The names of a row's columns. SELECT: its projection. Others: all visible variables of WHERE,
   // in order of first occurrence.
   const std::vector<std::string>& variables() const;

@@ -19,6 +19,33 @@ namespace {
 
 // Bytes of work that an operation counts as, so that a long expression looks at the clock however few rows it has.
 constexpr size_t kWorkOfAnOperation = 32;
+constexpr size_t kLongText = 4096;  // bytes; shorter texts are not counted one by one
+
+// Bytes that a function makes of each byte of its arguments, with what it has on the way.
+size_t MadeOfAByte(Builtin builtin) {
+  switch (builtin) {
+    case Builtin::kBnode:  // two digits, and a copy
+      return 4;
+    case Builtin::kEncodeForUri:
+    case Builtin::kUcase:
+    case Builtin::kLcase:
+      return 3;
+    case Builtin::kStrlen:
+    case Builtin::kContains:
+    case Builtin::kStrStarts:
+    case Builtin::kStrEnds:
+    case Builtin::kLangMatches:
+    case Builtin::kRegex:
+    case Builtin::kMd5:
+    case Builtin::kSha1:
+    case Builtin::kSha256:
+    case Builtin::kSha384:
+    case Builtin::kSha512:
+      return 0;
+    default:
+      return 2;
+  }
+}
 
 Value FromBool(std::optional<bool> value) {
   return value ? Value::Boolean(*value) : Value::Error();
@@ -133,6 +160,7 @@ std::optional<bool> Connective(PlanExpression& e, const TermId* row, EvaluationC
 }
 
 bool Exists(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  if (!context.Worked(e.exists_base.size() * sizeof(TermId))) return false;
   for (size_t i = 0; i < e.exists_base.size(); ++i) e.exists_base[i] = row[i];
   e.exists_operator->Start(e.exists_base.data());
   return e.exists_operator->Next(e.exists_row.data()) && context.status.ok();
@@ -153,19 +181,21 @@ Value CallFunction(PlanExpression& e, const TermId* row, EvaluationContext& cont
   if (entry == nullptr) {  // the planner accepts casts only
     const Value value = Evaluate(*e.arguments[0], row, context);
     if (!context.Worked(value.text().size())) return Value::Error();
+    if (value.text().size() > kLongText && !context.HasRoom(2 * value.text().size())) return Value::Error();
     return Cast(e.term.lexical, value).value_or(Value::Error());
   }
+  MemoryPart texts = context.PartOfMemory();
   std::vector<Term> arguments;
   for (const PlanExpressionPtr& argument : e.arguments) {
     const Value value = Evaluate(*argument, row, context);
     if (value.IsError() || !context.Worked(value.text().size())) return Value::Error();
+    const size_t text = value.text().size();
+    if (text > kLongText && !texts.Add(3 * text) && !context.HasRoom(0)) return Value::Error();
     arguments.push_back(value.id().IsNone() ? value.ToTerm() : context.Decode(value.id()));
   }
   const absl::StatusOr<Term> result = entry->call(arguments);
   return result.ok() ? context.ValueOf(context.Encode(*result)) : Value::Error();
 }
-
-constexpr size_t kLongText = 4096;  // bytes; shorter texts are not counted one by one
 
 Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   switch (e.builtin) {
@@ -197,11 +227,12 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
         held += owned;
         whole = context.Charge(owned) && whole;
       }
-      // No function except REPLACE, which checks itself, makes more than three times its arguments.
-      whole = whole && context.Worked(text) && (text <= kLongText || context.HasRoom(3 * text));
+      // No function except REPLACE, which counts for itself, makes more.
+      const size_t made = text > kLongText ? MadeOfAByte(e.builtin) * text : 0;
+      whole = context.Charge(made) && whole && context.Worked(text);
       Value result = whole ? CallBuiltin(e, e.values, context) : Value::Error();
+      context.Release(held + made);
       if (held == 0) return result;
-      context.Release(held);
       for (size_t i = 0; i < e.values.size(); ++i) {
         if (e.arguments[i]->kind != Kind::kTerm) e.values[i] = Value();
       }

@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/memory_part.h"
 #include "graph/base/overload.h"
-#include "graph/rdf/text_bytes.h"
+#include "graph/sparql/syntax/algebra_memory.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 
@@ -22,19 +23,27 @@ class Resolver {
  public:
   Resolver(const Query& query, ServiceClient* client, const Dictionary& dictionary,
            const PrepareOptions& options, const RunOptions& run)
-      : query_(query), client_(client), dictionary_(dictionary), options_(options), run_(run) {}
+      : query_(query),
+        client_(client),
+        dictionary_(dictionary),
+        options_(options),
+        run_(run),
+        own_(options.memory_bytes),
+        use_(options.memory != nullptr ? options.memory : &own_) {}
 
   // `beside`: the patterns joined with `*a`, without SERVICE in them.
   absl::Status Resolve(AlgebraPtr* a, const std::vector<const Algebra*>& beside) {
     Algebra& node = **a;
     if (node.kind == Kind::kService) return Ask(a, beside);
     const bool joins = node.kind == Kind::kJoin || node.kind == Kind::kLeftJoin || node.kind == Kind::kMinus;
+    std::vector<bool> asks;
+    for (const AlgebraPtr& child : node.children) asks.push_back(AnyNode(*child, IsService));
     for (size_t i = 0; i < node.children.size(); ++i) {
+      if (!asks[i]) continue;
       std::vector<const Algebra*> inner = beside;
       for (size_t k = 0; k < node.children.size() && joins; ++k) {
         const bool before = k < i || node.kind == Kind::kJoin;
-        if (k != i && before && !AnyNode(*node.children[k], IsService))
-          inner.push_back(node.children[k].get());
+        if (k != i && before && !asks[k]) inner.push_back(node.children[k].get());
       }
       if (absl::Status status = Resolve(&node.children[i], inner); !status.ok()) return status;
     }
@@ -71,13 +80,12 @@ class Resolver {
     for (const std::string& endpoint : endpoints) {
       absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text, service.silent);
       if (answer.ok()) {
-        AddRows(*answer, open ? &endpoint : nullptr, values.get());
-        if (bytes_ > options_.memory_bytes) {
+        if (!AddRows(*answer, open ? &endpoint : nullptr, values.get())) {
           return At(
               service,
-              absl::ResourceExhaustedError(absl::StrCat(
+              use_->Refusal(absl::ResourceExhaustedError(absl::StrCat(
                   "the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
-                  options_.memory_bytes)));
+                  options_.memory_bytes))));
         }
       } else if (service.silent && answer.status().code() != absl::StatusCode::kCancelled) {
         values->rows.emplace_back(values->variables.size());
@@ -109,7 +117,8 @@ class Resolver {
     return head + " WHERE " + PrintPattern(*service.children[0]);
   }
 
-  void AddRows(const ServiceAnswer& answer, const std::string* endpoint, Algebra* values) {
+  // False: beyond the memory of the request.
+  bool AddRows(const ServiceAnswer& answer, const std::string* endpoint, Algebra* values) {
     ++answers_;
     std::vector<size_t> columns;
     for (const Variable& v : values->variables) {
@@ -118,6 +127,7 @@ class Resolver {
     }
     for (const auto& given : answer.rows) {
       std::vector<std::optional<Term>> row;
+      row.reserve(columns.size());
       for (const size_t column : columns) {
         row.push_back(column < given.size() ? given[column] : std::nullopt);
         std::optional<Term>& term = row.back();
@@ -126,9 +136,12 @@ class Resolver {
           term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "_", term->lexical);
       }
       if (endpoint != nullptr) row.back() = Term::Iri(*endpoint);
-      for (const std::optional<Term>& term : row) bytes_ += sizeof(term) + (term ? TextBytes(*term) : 0);
+      size_t bytes = 2 * sizeof(row);
+      for (const std::optional<Term>& term : row) bytes += sizeof(term) + (term ? TextMemory(*term) : 0);
+      if (!use_->Add(bytes)) return false;
       values->rows.push_back(std::move(row));
     }
+    return true;
   }
 
   // The IRIs that the patterns joined with SERVICE ?x bind to ?x.
@@ -141,7 +154,15 @@ class Resolver {
     query.base_iri = query_.base_iri;
     query.projection = {variable};
     auto join = std::make_unique<Algebra>(Kind::kJoin);
-    for (const Algebra* pattern : beside) join->children.push_back(pattern->Clone());
+    MemoryPart copies(use_);
+    for (const Algebra* pattern : beside) {
+      if (!copies.Add(MemoryBytes(*pattern))) {
+        return use_->Refusal(absl::ResourceExhaustedError(
+            absl::StrCat("the patterns beside SERVICE ?", variable.name,
+                         " are more than fit into the limit query_memory_bytes = ", options_.memory_bytes)));
+      }
+      join->children.push_back(pattern->Clone());
+    }
     const std::vector<Variable> bound = InScopeVariables(*join);
     if (std::find(bound.begin(), bound.end(), variable) == bound.end()) {
       return absl::InvalidArgumentError("SERVICE ?" + variable.name +
@@ -153,7 +174,7 @@ class Resolver {
     query.algebra->children.push_back(std::make_unique<Algebra>(Kind::kProject));
     query.algebra->children[0]->variables = {variable};
     query.algebra->children[0]->children.push_back(std::move(pattern));
-    auto prepared = PreparedQuery::Prepare(query, dictionary_, options_);
+    auto prepared = PreparedQuery::Prepare(std::move(query), dictionary_, options_);
     if (!prepared.ok()) return prepared.status();
     std::vector<std::string> endpoints;
     absl::Status status = (*prepared)->Select(run_, {}, [&](absl::Span<const TermId> row) {
@@ -172,7 +193,8 @@ class Resolver {
   const PrepareOptions& options_;
   const RunOptions& run_;
   int answers_ = 0;
-  size_t bytes_ = 0;  // of all answers
+  MemoryUse own_;         // where the request has none
+  MemoryUse* const use_;  // of all answers
 };
 
 }  // namespace

@@ -28,26 +28,25 @@ class BgpOperator final : public Operator {
  public:
   BgpOperator(PlanNode& node, const BuildContext& build)
       : node_(node), context_(*build.context), row_(build.slots), levels_(node.patterns.size()) {
-    SlotSet bound;
-    std::vector<bool> placed(node.filters.size());
+    constexpr size_t kNone = ~size_t{0};
+    std::vector<size_t> level_of(build.slots, kNone);  // the first that binds the slot
     double rows = 1;
     for (size_t level = 0; level < node.patterns.size(); ++level) {
       levels_[level].pattern = &node.patterns[level];
       levels_[level].expected = rows;
       rows *= node.patterns[level].estimate;
       for (const PlanTerm& term : node.patterns[level].terms) {
-        if (term.slot >= 0) bound.Add(term.slot);
-      }
-      for (size_t f = 0; f < node.filters.size(); ++f) {
-        // Slots outside the patterns are initial bindings.
-        if (placed[f] || !node.filter_slots[f].And(node.certain).Within(bound)) continue;
-        const bool early = level == 0 && node.filter_slots[f].And(node.certain).empty();
-        (early ? filters_ : levels_[level].filters).push_back(node.filters[f].get());
-        placed[f] = true;
+        if (term.slot >= 0 && level_of[term.slot] == kNone) level_of[term.slot] = level;
       }
     }
     for (size_t f = 0; f < node.filters.size(); ++f) {
-      if (!placed[f]) (levels_.empty() ? filters_ : levels_.back().filters).push_back(node.filters[f].get());
+      size_t last = kNone;
+      for (const int slot : node.filter_slots[f].And(node.certain).List()) {
+        const size_t level = level_of[slot] == kNone ? levels_.size() - 1 : level_of[slot];
+        if (last == kNone || level > last) last = level;
+      }
+      // Slots outside the patterns are initial bindings.
+      (last == kNone || levels_.empty() ? filters_ : levels_[last].filters).push_back(node.filters[f].get());
       PrepareExpression(*node.filters[f], build);
     }
   }

@@ -66,9 +66,11 @@ class Accumulator {
           error_ = true;
           return;
         }
+        std::string scratch;
+        const std::string_view text = context.LexicalOf(value, &scratch);
+        if (!context.Worked(text.size()) || !GrowText(plan.separator.size() + text.size(), context, kept))
+          break;
         if (count_ > 1) text_ += plan.separator;
-        const std::string text = context.LexicalOf(value);
-        kept.Add(text.size() + plan.separator.size(), context);
         text_ += text;
         break;
       }
@@ -78,7 +80,10 @@ class Accumulator {
   // Adds `rows` rows, for an aggregate of CountsRows.
   void AddRows(uint64_t rows) { count_ += static_cast<int64_t>(rows); }
 
-  Value Result(const PlanNode::AggregatePlan& plan) const {
+  // Bytes of the text of a GROUP_CONCAT that are counted. Once.
+  size_t TakeTextBytes() { return std::exchange(text_bytes_, 0); }
+  // Once.
+  Value TakeResult(const PlanNode::AggregatePlan& plan) {
     if (plan.function == Function::kCount) return Value::Integer(count_);
     if (error_) return Value::Error();
     switch (plan.function) {
@@ -87,13 +92,23 @@ class Accumulator {
       case Function::kAvg:
         return count_ == 0 ? Value::Integer(0) : Compute(Arithmetic::kDivide, Sum(), Value::Integer(count_));
       case Function::kGroupConcat:
-        return Value::String(text_);
+        return Value::String(std::move(text_));
       default:
         return best_;
     }
   }
 
  private:
+  // Makes room for more text: while it grows, the old one is there, too. False: beyond the memory of the query.
+  bool GrowText(size_t bytes, EvaluationContext& context, KeptMemory& kept) {
+    const size_t old = text_.capacity();
+    if (text_.size() + bytes <= old) return true;
+    const size_t grown = std::max(text_.size() + bytes, 2 * old);
+    if (!kept.Add(grown, context)) return false;
+    text_.reserve(grown);
+    kept.LetGo(std::exchange(text_bytes_, grown), context);
+    return true;
+  }
   void TakeBest(Value value, EvaluationContext& context, KeptMemory& kept) {
     if (best_.owned_bytes() > 0) kept.LetGo(best_.owned_bytes(), context);
     if (value.owned_bytes() > 0) kept.Add(value.owned_bytes(), context);
@@ -144,6 +159,7 @@ class Accumulator {
   static int Order(const Value& a, const Value& b) {
     const int order = CompareForOrder(a, b);
     if (order != 0 || (!a.id().IsNone() && a.id() == b.id())) return order;
+    if (a.type() == Value::Type::kString && b.type() == Value::Type::kString) return 0;
     const Term x = a.ToTerm(), y = b.ToTerm();
     return x < y ? -1 : y < x ? 1 : 0;
   }
@@ -163,6 +179,7 @@ class Accumulator {
   Value::Type widest_ = Value::Type::kError;  // of these
   Value best_;
   std::string text_;
+  size_t text_bytes_ = 0;  // counted
   std::optional<RowSet> seen_;
 };
 
@@ -204,10 +221,11 @@ class GroupOperator final : public Operator {
       std::copy(in_.begin(), in_.end(), out);
       const TermId* key = keys_.Row(static_cast<uint32_t>(next_));
       for (size_t i = 0; i < node_.keys.size(); ++i) out[node_.keys[i].first] = key[i];
-      const std::vector<Accumulator>& group = groups_[next_++];
+      std::vector<Accumulator>& group = groups_[next_++];
       for (size_t i = 0; i < node_.aggregates.size(); ++i) {
-        const Value value = group[i].Result(node_.aggregates[i]);
+        const Value value = group[i].TakeResult(node_.aggregates[i]);
         if (!value.IsError()) out[node_.aggregates[i].result] = context_.Encode(value);
+        kept_.LetGo(group[i].TakeTextBytes(), context_);  // the text is a term now
       }
       ++context_.row_number;
       return context_.status.ok();

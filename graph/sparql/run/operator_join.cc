@@ -125,7 +125,7 @@ class RowTable {
     std::vector<TermId> row(width_);
     operator_->Start(base_);
     while (operator_->Next(row.data()) && context_.Poll() &&
-           kept_.Add(48 + (columns_.size() + keys_.size()) * sizeof(TermId), context_)) {
+           kept_.Add(kBytesOfRow + (2 * columns_.size() + keys_.size()) * sizeof(TermId), context_)) {
       by_key_[KeyOf(row.data())].push_back(
           static_cast<uint32_t>(rows_.size() / std::max<size_t>(columns_.size(), 1)));
       for (const int slot : columns_) rows_.push_back(row[slot]);
@@ -169,6 +169,8 @@ class RowTable {
   }
 
  private:
+  static constexpr size_t kBytesOfRow = 192;  // in the table, with a key of its own
+
   void Clear() {
     Empty(&rows_);
     by_key_.clear();

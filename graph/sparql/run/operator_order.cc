@@ -23,6 +23,7 @@ namespace {
 // rows, so that the cost of a cut is shared by a proportional number of rows.
 constexpr size_t kSurplusRows = 64;
 constexpr size_t kSurplusBytes = 64 << 10;
+constexpr size_t kBytesOfPlace = 48;  // of a row in the lists of rows, and of its allocation
 
 class OrderByOperator final : public Operator {
  public:
@@ -147,7 +148,8 @@ class OrderByOperator final : public Operator {
     }
     Row& row = memory_.emplace_back();
     row.slots.resize(width_);
-    kept_.Add(sizeof(Row) + width_ * sizeof(TermId), context_);  // beyond the limit: the next Poll fails
+    kept_.Add(sizeof(Row) + kBytesOfPlace + width_ * sizeof(TermId),
+              context_);  // beyond the limit: the next Poll fails
     return &row;
   }
 

@@ -17,6 +17,7 @@ using Kind = PlanNode::Kind;
 void PrepareExpression(PlanExpression& e, const BuildContext& build) {
   for (const PlanExpressionPtr& argument : e.arguments) PrepareExpression(*argument, build);
   if (!e.exists) return;
+  if (!build.context->ChargePlan(2 * build.slots * sizeof(TermId))) return;
   e.exists_base.assign(build.slots, TermId());
   e.exists_row.assign(build.slots, TermId());
   e.exists_operator =
@@ -133,13 +134,16 @@ class ValuesOperator final : public Operator {
     if (encoded_) return;
     encoded_ = true;
     ids_.clear();
-    for (const auto& row : node_.rows) {
+    if (!kept_.Add(node_.rows->size() * node_.columns.size() * sizeof(TermId), context_)) return;
+    ids_.reserve(node_.rows->size() * node_.columns.size());
+    for (const auto& row : *node_.rows) {
+      if (!context_.Poll()) return;
       for (const std::optional<Term>& term : row) ids_.push_back(term ? context_.Encode(*term) : TermId());
     }
   }
   bool Next(TermId* out) override {
     const size_t width = node_.columns.size();
-    while (next_ < node_.rows.size() && context_.Poll()) {
+    while (next_ < node_.rows->size() && context_.Poll()) {
       const TermId* row = ids_.data() + width * next_++;
       std::copy(in_.begin(), in_.end(), out);
       bool fits = true;
@@ -155,12 +159,16 @@ class ValuesOperator final : public Operator {
     }
     return false;
   }
-  void Forget() override { encoded_ = false; }  // local ids end with a run
+  void Forget() override {
+    encoded_ = false;  // local ids end with a run
+    Empty(&ids_);
+  }
 
  private:
   PlanNode& node_;
   EvaluationContext& context_;
   std::vector<TermId> in_, ids_;
+  KeptMemory kept_;
   size_t next_ = 0;
   bool encoded_ = false;
 };
@@ -226,6 +234,13 @@ class SliceOperator final : public Operator {
   std::unique_ptr<Operator> child_;
   uint64_t skip_ = 0;
   std::optional<uint64_t> left_;
+};
+
+// In place of one that was not built, as the evaluation has to end.
+class NoOperator final : public Operator {
+ public:
+  void Start(const TermId*) override {}
+  bool Next(TermId*) override { return false; }
 };
 
 // Wrapper of any operator that counts its rows and measures its time.
@@ -313,6 +328,11 @@ std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build)
 }
 
 std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build) {
+  // Few operators keep more than three rows; of levels, filters and children each has a share.
+  constexpr size_t kBytesOfOperator = 512, kBytesOfPattern = 512;
+  const size_t bytes = kBytesOfOperator + 3 * build.slots * sizeof(TermId) +
+                       node.patterns.size() * kBytesOfPattern + node.filters.size() * 4 * sizeof(void*);
+  if (!build.context->ChargePlan(bytes) || !build.context->Poll()) return std::make_unique<NoOperator>();
   std::unique_ptr<Operator> plain = BuildPlain(node, build);
   if (!build.measure) return plain;
   return std::make_unique<MeasuredOperator>(node, std::move(plain));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "graph/base/step_costs.h"
+
 namespace docent::sparql {
 
 void PatternScan::PrepareGraph(const GraphRef& graph, bool bound) {
@@ -70,6 +72,7 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
   } else if (!quad.graph.IsNone() && !GraphAllowed(quad.graph)) {
     return;
   }
+  context.WorkedSteps(kStepsOfLookup);
   if (path_) {
     context.version->Rescan(quad, *path_, &cursor_);
   } else {

@@ -1,18 +1,21 @@
 #include "graph/sparql/run/update_evaluator.h"
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "absl/hash/hash.h"
-#include "graph/base/memory_budget.h"
+#include "graph/base/memory_part.h"
 #include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/update_reads.h"
+#include "graph/sparql/syntax/algebra_memory.h"
 #include "graph/store/graph_writer.h"
 #include "graph/store/server_graphs.h"
 
@@ -35,22 +38,29 @@ class DistinctQuads {
     if (!added) quads_.pop_back();
     return added;
   }
-  std::vector<TermQuad>& quads() { return quads_; }
+  size_t size() const { return quads_.size(); }
+  // Moves them out, the first one first; nothing may be added any more.
+  TermQuad Take() {
+    TermQuad quad = std::move(quads_.front());
+    quads_.pop_front();
+    return quad;
+  }
+  static constexpr size_t kBytes = 120;  // for each quad beside itself
 
  private:
   struct Hash {
-    const std::vector<TermQuad>* quads;
+    const std::deque<TermQuad>* quads;
     size_t operator()(uint32_t i) const {
       const TermQuad& quad = (*quads)[i];
       return absl::HashOf(quad.subject, quad.predicate, quad.object, quad.graph);
     }
   };
   struct Equal {
-    const std::vector<TermQuad>* quads;
+    const std::deque<TermQuad>* quads;
     bool operator()(uint32_t a, uint32_t b) const { return (*quads)[a] == (*quads)[b]; }
   };
 
-  std::vector<TermQuad> quads_;
+  std::deque<TermQuad> quads_;  // grows without a copy
   absl::flat_hash_set<uint32_t, Hash, Equal> numbers_{0, Hash{&quads_}, Equal{&quads_}};
 };
 
@@ -62,18 +72,28 @@ class Evaluation {
       : shared_dictionary_(dictionary),
         run_(run),
         options_(options),
-        memory_(options.prepare.memory_bytes, options.prepare.all_memory) {}
+        own_(options.prepare.memory_bytes, options.prepare.all_memory),
+        use_(options.prepare.memory != nullptr ? options.prepare.memory : &own_),
+        memory_(use_),
+        state_memory_(use_),
+        prepare_(options.prepare) {
+    prepare_.memory = use_;
+    prepare_.cancellation = run.cancellation;
+  }
 
   absl::StatusOr<UpdateEffect> Run(const Update& update) {
     for (const UpdateOperation& operation : update.operations) {
       ++number_;
-      absl::Status status = One(operation, update);
+      absl::Status status = run_.cancellation != nullptr ? run_.cancellation->CheckNow() : absl::OkStatus();
+      if (status.ok()) status = One(operation, update);
       if (status.ok()) continue;
       if (operation.span.line == 0) return status;
       return WithMessage(status, "line " + std::to_string(operation.span.line) + ", column " +
                                      std::to_string(operation.span.column) + ": " +
                                      std::string(status.message()));
     }
+    effect_.bytes = memory_.Detach();
+    if (use_ == &own_) effect_.bytes = 0;
     return std::move(effect_);
   }
 
@@ -114,8 +134,8 @@ class Evaluation {
   const GraphVersion& version() const { return private_graph_ ? private_graph_->current() : *run_.version; }
 
   // Applies the operations so far to the private copy.
-  void Sync() {
-    if (applied_ == effect_.operations.size()) return;
+  absl::Status Sync() {
+    if (applied_ == effect_.operations.size()) return absl::OkStatus();
     if (!private_graph_) {
       private_dictionary_ = std::make_unique<Dictionary>(&shared_dictionary_);
       // The copy shares the version's nodes and is destroyed before the version.
@@ -124,6 +144,8 @@ class Evaluation {
     Dictionary& d = *private_dictionary_;
     for (; applied_ < effect_.operations.size(); ++applied_) {
       const auto& [kind, quad] = effect_.operations[applied_];
+      if (!state_memory_.Add(kBytesOfApplied + TextBytes(quad))) return TooMuch();
+      if (absl::Status status = Poll(); !status.ok()) return status;
       const Quad ids{d.Intern(quad.subject), d.Intern(quad.predicate), d.Intern(quad.object),
                      d.Intern(quad.graph)};
       if (kind == QuadOperation::Kind::kAdd) {
@@ -132,20 +154,24 @@ class Evaluation {
         private_graph_->Remove(ids);
       }
     }
+    return absl::OkStatus();
   }
 
-  void Reads(ReadPattern read) {
-    auto& reads = effect_.reads;
-    if (std::find(reads.begin(), reads.end(), read) == reads.end()) reads.push_back(std::move(read));
-  }
+  absl::Status Poll() { return run_.cancellation != nullptr ? run_.cancellation->Check() : absl::OkStatus(); }
 
   // --- what operations do
 
   static size_t BytesOf(const TermQuad& quad) { return sizeof(QuadOperation) + TextBytes(quad); }
   absl::Status TooMuch() const {
-    return memory_.Refusal(absl::ResourceExhaustedError(
+    return use_->Refusal(absl::ResourceExhaustedError(
         "the update changes more quads than fit into its limit query_memory_bytes = " +
         std::to_string(options_.prepare.memory_bytes)));
+  }
+
+  // Before many operations: an array that grows by itself is there twice meanwhile.
+  void Reserve(size_t more) {
+    const size_t needed = effect_.operations.size() + more, held = effect_.operations.capacity();
+    if (needed > held) effect_.operations.reserve(std::max(needed, held + held / 2));
   }
 
   absl::Status Emit(QuadOperation::Kind kind, TermQuad quad) {
@@ -158,6 +184,9 @@ class Evaluation {
     effect_.operations.push_back({kind, std::move(quad)});
     return absl::OkStatus();
   }
+
+  static constexpr size_t kBytesOfApplied =
+      512;  // of a quad in the private copy, beside its texts: six index entries
 
   static Term GraphOf(const QuadTemplate& quad, const UpdateOperation& operation) {
     if (quad.graph) return quad.graph->term();
@@ -173,7 +202,10 @@ class Evaluation {
 
   absl::Status Data(const UpdateOperation& operation) {
     const bool adds = operation.kind == Kind::kInsertData;
-    for (const QuadTemplate& quad : adds ? operation.insert : operation.remove) {
+    const QuadTemplates& quads = adds ? operation.insert : operation.remove;
+    Reserve(quads.size());
+    for (const QuadTemplate& quad : quads) {
+      if (absl::Status status = Poll(); !status.ok()) return status;
       TermQuad out{quad.triple.subject.term(), quad.triple.predicate.term(), quad.triple.object.term(),
                    GraphOf(quad, operation)};
       if (out.subject.IsLiteral()) {
@@ -191,30 +223,31 @@ class Evaluation {
   // A position of a template, resolved against the columns of a solution.
   struct Slot {
     int column = -1;  // -1: the term, or a variable that WHERE never binds
-    std::optional<Term> term;
+    const Term* term = nullptr;
   };
   struct TemplateSlots {
     Slot slots[4];
   };
 
-  static std::vector<TemplateSlots> Resolve(const std::vector<QuadTemplate>& quads,
-                                            const UpdateOperation& operation,
+  // The result points into `quads` and the graphs around them.
+  static std::vector<TemplateSlots> Resolve(const QuadTemplates& quads, const PatternTerm& default_graph,
                                             const std::vector<std::string>& columns) {
-    std::vector<TemplateSlots> out;
+    absl::flat_hash_map<std::string_view, int> column_of;
+    for (const std::string& name : columns) column_of.emplace(name, static_cast<int>(column_of.size()));
+    std::vector<TemplateSlots> out(quads.size());
+    auto resolved = out.begin();
     for (const QuadTemplate& quad : quads) {
-      TemplateSlots resolved;
-      const PatternTerm graph = quad.graph ? *quad.graph : PatternTerm::Of(GraphOf(quad, operation));
       const PatternTerm* terms[] = {&quad.triple.subject, &quad.triple.predicate, &quad.triple.object,
-                                    &graph};
+                                    quad.graph ? quad.graph.get() : &default_graph};
       for (int i = 0; i < 4; ++i) {
+        Slot& slot = resolved->slots[i];
         if (!terms[i]->IsVariable()) {
-          resolved.slots[i].term = terms[i]->term();
-          continue;
+          slot.term = &terms[i]->term();
+        } else if (const auto it = column_of.find(terms[i]->variable().name); it != column_of.end()) {
+          slot.column = it->second;
         }
-        const auto it = std::find(columns.begin(), columns.end(), terms[i]->variable().name);
-        if (it != columns.end()) resolved.slots[i].column = static_cast<int>(it - columns.begin());
       }
-      out.push_back(std::move(resolved));
+      ++resolved;
     }
     return out;
   }
@@ -226,7 +259,7 @@ class Evaluation {
     Term* terms[] = {&out.subject, &out.predicate, &out.object, &out.graph};
     for (int i = 0; i < 4; ++i) {
       const Slot& slot = quad.slots[i];
-      if (slot.term) {
+      if (slot.term != nullptr) {
         *terms[i] = *slot.term;
         if (slot.term->IsBlank()) terms[i]->lexical = BlankLabel(slot.term->lexical, solution);
       } else {
@@ -242,7 +275,10 @@ class Evaluation {
 
   absl::Status Modify(const UpdateOperation& operation, const Update& update) {
     AddReads(*operation.where, &effect_.reads);
-    Sync();
+    if (absl::Status status = Sync(); !status.ok()) return status;
+    MemoryPart copies(use_);
+    const size_t templates = operation.remove.size() + operation.insert.size();
+    if (!copies.Add(MemoryBytes(*operation.where) + templates * sizeof(TemplateSlots))) return TooMuch();
     Query query;
     query.form = Query::Form::kConstruct;
     query.base_iri = update.base_iri;
@@ -250,39 +286,41 @@ class Evaluation {
     query.from = operation.from;
     query.from_named = operation.from_named;
     if (query.from.empty() && query.from_named.empty()) query.with = operation.with;
-    auto prepared = PreparedQuery::Prepare(query, dictionary(), options_.prepare);
+    auto prepared = PreparedQuery::Prepare(std::move(query), dictionary(), prepare_);
     if (!prepared.ok()) return prepared.status();
     PreparedQuery& where = **prepared;
-    const std::vector<TemplateSlots> remove = Resolve(operation.remove, operation, where.variables());
-    const std::vector<TemplateSlots> insert = Resolve(operation.insert, operation, where.variables());
+    const PatternTerm default_graph =
+        PatternTerm::Of(operation.with ? *operation.with : Term::Iri(std::string(kDefaultGraph)));
+    const std::vector<TemplateSlots> remove = Resolve(operation.remove, default_graph, where.variables());
+    const std::vector<TemplateSlots> insert = Resolve(operation.insert, default_graph, where.variables());
     RunOptions run = run_;
     run.version = &version();
     run.seed = run_.seed + number_ * 0x9E3779B97F4A7C15u;
     if (absl::Status status = where.Start(run); !status.ok()) return status;
     // All are removed before any is inserted (section 3.1.3).
     DistinctQuads removed, inserted;
-    size_t bytes = 0;
+    MemoryPart bytes(use_);
     for (uint64_t solution = 0; where.Next(); ++solution) {
       for (const bool removes : {true, false}) {
         for (const TemplateSlots& slots : removes ? remove : insert) {
+          if (absl::Status status = Poll(); !status.ok()) return status;
           std::optional<TermQuad> quad = Instantiate(slots, where, solution);
           if (!quad) continue;
           const size_t more = BytesOf(*quad);
           if (!(removes ? removed : inserted).Add(*std::move(quad))) continue;
-          bytes += more;
-          if (!memory_.Add(more)) return TooMuch();
+          if (!bytes.Add(more + DistinctQuads::kBytes)) return TooMuch();
         }
       }
     }
     if (!where.status().ok()) return where.status();
-    memory_.Release(bytes);  // each quad is counted again when it is emitted
-    for (TermQuad& quad : removed.quads()) {
-      absl::Status status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
-      if (!status.ok()) return status;
+    bytes.Reset();  // each quad is counted again when it is emitted
+    Reserve(removed.size() + inserted.size());
+    while (removed.size() > 0) {
+      if (absl::Status status = Emit(QuadOperation::Kind::kRemove, removed.Take()); !status.ok())
+        return status;
     }
-    for (TermQuad& quad : inserted.quads()) {
-      absl::Status status = Emit(QuadOperation::Kind::kAdd, std::move(quad));
-      if (!status.ok()) return status;
+    while (inserted.size() > 0) {
+      if (absl::Status status = Emit(QuadOperation::Kind::kAdd, inserted.Take()); !status.ok()) return status;
     }
     return absl::OkStatus();
   }
@@ -290,16 +328,17 @@ class Evaluation {
   absl::Status Load(const UpdateOperation& operation) {
     const std::string& iri = operation.document.lexical;
     if (!options_.load) return absl::FailedPreconditionError("LOAD is not permitted here");
-    absl::StatusOr<std::vector<TermQuad>> quads = options_.load(iri);
+    absl::StatusOr<DocumentQuads> quads = options_.load(iri);
     if (!quads.ok()) return quads.status();
     const bool into = operation.target.kind == GraphTarget::Kind::kGraph;
     const Term graph = into ? operation.target.graph : Term::Iri(std::string(kDefaultGraph));
     const size_t before = effect_.operations.size(), used = memory_.used();
-    for (TermQuad& quad : *quads) {
+    Reserve((*quads)->size());
+    for (TermQuad quad : **quads) {
       for (Term* term : {&quad.subject, &quad.object}) {
         if (term->IsBlank()) term->lexical = BlankLabel("d" + term->lexical, 0);
       }
-      absl::Status status;
+      absl::Status status = Poll();
       if (quad.graph.lexical.empty()) {
         quad.graph = graph;
       } else if (into || !quad.graph.IsIri()) {
@@ -317,13 +356,13 @@ class Evaluation {
 
   // Calls `visit` for the quads of a graph in the current state, until it fails.
   absl::Status ForQuadsOf(const Term& graph, absl::FunctionRef<absl::Status(TermQuad quad)> visit) {
-    Reads({std::nullopt, std::nullopt, std::nullopt, graph});
-    Sync();
+    AddRead({std::nullopt, std::nullopt, std::nullopt, graph}, &effect_.reads);
+    absl::Status status = Sync();
+    if (!status.ok()) return status;
     const std::optional<TermId> id = dictionary().Find(graph);
     if (!id) return absl::OkStatus();
-    absl::Status status;
     version().ForEach({{}, {}, {}, *id}, [&](const Quad& quad) {
-      if (run_.cancellation != nullptr) status = run_.cancellation->Check();
+      status = Poll();
       if (status.ok()) {
         status = visit({dictionary().Decode(quad.subject), dictionary().Decode(quad.predicate),
                         dictionary().Decode(quad.object), graph});
@@ -333,15 +372,17 @@ class Evaluation {
     return status;
   }
 
-  bool Exists(const Term& graph) {
-    Reads({std::nullopt, std::nullopt, std::nullopt, graph});
-    Sync();
+  absl::StatusOr<bool> Exists(const Term& graph) {
+    AddRead({std::nullopt, std::nullopt, std::nullopt, graph}, &effect_.reads);
+    if (absl::Status status = Sync(); !status.ok()) return status;
     const std::optional<TermId> id = dictionary().Find(graph);
     return id && version().Count({{}, {}, {}, *id}) > 0;
   }
 
   absl::Status Create(const UpdateOperation& operation) {
-    if (!Exists(operation.target.graph)) return absl::OkStatus();  // a graph exists once it has a triple
+    const absl::StatusOr<bool> exists = Exists(operation.target.graph);
+    if (!exists.ok()) return exists.status();
+    if (!*exists) return absl::OkStatus();  // a graph exists once it has a triple
     return absl::FailedPreconditionError("the graph " + Quoted(operation.target.graph) +
                                          " is there already; write CREATE SILENT to pass over that");
   }
@@ -365,8 +406,8 @@ class Evaluation {
       absl::Status status = CheckWritable(target.graph);
       return status.ok() ? RemoveAll(target.graph) : status;
     }
-    Reads({});
-    Sync();
+    AddRead({}, &effect_.reads);
+    if (absl::Status status = Sync(); !status.ok()) return status;
     std::vector<Term> graphs;
     for (const TermId id : version().graphs()) graphs.push_back(dictionary().Decode(id));
     for (const Term& graph : graphs) {
@@ -386,8 +427,11 @@ class Evaluation {
     if (absl::Status status = CheckWritable(to); !status.ok()) return status;
     const bool moves = operation.kind == Kind::kMove;
     if (absl::Status status = moves ? CheckWritable(from) : absl::OkStatus(); !status.ok()) return status;
-    if (operation.source.kind == GraphTarget::Kind::kGraph && !Exists(from)) {
-      return absl::FailedPreconditionError("there is no graph " + Quoted(from) + "; nothing was changed");
+    if (operation.source.kind == GraphTarget::Kind::kGraph) {
+      const absl::StatusOr<bool> exists = Exists(from);
+      if (!exists.ok()) return exists.status();
+      if (!*exists)
+        return absl::FailedPreconditionError("there is no graph " + Quoted(from) + "; nothing was changed");
     }
     if (from == to) return absl::OkStatus();
     if (operation.kind != Kind::kAdd) {
@@ -407,7 +451,11 @@ class Evaluation {
   const UpdateOptions& options_;
   uint64_t number_ = 0;  // of the operation
   UpdateEffect effect_;
-  MemoryUse memory_;    // of the quads to be changed
+  MemoryUse own_;  // where the request has none
+  MemoryUse* const use_;
+  MemoryPart memory_;        // of the quads to be changed
+  MemoryPart state_memory_;  // of the private copy
+  PrepareOptions prepare_;
   size_t applied_ = 0;  // operations that the private copy has
   std::unique_ptr<Dictionary> private_dictionary_;
   std::unique_ptr<GraphWriter> private_graph_;

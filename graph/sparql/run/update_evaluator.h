@@ -7,7 +7,9 @@
 #ifndef DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
 #define DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
 
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +24,8 @@ namespace docent::sparql {
 
 // The quads of a document for LOAD; labels of blank nodes need not be unique. An error's message gives the
 // reason.
-using LoadDocument = std::function<absl::StatusOr<std::vector<TermQuad>>(const std::string& iri)>;
+using DocumentQuads = std::shared_ptr<const std::vector<TermQuad>>;
+using LoadDocument = std::function<absl::StatusOr<DocumentQuads>(const std::string& iri)>;
 
 struct UpdateOptions {
   PrepareOptions prepare;  // `bound` is not used
@@ -34,6 +37,8 @@ struct UpdateEffect {
   // The patterns that the evaluation read. If no matching quad has changed, a later version gives the same
   // operations. Empty: every version gives them.
   std::vector<ReadPattern> reads;
+  // Memory of both, which stays counted in PrepareOptions::memory; the caller releases it with them. 0 without that.
+  size_t bytes = 0;
 };
 
 // INVALID_ARGUMENT (with the operation's place), FAILED_PRECONDITION (a graph exists that must not, or is

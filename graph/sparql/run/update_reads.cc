@@ -7,6 +7,8 @@
 namespace docent::sparql {
 namespace {
 
+constexpr size_t kMostReads = 256;
+
 std::optional<Term> Constant(const PatternTerm& term) {
   return term.IsVariable() ? std::nullopt : std::optional<Term>(term.term());
 }
@@ -22,14 +24,20 @@ bool ReadsEverything(const Algebra& a) {
 }  // namespace
 
 void AddReads(const Algebra& where, std::vector<ReadPattern>* out) {
-  if (AnyNode(where, ReadsEverything)) {
-    out->push_back({});
-    return;
-  }
+  if (AnyNode(where, ReadsEverything)) return AddRead({}, out);
   for (const PatternOccurrence& occurrence : AllTriplePatterns(where)) {
     const TriplePattern& t = *occurrence.pattern;
-    ReadPattern read{Constant(t.subject), Constant(t.predicate), Constant(t.object), std::nullopt};
-    if (std::find(out->begin(), out->end(), read) == out->end()) out->push_back(std::move(read));
+    AddRead({Constant(t.subject), Constant(t.predicate), Constant(t.object), std::nullopt}, out);
+  }
+}
+
+void AddRead(ReadPattern read, std::vector<ReadPattern>* out) {
+  const ReadPattern everything;
+  if (!out->empty() && out->front() == everything) return;
+  if (read == everything || out->size() == kMostReads) {
+    out->assign(1, everything);
+  } else if (std::find(out->begin(), out->end(), read) == out->end()) {
+    out->push_back(std::move(read));
   }
 }
 

@@ -13,6 +13,8 @@ namespace docent::sparql {
 // set decides on them. A path, and a GRAPH whose solutions depend on the set of graphs, read
 // everything.
 void AddReads(const Algebra& where, std::vector<ReadPattern>* out);
+// Adds one. Some hundred become the one that reads everything: the writer compares each with each quad that changes.
+void AddRead(ReadPattern read, std::vector<ReadPattern>* out);
 
 }  // namespace docent::sparql
 

@@ -30,7 +30,23 @@ std::vector<Variable> Copies(const std::vector<const Variable*>& variables) {
   return out;
 }
 
-void AddTriples(const Algebra& a, VariableList* out) {
+// Looks for one.
+class VariableSearch {
+ public:
+  explicit VariableSearch(std::string_view name) : name_(name) {}
+  void Add(const Variable& v) { found_ = found_ || v.name == name_; }
+  void Add(const PatternTerm& t) {
+    if (t.IsVariable()) Add(t.variable());
+  }
+  bool found() const { return found_; }
+
+ private:
+  const std::string_view name_;
+  bool found_ = false;
+};
+
+template <typename Out>
+void AddTriples(const Algebra& a, Out* out) {
   for (const TriplePattern& t : a.triples) {
     out->Add(t.subject);
     out->Add(t.predicate);
@@ -38,7 +54,8 @@ void AddTriples(const Algebra& a, VariableList* out) {
   }
 }
 
-void AddInScope(const Algebra& a, VariableList* out) {
+template <typename Out>
+void AddInScope(const Algebra& a, Out* out) {
   using Kind = Algebra::Kind;
   switch (a.kind) {
     case Kind::kBgp:
@@ -206,6 +223,12 @@ std::vector<const Variable*> VariablesInScope(const Algebra& algebra) {
   VariableList list;
   AddInScope(algebra, &list);
   return list.Take();
+}
+
+bool IsInScope(const Algebra& algebra, std::string_view variable) {
+  VariableSearch search(variable);
+  AddInScope(algebra, &search);
+  return search.found();
 }
 
 std::vector<const Variable*> VariablesMentioned(const Expression& expression) {

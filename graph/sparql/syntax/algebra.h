@@ -310,6 +310,7 @@ struct Query {
 // The variables that a solution of `algebra` can bind (section 18.2.1 "in scope"), in order of first
 // occurrence, hidden ones included.
 std::vector<Variable> InScopeVariables(const Algebra& algebra);
+bool IsInScope(const Algebra& algebra, std::string_view variable);
 // Every variable that `expression` mentions, those inside EXISTS included.
 std::vector<Variable> MentionedVariables(const Expression& expression);
 // Both without copies: the pointers point into the tree.

@@ -26,10 +26,23 @@ const std::string* Known(const std::vector<std::pair<std::string, std::string>>&
 }  // namespace
 
 Grammar::Grammar(std::string_view text, const ParseOptions& options)
-    : options_(options), text_(text), lexer_(text), base_iri_(options.base_iri) {}
+    : options_(options),
+      text_(text),
+      lexer_(text),
+      base_iri_(options.base_iri),
+      own_(options.limits.query_memory_bytes),
+      memory_(options.memory != nullptr ? options.memory : &own_) {
+  Charge(text.size());  // of names and terms
+}
 
 const Token* Grammar::Read(Token* place) {
-  for (lexer_.Next(place); place->kind == TokenKind::kError; lexer_.Next(place)) ReportError(*place);
+  if (++tokens_ % kTokensALook == 0) Look();
+  if (!ended_) lexer_.Next(place);
+  while (!ended_ && place->kind == TokenKind::kError) {
+    ReportError(*place);
+    lexer_.Next(place);
+  }
+  if (ended_) *place = {TokenKind::kEnd, 0, place->span, {}, {}};
   return place;
 }
 
@@ -50,11 +63,12 @@ bool Grammar::ExpectWord(const Keyword& keyword, std::string_view where) {
 }
 
 void Grammar::Error(const SourceSpan& span, std::string message, std::string hint) {
-  if (diagnostics_.size() >= kMaxErrors || too_deep_) return;
+  if (ended_) return;
   for (const Diagnostic& d : diagnostics_) {
     if (d.span.offset == span.offset) return;  // a follow-up error at the same place
   }
   diagnostics_.push_back({options_.file, span, std::move(message), std::move(hint)});
+  ended_ = diagnostics_.size() == kMaxErrors;
 }
 
 std::string Grammar::Describe(const Token& token) const {
@@ -112,48 +126,13 @@ void Grammar::Expected(std::string_view what, std::string hint) {
 
 Grammar::Nested::Nested(Grammar* grammar) : grammar_(grammar) {
   const int limit = grammar->options_.limits.query_nesting;
-  ok_ = ++grammar->depth_ <= limit && !grammar->too_deep_;
-  if (!ok_ && !grammar->too_deep_) {
+  ok_ = ++grammar->depth_ <= limit && !grammar->ended_;
+  if (!ok_ && !grammar->ended_) {
     grammar->Error(grammar->Peek().span,
                    "nested deeper than the limit query_nesting = " + std::to_string(limit),
                    "split the query, or join the groups without nesting them");
-    grammar->too_deep_ = true;
+    grammar->ended_ = true;
   }
-}
-
-bool Grammar::CountElement(const SourceSpan& span) {
-  const size_t limit = options_.limits.query_elements;
-  if (++elements_ <= limit) return !too_deep_;
-  Error(span, "more parts than the limit query_elements = " + std::to_string(limit),
-        "use VALUES for long lists of alternatives");
-  too_deep_ = true;
-  return false;
-}
-
-bool Grammar::CountTriple() {
-  if (++triples_ <= kFewTriples) return !too_deep_;
-  const size_t limit = std::max(kFewTriples, options_.limits.update_text_bytes / kBytesOfTriple);
-  if (triples_ <= limit) return !too_deep_;
-  Error(Peek().span,
-        Concat("more than ", std::to_string(limit), " triples: one for each ", std::to_string(kBytesOfTriple),
-               " bytes of the limit update_text_bytes"),
-        "send several updates, or load a file");
-  too_deep_ = true;
-  return false;
-}
-
-bool Grammar::CountExpanded(const SourceSpan& span, size_t bytes) {
-  expanded_bytes_ += bytes;
-  const size_t limit = options_.limits.update_text_bytes * kGrowth;
-  if (expanded_bytes_ <= limit) return true;
-  if (!too_deep_) {
-    Error(span,
-          Concat("the IRIs of this text have more than ", std::to_string(limit), " bytes, written out: ",
-                 std::to_string(kGrowth), " for each byte of the limit update_text_bytes"),
-          "declare shorter prefixes, or send several updates");
-  }
-  too_deep_ = true;
-  return false;
 }
 
 void Grammar::SkipPastBrace() {
@@ -280,6 +259,7 @@ std::optional<Term> Grammar::NumericLiteral() {
       Expected("a number");
       return std::nullopt;
   }
+  Charge(datatype.size() + kBytesOfAllocation);
   return Term::Literal(Concat(sign, Take().text), std::string(datatype));
 }
 

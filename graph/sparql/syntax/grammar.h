@@ -18,7 +18,10 @@
 #include <vector>
 
 #include "absl/container/inlined_vector.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/memory_budget.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/syntax/algebra_memory.h"
 #include "graph/sparql/syntax/lexer.h"
 #include "graph/sparql/syntax/name_numbers.h"
 #include "graph/sparql/syntax/parser.h"
@@ -88,6 +91,8 @@ class Grammar {
   const std::vector<std::pair<std::string, std::string>>& prefixes() const { return prefixes_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
   Diagnostics TakeDiagnostics() { return std::move(diagnostics_); }
+  // Why the text was not read to its end; see ParsedQuery::stopped.
+  const absl::Status& stopped() const { return stopped_; }
   bool failed() const { return !diagnostics_.empty(); }
 
  private:
@@ -102,12 +107,47 @@ class Grammar {
     Grammar* grammar_;
     bool ok_;
   };
-  // Counts one more element of the query; false once the limit is passed (reported).
+  // grammar_budget.cc: what a text may have and keep. Each is false once the limit is passed (reported); then the text ends
+  // for the productions, so that these need not look at the result.
   bool CountElement(const SourceSpan& span);
-  // Counts a triple, which takes many times the memory of its shortest text. False beyond the limit.
-  bool CountTriple();
-  // Counts an IRI that is longer than its written form, under a prefix or a base. False beyond the limit.
+  bool CountTriple(bool template_mode);
+  // An IRI that is longer than its written form, under a prefix or a base.
   bool CountExpanded(const SourceSpan& span, size_t bytes);
+  // The limits of QueryLimits, for a query or an operation.
+  bool CountPattern() {
+    return ++patterns_ <= options_.query_limits.query_patterns ? !ended_ : PastPatterns();
+  }
+  bool CountPathStep();
+  bool CountListElement() {
+    return ++list_elements_ <= options_.query_limits.query_list_elements ? !ended_ : PastListElements();
+  }
+  bool CountValue() { return ++values_ <= options_.query_limits.query_values ? !ended_ : PastValues(); }
+  bool CountOperation();
+  bool PastPatterns();
+  bool PastListElements();
+  bool PastValues();
+  bool PastLimit(std::string_view what, std::string_view name, size_t limit, std::string hint);
+  void BeginCounts();  // of another query or operation
+  SourceSpan LastSpan() const;
+  // Counts memory that the result keeps.
+  bool Charge(size_t bytes) { return (uncounted_ += bytes) < kBytesAChunk || Look(); }
+  bool ChargeCopy(const PatternTerm& term) { return Charge(TextMemory(term)); }
+  // Takes over the bytes so far, and looks at deadline and cancellation.
+  bool Look();
+  bool Stop(absl::Status status);
+  ExpressionPtr NewExpression(Expression::Kind kind, const SourceSpan& span) {
+    Charge(sizeof(Expression) + kBytesOfChild);
+    return std::make_unique<Expression>(kind, span);
+  }
+  AlgebraPtr NewAlgebra(Algebra::Kind kind, const SourceSpan& span = {}) {
+    Charge(sizeof(Algebra) + kBytesOfChild);
+    return std::make_unique<Algebra>(kind, span);
+  }
+  // A node over one child, or over a child for a value of an expression.
+  AlgebraPtr Wrap(Algebra::Kind kind, AlgebraPtr child);
+  AlgebraPtr Extend(AlgebraPtr child, Variable variable, ExpressionPtr expression);
+
+  enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
 
   // grammar_query.cc
   struct SelectItem {
@@ -189,7 +229,14 @@ class Grammar {
     std::vector<TriplePattern> triples;
     std::vector<AlgebraPtr> paths;
     bool template_mode = false;  // blank nodes stay terms, no paths
+    // Of an update: where triples go from time to time, and the graph around them.
+    QuadTemplates* quads = nullptr;
+    std::shared_ptr<const PatternTerm> graph;
+    QuadsUse use = QuadsUse::kInsertData;
+    bool ok = true;  // all those were allowed there
   };
+  // Gives *from to *to: a copy if it must be kept, else a move.
+  void Give(PatternTerm* from, bool keep, PatternTerm* to);
   bool TriplesSameSubject(TriplesSink* sink);  // [75] [81]
   bool AtPlainVerb();
   // The last triple takes *subject by move; likewise *verb below.
@@ -243,17 +290,16 @@ class Grammar {
     next_ = nullptr;
   }
   // grammar_update.cc
-  enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
-  bool Update1(UpdateOperation* operation);                  // [30]
-  bool Load(UpdateOperation* operation);                     // [31]
-  bool DeleteWhere(UpdateOperation* operation);              // [40]
-  bool Modify(UpdateOperation* operation);                   // [41]
-  bool GraphOrDefault(GraphTarget* target);                  // [45]
-  bool GraphRef(GraphTarget* target);                        // [46]
-  bool GraphRefAll(GraphTarget* target);                     // [47]
-  bool Quads(std::vector<QuadTemplate>* out, QuadsUse use);  // [48] [49], in braces
-  bool Triples(const std::optional<PatternTerm>& graph, std::vector<QuadTemplate>* out,
-               QuadsUse use);  // [52]
+  bool Update1(UpdateOperation* operation);      // [30]
+  bool Load(UpdateOperation* operation);         // [31]
+  bool DeleteWhere(UpdateOperation* operation);  // [40]
+  bool Modify(UpdateOperation* operation);       // [41]
+  bool GraphOrDefault(GraphTarget* target);      // [45]
+  bool GraphRef(GraphTarget* target);            // [46]
+  bool GraphRefAll(GraphTarget* target);         // [47]
+  bool Quads(QuadTemplates* out, QuadsUse use);  // [48] [49], in braces
+  bool Triples(std::shared_ptr<const PatternTerm> graph, QuadTemplates* out, QuadsUse use);  // [52]
+  void TakeQuads(TriplesSink* sink);
   bool QuadTerm(const PatternTerm& term, QuadsUse use);
   // Skips to the ';' that ends the operation, or to the end.
   void RecoverAtSemicolon();
@@ -278,12 +324,19 @@ class Grammar {
   NameNumbers declared_;                                       // name → its last number in prefixes_
   Diagnostics diagnostics_;
   int depth_ = 0;
-  size_t elements_ = 0;
   static constexpr size_t kBytesOfTriple = 16, kFewTriples = 1000;
-  size_t triples_ = 0;
   static constexpr size_t kGrowth = 16;
-  size_t expanded_bytes_ = 0;
-  bool too_deep_ = false;
+  size_t elements_ = 0, triples_ = 0, expanded_bytes_ = 0;
+  size_t patterns_ = 0, path_steps_ = 0, list_elements_ = 0, values_ = 0, operations_ = 0;
+  static constexpr size_t kBytesAChunk = 16u << 10, kTokensALook = 1024;
+  static constexpr size_t kBytesOfChild = 48;  // of a node in its parent, and of its allocation
+  MemoryUse own_;                              // where the caller counts none
+  MemoryUse* const memory_;
+  size_t uncounted_ = 0;      // bytes, of the chunk
+  size_t kept_by_lexer_ = 0;  // bytes that are counted
+  size_t tokens_ = 0;
+  absl::Status stopped_;
+  bool ended_ = false;                            // no more is read
   int counter_ = 0;                               // hidden variables
   int bgp_ = 0;                                   // number of the current basic graph pattern
   std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it

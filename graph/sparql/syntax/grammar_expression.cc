@@ -12,7 +12,7 @@ namespace docent::sparql {
 using Kind = Expression::Kind;
 
 ExpressionPtr Grammar::Binary(Kind kind, ExpressionPtr left, ExpressionPtr right) {
-  auto e = std::make_unique<Expression>(kind, left->span);
+  auto e = NewExpression(kind, left->span);
   if (right->span.offset >= left->span.offset) {
     e->span.length = right->span.offset + right->span.length - left->span.offset;
   }
@@ -28,11 +28,11 @@ ExpressionPtr Grammar::ParseExpression() {
   if (!nested.ok()) return nullptr;
   ExpressionPtr first = AndExpression();
   if (!first || !At("||")) return first;
-  auto e = std::make_unique<Expression>(Kind::kOr, first->span);
+  auto e = NewExpression(Kind::kOr, first->span);
   e->arguments.push_back(std::move(first));
   while (Accept("||")) {
     ExpressionPtr next = AndExpression();
-    if (!next) return nullptr;
+    if (!next || !CountListElement()) return nullptr;
     e->arguments.push_back(std::move(next));
   }
   return e;
@@ -41,11 +41,11 @@ ExpressionPtr Grammar::ParseExpression() {
 ExpressionPtr Grammar::AndExpression() {
   ExpressionPtr first = RelationalExpression();
   if (!first || !At("&&")) return first;
-  auto e = std::make_unique<Expression>(Kind::kAnd, first->span);
+  auto e = NewExpression(Kind::kAnd, first->span);
   e->arguments.push_back(std::move(first));
   while (Accept("&&")) {
     ExpressionPtr next = RelationalExpression();
-    if (!next) return nullptr;
+    if (!next || !CountListElement()) return nullptr;
     e->arguments.push_back(std::move(next));
   }
   return e;
@@ -67,7 +67,7 @@ ExpressionPtr Grammar::RelationalExpression() {
   if (!negated && !AtWord("IN")) return left;
   if (negated) Take();
   Take();
-  auto e = std::make_unique<Expression>(negated ? Kind::kNotIn : Kind::kIn, left->span);
+  auto e = NewExpression(negated ? Kind::kNotIn : Kind::kIn, left->span);
   e->arguments.push_back(std::move(left));
   return ArgumentList(&e->arguments, nullptr) ? std::move(e) : nullptr;
 }
@@ -108,7 +108,7 @@ ExpressionPtr Grammar::UnaryExpression() {
   if (!nested.ok()) return nullptr;
   const Token op = Take();
   const Kind kind = op.text == "!" ? Kind::kNot : op.text == "-" ? Kind::kUnaryMinus : Kind::kUnaryPlus;
-  auto e = std::make_unique<Expression>(kind, op.span);
+  auto e = NewExpression(kind, op.span);
   // The grammar allows one sign before a primary; "!!a" and "--a" are read, too.
   ExpressionPtr inner = UnaryExpression();
   if (!inner) return nullptr;
@@ -120,7 +120,7 @@ ExpressionPtr Grammar::PrimaryExpression() {
   const Token& token = Peek();
   switch (token.kind) {
     case TokenKind::kVariable: {
-      auto e = std::make_unique<Expression>(Kind::kVariable, token.span);
+      auto e = NewExpression(Kind::kVariable, token.span);
       e->variable = Variable{std::string(Take().text)};
       return e;
     }
@@ -143,7 +143,7 @@ ExpressionPtr Grammar::PrimaryExpression() {
   const SourceSpan span = token.span;
   std::optional<Term> term = GroundTerm();
   if (!term) return nullptr;
-  auto e = std::make_unique<Expression>(Kind::kTerm, span);
+  auto e = NewExpression(Kind::kTerm, span);
   e->term = *std::move(term);
   return e;
 }
@@ -181,7 +181,7 @@ ExpressionPtr Grammar::BuiltinCall() {
     return nullptr;
   }
   Take();
-  auto e = std::make_unique<Expression>(Kind::kBuiltin, word.span);
+  auto e = NewExpression(Kind::kBuiltin, word.span);
   e->builtin = info->builtin;
   if (!ArgumentList(&e->arguments, nullptr)) return nullptr;
   const int count = static_cast<int>(e->arguments.size());
@@ -195,7 +195,7 @@ ExpressionPtr Grammar::BuiltinCall() {
     Error(word.span, "BOUND takes a variable");
     return nullptr;
   }
-  if (options_.check_patterns && !in_service_) {
+  if (options_.check_patterns && !in_service_ && Look()) {  // an expression may take milliseconds
     if (auto mistake = FindRegexMistake(*e, text_)) {
       Error(mistake->span, std::move(mistake->message), std::move(mistake->hint));
     }
@@ -204,7 +204,7 @@ ExpressionPtr Grammar::BuiltinCall() {
 }
 
 ExpressionPtr Grammar::ExistsCall(bool negated) {
-  auto e = std::make_unique<Expression>(negated ? Kind::kNotExists : Kind::kExists, Peek().span);
+  auto e = NewExpression(negated ? Kind::kNotExists : Kind::kExists, Peek().span);
   e->pattern = GroupGraphPattern();
   return e->pattern ? std::move(e) : nullptr;
 }
@@ -218,6 +218,7 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
           "aggregates are allowed in SELECT, HAVING and ORDER BY");
     return nullptr;
   }
+  Charge(2 * sizeof(Aggregate));
   Aggregate a;
   a.function = function;
   a.span = word.span;
@@ -239,7 +240,7 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   }
   if (!Expect(")", "to close the aggregate")) return nullptr;
   a.result = Variable{".a" + std::to_string(counter_++)};
-  auto e = std::make_unique<Expression>(Kind::kVariable, word.span);
+  auto e = NewExpression(Kind::kVariable, word.span);
   e->variable = a.result;
   aggregates_->push_back(std::move(a));
   return e;
@@ -250,7 +251,7 @@ ExpressionPtr Grammar::IriOrFunction() {
   std::optional<Term> iri = Iri();
   if (!iri) return nullptr;
   const bool call = At("(");
-  auto e = std::make_unique<Expression>(call ? Kind::kFunction : Kind::kTerm, span);
+  auto e = NewExpression(call ? Kind::kFunction : Kind::kTerm, span);
   e->term = *std::move(iri);
   if (!call) return e;
   bool distinct = false;
@@ -274,7 +275,7 @@ bool Grammar::ArgumentList(std::vector<ExpressionPtr>* out, bool* distinct) {
   if (Accept(")")) return true;
   do {
     ExpressionPtr argument = ParseExpression();
-    if (!argument) return false;
+    if (!argument || !CountListElement()) return false;
     out->push_back(std::move(argument));
   } while (Accept(","));
   return Expect(")", "to close the arguments");

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/grammar.h"
 #include "graph/sparql/values/text.h"
@@ -8,11 +9,17 @@ namespace docent::sparql {
 
 using Kind = Algebra::Kind;
 
+namespace {
+
+constexpr size_t kBytesOfColumn = 200;  // of a variable here, in the plan and on the way
+
+}  // namespace
+
 AlgebraPtr Grammar::GroupGraphPattern() {
   Group group;
   if (!GroupWithFilter(&group)) return nullptr;
   if (!group.filter) return std::move(group.pattern);
-  auto filter = std::make_unique<Algebra>(Kind::kFilter, group.pattern->span);
+  auto filter = NewAlgebra(Kind::kFilter, group.pattern->span);
   filter->children.push_back(std::move(group.pattern));
   filter->expression = std::move(group.filter);
   return filter;
@@ -31,7 +38,7 @@ bool Grammar::GroupWithFilter(Group* group) {
     open.pattern = SubSelect();
     if (!open.pattern) RecoverInGroup();
   } else {
-    while (!At("}") && Peek().kind != TokenKind::kEnd && !too_deep_) {
+    while (!At("}") && Peek().kind != TokenKind::kEnd) {
       if (!GroupElement(&open)) RecoverInGroup();
     }
   }
@@ -42,11 +49,11 @@ bool Grammar::GroupWithFilter(Group* group) {
     Unclosed(span);
     return false;
   }
-  group->pattern = open.pattern ? std::move(open.pattern) : std::make_unique<Algebra>(Kind::kBgp, span);
+  group->pattern = open.pattern ? std::move(open.pattern) : NewAlgebra(Kind::kBgp, span);
   if (open.filters.size() == 1) {
     group->filter = std::move(open.filters[0]);
   } else if (open.filters.size() > 1) {
-    group->filter = std::make_unique<Expression>(Expression::Kind::kAnd, open.filters[0]->span);
+    group->filter = NewExpression(Expression::Kind::kAnd, open.filters[0]->span);
     group->filter->arguments = std::move(open.filters);
   }
   return true;
@@ -106,12 +113,13 @@ void Grammar::CloseBgp(OpenGroup* group) {
 
 // Join, with an empty left side and nested joins simplified away (joins are associative).
 void Grammar::AddToGroup(OpenGroup* group, AlgebraPtr element) {
+  if (element->kind != Kind::kBgp) CountElement(element->span);
   if (!group->pattern) {
     group->pattern = std::move(element);
   } else if (group->pattern->kind == Kind::kJoin) {
     group->pattern->children.push_back(std::move(element));
   } else {
-    auto join = std::make_unique<Algebra>(Kind::kJoin, group->pattern->span);
+    auto join = NewAlgebra(Kind::kJoin, group->pattern->span);
     join->children.push_back(std::move(group->pattern));
     join->children.push_back(std::move(element));
     group->pattern = std::move(join);
@@ -129,7 +137,7 @@ bool Grammar::TriplesBlock(OpenGroup* group) {
   while (true) {
     if (!TriplesSameSubject(&sink)) return false;
     if (!sink.triples.empty() && group->bgp == nullptr) {
-      auto bgp = std::make_unique<Algebra>(Kind::kBgp, span);
+      auto bgp = NewAlgebra(Kind::kBgp, span);
       group->bgp = bgp.get();
       AddToGroup(group, std::move(bgp));
     }
@@ -155,8 +163,8 @@ bool Grammar::OptionalElement(OpenGroup* group) {
   if (!CountElement(span)) return false;
   Group right;
   if (!GroupWithFilter(&right)) return false;
-  auto join = std::make_unique<Algebra>(Kind::kLeftJoin, span);
-  if (!group->pattern) group->pattern = std::make_unique<Algebra>(Kind::kBgp, span);
+  auto join = NewAlgebra(Kind::kLeftJoin, span);
+  if (!group->pattern) group->pattern = NewAlgebra(Kind::kBgp, span);
   join->children.push_back(std::move(group->pattern));
   join->children.push_back(std::move(right.pattern));
   join->expression = std::move(right.filter);
@@ -171,8 +179,8 @@ bool Grammar::MinusElement(OpenGroup* group) {
   if (!CountElement(span)) return false;
   AlgebraPtr right = GroupGraphPattern();
   if (!right) return false;
-  auto minus = std::make_unique<Algebra>(Kind::kMinus, span);
-  if (!group->pattern) group->pattern = std::make_unique<Algebra>(Kind::kBgp, span);
+  auto minus = NewAlgebra(Kind::kMinus, span);
+  if (!group->pattern) group->pattern = NewAlgebra(Kind::kBgp, span);
   minus->children.push_back(std::move(group->pattern));
   minus->children.push_back(std::move(right));
   group->pattern = std::move(minus);
@@ -186,8 +194,8 @@ bool Grammar::GraphElement(OpenGroup* group) {
   std::optional<PatternTerm> name = VarOrIri();
   if (!name) return false;
   AlgebraPtr inner = GroupGraphPattern();
-  if (!inner) return false;
-  auto graph = std::make_unique<Algebra>(Kind::kGraph, span);
+  if (!inner || !CountPattern()) return false;
+  auto graph = NewAlgebra(Kind::kGraph, span);
   graph->name = *std::move(name);
   graph->children.push_back(std::move(inner));
   AddToGroup(group, std::move(graph));
@@ -205,7 +213,7 @@ bool Grammar::ServiceElement(OpenGroup* group) {
   AlgebraPtr inner = GroupGraphPattern();
   in_service_ = outer;
   if (!inner) return false;
-  auto service = std::make_unique<Algebra>(Kind::kService, span);
+  auto service = NewAlgebra(Kind::kService, span);
   service->name = *std::move(name);
   service->silent = silent;
   service->children.push_back(std::move(inner));
@@ -237,7 +245,7 @@ bool Grammar::NotElement(OpenGroup* group) {
   AlgebraPtr pattern = GroupGraphPattern();
   bgp_ = bgp;
   if (!pattern) return false;
-  auto negation = std::make_unique<Expression>(Expression::Kind::kNotExists, span);
+  auto negation = NewExpression(Expression::Kind::kNotExists, span);
   negation->pattern = std::move(pattern);
   group->filters.push_back(std::move(negation));
   Accept(".");
@@ -270,15 +278,15 @@ bool Grammar::SetElement(OpenGroup* group) {
 bool Grammar::Assign(OpenGroup* group, const SourceSpan& span, const Token& variable,
                      ExpressionPtr expression) {
   if (group->pattern) {
-    for (const Variable& v : InScopeVariables(*group->pattern)) {
-      if (v.name != variable.text) continue;
-      Error(variable.span, "?" + v.name + " already has a value in this group, BIND cannot give it another",
-            "use another name, or FILTER(?" + v.name + " = …)");
+    if (Look() && IsInScope(*group->pattern, variable.text)) {  // reads the whole group
+      const std::string name = Concat("?", variable.text);
+      Error(variable.span, name + " already has a value in this group, BIND cannot give it another",
+            "use another name, or FILTER(" + name + " = …)");
     }
   } else {
-    group->pattern = std::make_unique<Algebra>(Kind::kBgp, span);
+    group->pattern = NewAlgebra(Kind::kBgp, span);
   }
-  auto extend = std::make_unique<Algebra>(Kind::kExtend, span);
+  auto extend = NewAlgebra(Kind::kExtend, span);
   extend->children.push_back(std::move(group->pattern));
   extend->variable = Variable{std::string(variable.text)};
   extend->expression = std::move(expression);
@@ -304,11 +312,11 @@ bool Grammar::GroupOrUnion(OpenGroup* group) {
   AlgebraPtr first = GroupGraphPattern();
   if (!first) return false;
   if (AtWord("UNION")) {
-    auto all = std::make_unique<Algebra>(Kind::kUnion, first->span);
+    auto all = NewAlgebra(Kind::kUnion, first->span);
     all->children.push_back(std::move(first));
     while (AcceptWord("UNION")) {
       AlgebraPtr next = GroupGraphPattern();
-      if (!next) return false;
+      if (!next || !CountPattern()) return false;
       all->children.push_back(std::move(next));
     }
     first = std::move(all);
@@ -320,27 +328,33 @@ bool Grammar::GroupOrUnion(OpenGroup* group) {
 
 // DataBlock ::= Var '{' value* '}' | '(' Var* ')' '{' ( '(' value* ')' )* '}'
 AlgebraPtr Grammar::DataBlock() {
-  auto values = std::make_unique<Algebra>(Kind::kValues, Peek().span);
+  auto values = NewAlgebra(Kind::kValues, Peek().span);
   const bool one = Peek().kind == TokenKind::kVariable;
   if (one) {
     values->variables.push_back(Variable{std::string(Take().text)});
   } else {
     if (!Expect("(", "or a variable after VALUES")) return nullptr;
-    while (Peek().kind == TokenKind::kVariable) {
-      const Token token = Take();
-      for (const Variable& v : values->variables) {
-        if (v.name == token.text) Error(token.span, "?" + v.name + " occurs twice in VALUES");
-      }
+    NameNumbers named;
+    for (; Peek().kind == TokenKind::kVariable && CountValue(); Drop()) {
+      Charge(kBytesOfColumn);
+      const Token& token = Peek();
+      if (!named.Add(token.text, 0).second)
+        Error(token.span, Concat("?", token.text, " occurs twice in VALUES"));
       values->variables.push_back(Variable{std::string(token.text)});
     }
     if (!Expect(")", "after the variables of VALUES")) return nullptr;
   }
   if (!Expect("{", "before the rows of VALUES")) return nullptr;
+  const size_t width = values->variables.size();
   while (!At("}")) {
     const SourceSpan span = Peek().span;
     if (!one && !Expect("(", "before a row of VALUES")) return nullptr;
+    if (width == 0 && !CountValue()) return nullptr;
+    Charge(2 * sizeof(values->rows[0]) + kBytesOfAllocation + width * sizeof(std::optional<Term>));
     std::vector<std::optional<Term>> row;
+    row.reserve(width);
     while (one ? row.empty() : !At(")")) {
+      if (!CountValue()) return nullptr;
       if (AcceptWord("UNDEF")) {
         row.emplace_back();
         continue;
@@ -350,10 +364,10 @@ AlgebraPtr Grammar::DataBlock() {
       row.push_back(std::move(term));
     }
     if (!one) Take();
-    if (row.size() != values->variables.size()) {
+    if (row.size() != width) {
       Error(span,
-            "this row has " + std::to_string(row.size()) + " values for " +
-                std::to_string(values->variables.size()) + " variables",
+            "this row has " + std::to_string(row.size()) + " values for " + std::to_string(width) +
+                " variables",
             "write UNDEF for a value that is missing");
     }
     values->rows.push_back(std::move(row));

@@ -14,20 +14,24 @@ using Kind = Algebra::Kind;
 
 namespace {
 
-AlgebraPtr Wrap(Kind kind, AlgebraPtr child) {
-  auto node = std::make_unique<Algebra>(kind, child->span);
+constexpr size_t kBytesOfItem = 250;  // of a variable of SELECT or GROUP BY: here, in the plan and on the way
+constexpr size_t kBytesOfPrefix = 200;  // beside its texts
+
+}  // namespace
+
+AlgebraPtr Grammar::Wrap(Kind kind, AlgebraPtr child) {
+  AlgebraPtr node = NewAlgebra(kind, child->span);
   node->children.push_back(std::move(child));
   return node;
 }
 
-AlgebraPtr Extend(AlgebraPtr child, Variable variable, ExpressionPtr expression) {
+AlgebraPtr Grammar::Extend(AlgebraPtr child, Variable variable, ExpressionPtr expression) {
+  CountElement(child->span);
   AlgebraPtr node = Wrap(Kind::kExtend, std::move(child));
   node->variable = std::move(variable);
   node->expression = std::move(expression);
   return node;
 }
-
-}  // namespace
 
 bool Grammar::Prologue() {
   while (true) {
@@ -72,6 +76,7 @@ bool Grammar::PrefixDeclaration() {
   if (!Resolve(Peek(), &resolved)) return false;
   Drop();
   if (prefixes_.empty()) prefixes_.reserve(4);
+  Charge(kBytesOfPrefix);
   declared_.Set(prefix, static_cast<int>(prefixes_.size()));
   prefixes_.emplace_back(prefix, std::move(resolved));
   return true;
@@ -149,6 +154,7 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
     return true;
   }
   while (Peek().kind == TokenKind::kVariable || At("(")) {
+    Charge(kBytesOfItem);
     SelectItem& item = select.items.emplace_back();
     item.span = Peek().span;
     if (Accept("(")) {
@@ -208,8 +214,11 @@ bool Grammar::ConstructQuery(Query* query) {
     const SourceSpan span = Peek().span;
     std::optional<std::vector<TriplePattern>> triples = TemplateInBraces();
     if (!triples) return false;
+    for (const TriplePattern& t : *triples) {
+      if (!CountPattern() || !Charge(sizeof(t) + TextMemory(t))) return false;
+    }
     query->construct_template = *triples;
-    where = std::make_unique<Algebra>(Kind::kBgp, span);
+    where = NewAlgebra(Kind::kBgp, span);
     where->triples = *std::move(triples);
     for (TriplePattern& t : where->triples) {
       for (PatternTerm* term : {&t.subject, &t.predicate, &t.object}) {
@@ -238,7 +247,7 @@ bool Grammar::DescribeQuery(Query* query) {
   while (!all && (Peek().kind == TokenKind::kVariable || Peek().kind == TokenKind::kIri ||
                   Peek().kind == TokenKind::kPrefixedName)) {
     std::optional<PatternTerm> target = VarOrIri();
-    if (!target) return false;
+    if (!target || !Charge(2 * sizeof(PatternTerm))) return false;
     query->describe.push_back(*std::move(target));
   }
   if (!all && query->describe.empty()) {
@@ -251,7 +260,7 @@ bool Grammar::DescribeQuery(Query* query) {
     where = WhereClause();
     if (!where) return false;
   } else {
-    where = std::make_unique<Algebra>(Kind::kBgp, Peek().span);
+    where = NewAlgebra(Kind::kBgp, Peek().span);
   }
   if (all) {
     for (Variable& v : InScopeVariables(*where)) {
@@ -272,7 +281,7 @@ bool Grammar::DatasetClauses(Query* query) {
   while (AcceptWord("FROM")) {
     const bool named = AcceptWord("NAMED");
     std::optional<Term> iri = Iri();
-    if (!iri) return false;
+    if (!iri || !Charge(2 * sizeof(Term))) return false;
     (named ? query->from_named : query->from).push_back(*std::move(iri));
   }
   return true;
@@ -299,10 +308,11 @@ bool Grammar::GroupClause(Modifiers* out) {
     const Token token = Peek();
     const bool word = token.kind == TokenKind::kWord && !AtWord("HAVING") && !AtWord("ORDER") &&
                       !AtWord("LIMIT") && !AtWord("OFFSET") && !AtWord("VALUES");
+    Charge(kBytesOfItem);
     GroupKey key;
     if (token.kind == TokenKind::kVariable) {
       key.variable = Variable{std::string(Take().text)};
-      key.expression = std::make_unique<Expression>(Expression::Kind::kVariable, token.span);
+      key.expression = NewExpression(Expression::Kind::kVariable, token.span);
       key.expression->variable = key.variable;
     } else if (token.Is("(")) {
       Take();
@@ -351,6 +361,7 @@ bool Grammar::OrderClause(Modifiers* out) {
   Take();
   if (!ExpectWord("BY", "after ORDER")) return false;
   while (true) {
+    Charge(2 * sizeof(OrderCondition));
     OrderCondition condition;
     const Token token = Peek();
     if (AtWord("ASC") || AtWord("DESC")) {
@@ -358,7 +369,7 @@ bool Grammar::OrderClause(Modifiers* out) {
       Take();
       condition.expression = BracketedExpression();
     } else if (token.kind == TokenKind::kVariable) {
-      condition.expression = std::make_unique<Expression>(Expression::Kind::kVariable, token.span);
+      condition.expression = NewExpression(Expression::Kind::kVariable, token.span);
       condition.expression->variable = Variable{std::string(Take().text)};
     } else if (token.Is("(") || token.kind == TokenKind::kIri || token.kind == TokenKind::kPrefixedName ||
                (token.kind == TokenKind::kWord && !AtWord("LIMIT") && !AtWord("OFFSET") &&
@@ -420,6 +431,7 @@ void Grammar::SampleUngrouped(const std::set<std::string>& allowed, Algebra* gro
       !allowed.contains(e->variable.name)) {
     Aggregate sample;
     sample.function = Aggregate::Function::kSample;
+    Charge(2 * sizeof(Aggregate) + MemoryBytes(*e));
     sample.expression = e->Clone();
     sample.result = Variable{".a" + std::to_string(counter_++)};
     sample.span = e->span;
@@ -497,6 +509,7 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
   const bool grouped = modifiers->grouped || !aggregates.empty() || !modifiers->having.empty();
   if (grouped) a = ApplyGroup(std::move(a), select, modifiers, std::move(aggregates));
   for (ExpressionPtr& having : modifiers->having) {
+    if (!CountElement(having->span)) break;
     a = Wrap(Kind::kFilter, std::move(a));
     a->expression = std::move(having);
   }
@@ -510,6 +523,7 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     NameNumbers named;
     projection->reserve(select->items.size());
     for (SelectItem& item : select->items) {
+      if (ended_) break;
       const bool first = named.Add(item.variable.name, 0).second;
       if (item.expression) {
         if (!first || in_scope.contains(item.variable.name)) {

@@ -11,6 +11,9 @@ constexpr std::string_view kRdfFirst = "http://www.w3.org/1999/02/22-rdf-syntax-
 constexpr std::string_view kRdfRest = "http://www.w3.org/1999/02/22-rdf-syntax-ns#rest";
 constexpr std::string_view kRdfNil = "http://www.w3.org/1999/02/22-rdf-syntax-ns#nil";
 
+constexpr size_t kBytesOfLabel = 120;  // in a map
+constexpr size_t kQuadsAtOnce = 256;   // of an update, before they are taken
+
 PatternTerm IriTerm(std::string_view iri) {
   return PatternTerm::Of(Term::Iri(std::string(iri)));
 }
@@ -28,16 +31,16 @@ Path PathOf(Path::Kind kind, Path child) {
   return path;
 }
 
-// Gives *from to *to: a copy if it must be kept, else a move.
-void Give(PatternTerm* from, bool keep, PatternTerm* to) {
+}  // namespace
+
+void Grammar::Give(PatternTerm* from, bool keep, PatternTerm* to) {
   if (keep) {
+    ChargeCopy(*from);
     *to = *from;
   } else {
     *to = std::move(*from);
   }
 }
-
-}  // namespace
 
 std::optional<std::vector<TriplePattern>> Grammar::TemplateInBraces() {
   if (!Expect("{", "before triples")) return std::nullopt;
@@ -72,6 +75,7 @@ bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm*
     return true;
   }
   const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
+  if (added) Charge(kBytesOfLabel);
   if (it->second != bgp_) {
     Error(token.span, Concat("_:", token.text, " was used in another basic graph pattern"),
           "a blank node means something within one block of triples only; use a variable");
@@ -128,7 +132,7 @@ bool Grammar::Property(PatternTerm* subject, TriplesSink* sink) {
   TriplePattern& triple = sink->triples.emplace_back();  // filled in place
   const bool verb = Verb(&triple.predicate);
   const bool brackets = verb && (At("(") || At("["));
-  if (!verb || brackets || !CountTriple() || !VarOrTerm(sink, &triple.object)) {
+  if (!verb || brackets || !CountTriple(sink->template_mode) || !VarOrTerm(sink, &triple.object)) {
     PatternTerm before_brackets = std::move(triple.predicate);
     sink->triples.pop_back();
     return brackets && ObjectList(subject, nullptr, &before_brackets, sink);
@@ -137,6 +141,7 @@ bool Grammar::Property(PatternTerm* subject, TriplesSink* sink) {
   Give(subject, more_objects || At(";"), &triple.subject);
   if (!more_objects) return true;
   Drop();
+  ChargeCopy(triple.predicate);
   PatternTerm again = triple.predicate;
   return ObjectList(subject, nullptr, &again, sink);
 }
@@ -150,6 +155,7 @@ bool Grammar::Verb(PatternTerm* out) {
     return true;
   }
   if (!token.IsA()) return IriText(out->SetIri());
+  Charge(kRdfType.size() + kBytesOfAllocation);
   Drop();
   *out->SetIri() = std::string(kRdfType);
   return true;
@@ -157,7 +163,8 @@ bool Grammar::Verb(PatternTerm* out) {
 
 bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink) {
   do {
-    if (!CountTriple()) return false;
+    if (path == nullptr && !CountTriple(sink->template_mode)) return false;
+    if (sink->quads != nullptr && sink->triples.size() >= kQuadsAtOnce) TakeQuads(sink);
     if (path != nullptr || At("(") ||
         At("[")) {  // the content of brackets gives triples of its own, before this one
       PatternTerm object;
@@ -165,6 +172,8 @@ bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* ve
       if (path != nullptr) {
         TranslatePath(*subject, *path, object, sink);
       } else {
+        ChargeCopy(*subject);
+        ChargeCopy(*verb);
         sink->triples.emplace_back(*subject, *verb, std::move(object));
       }
       continue;
@@ -195,7 +204,9 @@ bool Grammar::Collection(TriplesSink* sink, PatternTerm* out) {
   *out = cell;
   while (true) {
     PatternTerm item;
-    if (!CountTriple() || !GraphNode(sink, &item)) return false;
+    if (!CountTriple(sink->template_mode) || !CountTriple(sink->template_mode) || !GraphNode(sink, &item))
+      return false;
+    Charge(2 * (kRdfFirst.size() + kBytesOfAllocation));
     sink->triples.push_back({cell, IriTerm(kRdfFirst), std::move(item)});
     if (Accept(")")) break;
     PatternTerm next = NewBlank(span, sink->template_mode);
@@ -308,7 +319,7 @@ std::optional<Path> Grammar::PathSequence() {
 std::optional<Path> Grammar::PathEltOrInverse() {
   const bool inverse = Accept("^");
   std::optional<Path> path = PathPrimary();
-  if (!path) return std::nullopt;
+  if (!path || !CountPathStep()) return std::nullopt;
   if (Accept("*")) {
     path = PathOf(Path::Kind::kZeroOrMore, *std::move(path));
   } else if (Accept("+")) {
@@ -351,7 +362,7 @@ std::optional<Path> Grammar::PathNegatedSet() {
     } else {
       iri = Iri();
     }
-    if (!iri) return false;
+    if (!iri || !CountPathStep()) return false;
     Path path = PathOf(*std::move(iri));
     set.children.push_back(inverse ? PathOf(Path::Kind::kInverse, std::move(path)) : std::move(path));
     return true;
@@ -372,6 +383,10 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
                             TriplesSink* sink) {
   switch (path.kind) {
     case Path::Kind::kIri:
+      if (!CountTriple(false)) return;
+      ChargeCopy(subject);
+      ChargeCopy(object);
+      Charge(TextMemory(path.iri));
       sink->triples.push_back({subject, PatternTerm::Of(path.iri, subject.span), object});
       return;
     case Path::Kind::kInverse:
@@ -379,7 +394,7 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
       return;
     case Path::Kind::kSequence: {
       PatternTerm from = subject;
-      for (size_t i = 0; i < path.children.size(); ++i) {
+      for (size_t i = 0; i < path.children.size() && !ended_; ++i) {
         const bool last = i + 1 == path.children.size();
         PatternTerm to =
             last ? object : PatternTerm::Of(Variable{".p" + std::to_string(counter_++)}, subject.span);
@@ -389,8 +404,9 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
       return;
     }
     case Path::Kind::kAlternative: {
-      auto all = std::make_unique<Algebra>(Algebra::Kind::kUnion, subject.span);
+      auto all = NewAlgebra(Algebra::Kind::kUnion, subject.span);
       for (const Path& child : path.children) {
+        if (!CountPattern()) return;
         TriplesSink branch;
         TranslatePath(subject, child, object, &branch);
         all->children.push_back(SinkToAlgebra(std::move(branch)));
@@ -399,7 +415,10 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
       return;
     }
     default: {
-      auto node = std::make_unique<Algebra>(Algebra::Kind::kPath, subject.span);
+      auto node = NewAlgebra(Algebra::Kind::kPath, subject.span);
+      if (!CountPattern() || !Charge(MemoryBytes(path))) return;
+      ChargeCopy(subject);
+      ChargeCopy(object);
       node->subject = subject;
       node->path = path;
       node->object = object;
@@ -412,12 +431,12 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
 AlgebraPtr Grammar::SinkToAlgebra(TriplesSink sink) {
   AlgebraPtr bgp;
   if (!sink.triples.empty() || sink.paths.empty()) {
-    bgp = std::make_unique<Algebra>(Algebra::Kind::kBgp);
+    bgp = NewAlgebra(Algebra::Kind::kBgp);
     bgp->triples = std::move(sink.triples);
     if (sink.paths.empty()) return bgp;
   }
   if (!bgp && sink.paths.size() == 1) return std::move(sink.paths[0]);
-  auto join = std::make_unique<Algebra>(Algebra::Kind::kJoin);
+  auto join = NewAlgebra(Algebra::Kind::kJoin);
   if (bgp) join->children.push_back(std::move(bgp));
   for (AlgebraPtr& path : sink.paths) join->children.push_back(std::move(path));
   return join;

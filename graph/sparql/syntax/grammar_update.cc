@@ -9,7 +9,8 @@ using Kind = UpdateOperation::Kind;
 
 std::optional<Update> Grammar::UpdateUnit() {
   Update update;
-  while (Prologue() && Peek().kind != TokenKind::kEnd) {
+  while (Prologue() && Peek().kind != TokenKind::kEnd && CountOperation()) {
+    BeginCounts();
     UpdateOperation operation;
     operation.span = Peek().span;
     ++operation_;
@@ -27,13 +28,13 @@ std::optional<Update> Grammar::UpdateUnit() {
     }
   }
   if (failed()) return std::nullopt;
-  update.base_iri = base_iri_;
-  update.prefixes = prefixes_;
+  update.base_iri = std::move(base_iri_);  // parsing is done
+  update.prefixes = std::move(prefixes_);
   return update;
 }
 
 void Grammar::RecoverAtSemicolon() {
-  for (int open = 0; Peek().kind != TokenKind::kEnd && !too_deep_; Take()) {
+  for (int open = 0; Peek().kind != TokenKind::kEnd; Take()) {
     if (At("{")) ++open;
     if (At("}")) --open;
     if (At(";") && open <= 0) return;
@@ -146,7 +147,7 @@ bool Grammar::Modify(UpdateOperation* operation) {
   while (AcceptWord("USING")) {
     const bool named = AcceptWord("NAMED");
     std::optional<Term> graph = Iri();
-    if (!graph) return false;
+    if (!graph || !Charge(2 * sizeof(Term))) return false;
     (named ? operation->from_named : operation->from).push_back(*std::move(graph));
   }
   if (!ExpectWord("WHERE", removes ? "after the templates (or DELETE WHERE { … })" : "after INSERT { … }")) {
@@ -163,13 +164,18 @@ bool Grammar::DeleteWhere(UpdateOperation* operation) {
   Take();
   const SourceSpan span = Peek().span;
   if (!Quads(&operation->remove, QuadsUse::kDeleteWhere)) return false;
-  auto join = std::make_unique<Algebra>(Algebra::Kind::kJoin, span);
+  auto join = NewAlgebra(Algebra::Kind::kJoin, span);
   const QuadTemplate* before = nullptr;
   for (const QuadTemplate& quad : operation->remove) {
-    if (before == nullptr || before->graph != quad.graph) {
-      auto bgp = std::make_unique<Algebra>(Algebra::Kind::kBgp, span);
+    if (!CountPattern() || !Charge(2 * sizeof(TriplePattern) + TextMemory(quad.triple))) return false;
+    const bool same_graph =
+        before != nullptr &&
+        (before->graph == quad.graph || (before->graph && quad.graph && *before->graph == *quad.graph));
+    if (!same_graph) {
+      auto bgp = NewAlgebra(Algebra::Kind::kBgp, span);
       if (quad.graph) {
-        auto graph = std::make_unique<Algebra>(Algebra::Kind::kGraph, span);
+        auto graph = NewAlgebra(Algebra::Kind::kGraph, span);
+        ChargeCopy(*quad.graph);
         graph->name = *quad.graph;
         graph->children.push_back(std::move(bgp));
         bgp = std::move(graph);
@@ -182,7 +188,7 @@ bool Grammar::DeleteWhere(UpdateOperation* operation) {
     before = &quad;
   }
   if (join->children.empty()) {
-    operation->where = std::make_unique<Algebra>(Algebra::Kind::kBgp, span);
+    operation->where = NewAlgebra(Algebra::Kind::kBgp, span);
   } else if (join->children.size() == 1) {
     operation->where = std::move(join->children[0]);
   } else {
@@ -192,18 +198,19 @@ bool Grammar::DeleteWhere(UpdateOperation* operation) {
 }
 
 // '{' Quads '}', with the restrictions of each use (notes 6 to 9 of section 19.8, and 10 on labels).
-bool Grammar::Quads(std::vector<QuadTemplate>* out, QuadsUse use) {
+bool Grammar::Quads(QuadTemplates* out, QuadsUse use) {
   if (!Expect("{", "before triples")) return false;
   bool ok = true;
-  while (!At("}") && Peek().kind != TokenKind::kEnd && !too_deep_) {
+  while (!At("}") && Peek().kind != TokenKind::kEnd) {
     if (AcceptWord("GRAPH")) {
       std::optional<PatternTerm> graph = VarOrIri();
       if (!graph || !Expect("{", "after the graph")) return false;
       if (!QuadTerm(*graph, use)) ok = false;
-      if (!Triples(graph, out, use)) ok = false;
+      Charge(sizeof(PatternTerm) + kBytesOfAllocation);
+      if (!Triples(std::make_shared<const PatternTerm>(*std::move(graph)), out, use)) ok = false;
       if (!Expect("}", "after the triples of the graph")) return false;
       Accept(".");
-    } else if (!Triples(std::nullopt, out, use)) {
+    } else if (!Triples(nullptr, out, use)) {
       ok = false;
     }
   }
@@ -211,11 +218,14 @@ bool Grammar::Quads(std::vector<QuadTemplate>* out, QuadsUse use) {
 }
 
 // Triples up to '}' or GRAPH.
-bool Grammar::Triples(const std::optional<PatternTerm>& graph, std::vector<QuadTemplate>* out, QuadsUse use) {
+bool Grammar::Triples(std::shared_ptr<const PatternTerm> graph, QuadTemplates* out, QuadsUse use) {
   TriplesSink sink;
   sink.template_mode = true;
+  sink.quads = out;
+  sink.graph = std::move(graph);
+  sink.use = use;
   bool ok = true;
-  while (!At("}") && !AtWord("GRAPH") && Peek().kind != TokenKind::kEnd && !too_deep_) {
+  while (!At("}") && !AtWord("GRAPH") && Peek().kind != TokenKind::kEnd) {
     if (!TriplesSameSubject(&sink)) {
       ok = false;
       RecoverInGroup();
@@ -224,12 +234,19 @@ bool Grammar::Triples(const std::optional<PatternTerm>& graph, std::vector<QuadT
       ok = false;
       RecoverInGroup();
     }
+    TakeQuads(&sink);
   }
-  for (TriplePattern& t : sink.triples) {
-    if (!QuadTerm(t.subject, use) || !QuadTerm(t.predicate, use) || !QuadTerm(t.object, use)) ok = false;
-    out->push_back({std::move(t), graph});
+  return ok && sink.ok;
+}
+
+void Grammar::TakeQuads(TriplesSink* sink) {
+  for (TriplePattern& t : sink->triples) {
+    for (const PatternTerm* term : {&t.subject, &t.predicate, &t.object}) {
+      if (!QuadTerm(*term, sink->use)) sink->ok = false;
+    }
+    sink->quads->push_back({std::move(t), sink->graph});
   }
-  return ok;
+  sink->triples.clear();
 }
 
 bool Grammar::QuadTerm(const PatternTerm& term, QuadsUse use) {
@@ -249,6 +266,7 @@ bool Grammar::QuadTerm(const PatternTerm& term, QuadsUse use) {
   }
   if (use != QuadsUse::kInsertData) return true;
   const auto [it, added] = data_labels_.emplace(term.term().lexical, operation_);
+  if (added) Charge(sizeof(*it) + kBytesOfChild + TextMemory(it->first));
   if (added || it->second == operation_) return true;
   Error(term.span, "_:" + term.term().lexical + " was used in another INSERT DATA of this request",
         "a label means something within one operation only; join the two, or use another label");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "graph/sparql/syntax/joined_words.h"
 #include "graph/sparql/values/ascii_run.h"
 
 namespace docent::sparql {
@@ -176,6 +177,7 @@ void Lexer::PutMark(Token* out, size_t length) {
 }
 
 void Lexer::PutWord(Token* out, size_t length) {
+  length = FirstWordLength(text_.substr(at_, length));
   const std::string_view text(text_.data() + at_, length);
   uint64_t code;
   if (at_ + sizeof(code) <= text_.size()) {  // as Keyword::CodeOf, for all letters together

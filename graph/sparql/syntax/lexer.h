@@ -86,6 +86,8 @@ class Lexer {
     Next(&token);
     return token;
   }
+  // Memory of texts of tokens, which lasts as long as the lexer.
+  size_t kept_bytes() const { return kept_bytes_; }
 
  private:
   void SkipSpaceAndComments();
@@ -106,7 +108,10 @@ class Lexer {
   void PutWord(Token* out, size_t length);  // without escapes
   void Error(Token* out, size_t length, std::string message, std::string_view hint = {});
   // Stores the text in the lexer.
-  std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
+  std::string_view Keep(std::string text) {
+    kept_bytes_ += kBytesOfKept + text.size();
+    return kept_.emplace_back(std::move(text));
+  }
   void LexString(Token* out);
   void LexNumber(Token* out);
   void LexWordOrName(Token* out);
@@ -125,7 +130,9 @@ class Lexer {
   void LexEscapedIri(Token* out, size_t length);
 
   std::string_view text_;
+  static constexpr size_t kBytesOfKept = sizeof(std::string) + 48;
   std::list<std::string> kept_;  // texts of tokens with escapes
+  size_t kept_bytes_ = 0;
   size_t at_ = 0;
   size_t no_prefix_before_ = 0;  // no prefix with other than ASCII letters begins between at_ and there
   int line_ = 1;

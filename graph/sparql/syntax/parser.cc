@@ -1,5 +1,7 @@
 #include "graph/sparql/syntax/parser.h"
 
+#include "graph/base/overload.h"
+#include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/grammar.h"
 
@@ -50,6 +52,7 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
   }
   Grammar grammar(text, options);
   const bool whole = grammar.QueryUnit(&parsed.query);
+  parsed.stopped = grammar.stopped();
   parsed.diagnostics = grammar.TakeDiagnostics();
   if (!whole) parsed.query = Query();
   return parsed;
@@ -63,9 +66,28 @@ ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options) {
   }
   Grammar grammar(text, options);
   std::optional<Update> update = grammar.UpdateUnit();
-  parsed.diagnostics = grammar.diagnostics();
+  parsed.stopped = grammar.stopped();
+  parsed.diagnostics = grammar.TakeDiagnostics();
   if (update) parsed.update = *std::move(update);
   return parsed;
+}
+
+namespace {
+
+absl::Status StatusOf(const absl::Status& stopped, const Diagnostics& diagnostics, std::string_view text) {
+  absl::Status mistakes = ToStatus(diagnostics, text);
+  if (stopped.ok()) return mistakes;
+  return absl::IsResourceExhausted(stopped) ? WithMessage(stopped, FromAbsl(mistakes.message())) : stopped;
+}
+
+}  // namespace
+
+absl::Status ToStatus(const ParsedQuery& parsed, std::string_view text) {
+  return StatusOf(parsed.stopped, parsed.diagnostics, text);
+}
+
+absl::Status ToStatus(const ParsedUpdate& parsed, std::string_view text) {
+  return StatusOf(parsed.stopped, parsed.diagnostics, text);
 }
 
 ParsedExpression ParseExpression(std::string_view text, const ParseOptions& options) {
@@ -109,7 +131,7 @@ std::optional<std::vector<TriplePattern>> ProductionParser::TriplesTemplateInBra
 
 AlgebraPtr ProductionParser::GroupGraphPattern() {
   impl_->grammar.blank_bgp_.clear();
-  impl_->grammar.elements_ = 0;  // a document holds many queries; the limit is for each
+  impl_->grammar.BeginCounts();  // a document holds many queries; the limits are for each
   return impl_->grammar.GroupGraphPattern();
 }
 

@@ -15,11 +15,14 @@
 
 #include "graph/base/diagnostic.h"
 #include "graph/base/limits.h"
+#include "graph/base/query_limits.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/syntax/update_algebra.h"
 
 namespace docent {
+class Cancellation;
 class IriNames;
+class MemoryUse;
 }  // namespace docent
 
 namespace docent::sparql {
@@ -34,6 +37,10 @@ struct ParseOptions {
   // Further ones, behind those; null: none. Read during parsing.
   const IriNames* known = nullptr;
   Limits limits;  // query_text_bytes, query_nesting, query_elements
+  QueryLimits query_limits;
+  // Counts what the parser makes, which stays counted; null: it is bounded by limits.query_memory_bytes alone.
+  MemoryUse* memory = nullptr;
+  Cancellation* cancellation = nullptr;  // polled; null: none
   // Allows the group elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
   // expression).
   bool rule_elements = false;
@@ -53,6 +60,9 @@ ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* func
 struct ParsedQuery {
   Query query;  // usable only if ok()
   Diagnostics diagnostics;
+  // Why the parser stopped before the end: RESOURCE_EXHAUSTED at a limit of size, CANCELLED, DEADLINE_EXCEEDED. The
+  // diagnostics say it, too.
+  absl::Status stopped;
   bool ok() const { return !HasErrors(diagnostics); }
 };
 ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options = {});
@@ -60,10 +70,15 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options = {});
 struct ParsedUpdate {
   Update update;  // usable only if ok()
   Diagnostics diagnostics;
+  absl::Status stopped;  // as in ParsedQuery
   bool ok() const { return !HasErrors(diagnostics); }
 };
 // `limits.update_text_bytes` holds instead of query_text_bytes.
 ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options = {});
+
+// What stopped the parser, or INVALID_ARGUMENT, each with the rendered mistakes; OK if parsed.ok(). `text`: what was parsed.
+absl::Status ToStatus(const ParsedQuery& parsed, std::string_view text);
+absl::Status ToStatus(const ParsedUpdate& parsed, std::string_view text);
 
 // A single expression, as in FILTER(…) without the keyword (CAWL comparisons, tests). Null if there are
 // errors.

@@ -5,6 +5,8 @@
 #define DOCENT_GRAPH_SPARQL_SYNTAX_UPDATE_ALGEBRA_H_
 
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,8 +19,9 @@ namespace docent::sparql {
 // One triple of DATA or of a template, with the GRAPH around it.
 struct QuadTemplate {
   TriplePattern triple;
-  std::optional<PatternTerm> graph;  // nullopt: the default graph, or that of WITH
+  std::shared_ptr<const PatternTerm> graph;  // null: the default graph, or that of WITH
 };
+using QuadTemplates = std::deque<QuadTemplate>;  // as many as an update has: grows without a copy
 
 // DEFAULT, GRAPH <iri>, NAMED, ALL.
 struct GraphTarget {
@@ -45,9 +48,8 @@ struct UpdateOperation {
   Kind kind = Kind::kInsertData;
   SourceSpan span;
   bool silent = false;
-  std::vector<QuadTemplate> remove;  // no blank nodes
-  std::vector<QuadTemplate>
-      insert;  // blank nodes stay terms: new ones for each solution (kModify) or request
+  QuadTemplates remove;  // no blank nodes
+  QuadTemplates insert;  // blank nodes stay terms: new ones for each solution (kModify) or request
   std::optional<Term> with;
   std::vector<Term> from;        // USING <iri>
   std::vector<Term> from_named;  // USING NAMED <iri>

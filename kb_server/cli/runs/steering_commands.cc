@@ -75,7 +75,9 @@ int Pause(const SteeringArguments& arguments) {
     const grpc::Status status = stub->Pause(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments.client);
     PrintSteered(arguments.client, reply, what, "paused",
-                 request.has_run() ? " is paused already" : " is paused; it has no run that was not paused");
+                 !request.has_run()          ? " is paused; it has no run that was not paused"
+                 : arguments.cancel_commands ? " is paused already; what it does is cancelled"
+                                             : " is paused already");
     if (!arguments.client.json && !arguments.cancel_commands) SayUnderWay(*stub, reply);
     return static_cast<int>(kExitOk);
   };

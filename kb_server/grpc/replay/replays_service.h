@@ -13,8 +13,9 @@ namespace docent::server {
 
 class ReplaysService final : public v1::Replays::CallbackService {
  public:
-  // Both must outlive it.
-  ReplaysService(const ReadPorts& ports, RunReplays* replays) : ports_(ports), replays_(*replays) {}
+  // All must outlive it. `workers`: of replays alone, one at a time.
+  ReplaysService(const ReadPorts& ports, RunReplays* replays, WorkerPool* workers)
+      : ports_(ports), replays_(*replays), workers_(*workers) {}
   grpc::ServerUnaryReactor* Replay(grpc::CallbackServerContext* context, const v1::ReplayRequest* request,
                                    v1::ReplayReply* reply) override;
   grpc::ServerUnaryReactor* TryNode(grpc::CallbackServerContext* context, const v1::TryNodeRequest* request,
@@ -25,10 +26,12 @@ class ReplaysService final : public v1::Replays::CallbackService {
                                  v1::SaveRunReply* reply) override;
 
  private:
-  grpc::ServerUnaryReactor* Work(std::function<absl::Status(Cancellation*)> work);
+  grpc::ServerUnaryReactor* Work(grpc::CallbackServerContext* context,
+                                 std::function<absl::Status(Cancellation*)> work);
 
   const ReadPorts& ports_;
   RunReplays& replays_;
+  WorkerPool& workers_;
 };
 
 }  // namespace docent::server

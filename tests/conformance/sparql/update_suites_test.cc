@@ -41,7 +41,7 @@ std::string RunOne(const W3cUpdateTest& test) {
   const GraphVersionPtr version = store.Freeze();
   sparql::UpdateOptions update_options;
   update_options.prepare.default_graph = sparql::DefaultGraph::kStrict;
-  update_options.load = [](const std::string& iri) -> absl::StatusOr<std::vector<TermQuad>> {
+  update_options.load = [](const std::string& iri) -> absl::StatusOr<sparql::DocumentQuads> {
     return absl::NotFoundError(iri + " is not there");
   };
   auto effect =

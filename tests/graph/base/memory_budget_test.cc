@@ -23,6 +23,11 @@ TEST(MemoryBudgetTest, HoldsAtTheLimitAndBeyond) {
   EXPECT_NE(all.Refusal().message().find("all_bytes = 100"), std::string::npos);
 }
 
+void GiveAllBack(MemoryUse* use) {
+  use->Release(use->used());
+  use->Settle();
+}
+
 TEST(MemoryBudgetTest, AUseAloneIsBoundedByItsOwnLimit) {
   MemoryUse use(1000);
   EXPECT_TRUE(use.Add(1000));
@@ -30,7 +35,7 @@ TEST(MemoryBudgetTest, AUseAloneIsBoundedByItsOwnLimit) {
   EXPECT_EQ(use.Refusal(kOwn), kOwn);
   use.Release(1);
   EXPECT_TRUE(use.Add(0));
-  use.Reset();
+  GiveAllBack(&use);
   EXPECT_TRUE(use.Add(1000));
 }
 
@@ -42,8 +47,8 @@ TEST(MemoryBudgetTest, UsesShareWhatThereIsAndGiveItBack) {
   EXPECT_TRUE(first.Add(8 * kMiB - 1000));
   EXPECT_FALSE(second.Add(4 * kMiB));
   EXPECT_EQ(second.Refusal(kOwn), all.Refusal());
-  second.Reset();
-  first.Reset();
+  GiveAllBack(&second);
+  GiveAllBack(&first);
   EXPECT_EQ(all.taken(), 0u);
   EXPECT_TRUE(second.Add(4 * kMiB));
   EXPECT_FALSE(second.Add(5 * kMiB));
@@ -52,7 +57,7 @@ TEST(MemoryBudgetTest, UsesShareWhatThereIsAndGiveItBack) {
     MemoryUse third(8 * kMiB, &all);
     EXPECT_TRUE(third.Add(3 * kMiB));
   }
-  second.Reset();
+  GiveAllBack(&second);
   EXPECT_EQ(all.taken(), 0u);
 }
 

@@ -31,7 +31,7 @@ TEST(RecordCodecTest, EveryEnumValueComesBack) {
   for (int kind = 0; kind <= static_cast<int>(Document::Kind::kRsel); ++kind) {
     record.batch.documents.push_back({static_cast<Document::Kind>(kind), Document::Action::kPut, "n", "t"});
   }
-  for (int outcome = 0; outcome <= static_cast<int>(CommandReport::Outcome::kRefused); ++outcome) {
+  for (int outcome = 0; outcome <= static_cast<int>(CommandReport::Outcome::kNotBegun); ++outcome) {
     record.batch.reports.push_back(
         {CommandId("c"), static_cast<CommandReport::Outcome>(outcome), "", 0, "", {}});
   }
@@ -75,11 +75,20 @@ TEST(RecordCodecTest, UnknownFieldsOfLaterVersionsAreSkipped) {
 }
 
 TEST(RecordCodecTest, RecordThatNeedsANewerReaderIsRefused) {
-  const std::string bytes("\x08\x03", 2);  // min_reader: 3
+  const std::string bytes("\x08\x04", 2);  // min_reader: 4
   const absl::StatusOr<TurnRecord> decoded = DecodeTurnRecord(12, bytes);
   EXPECT_EQ(decoded.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(decoded.status().message()),
               HasSubstr("log record 12 was written by a newer Docent"));
+}
+
+// An earlier reader does not know the outcome.
+TEST(RecordCodecTest, ACommandThatWasNotBegunNeedsReader3) {
+  TurnRecord record;
+  record.batch.reports.push_back({CommandId("c"), CommandReport::Outcome::kNotBegun, "", 0, "", {}});
+  EXPECT_TRUE(Encoded(record).starts_with("\x08\x03"));
+  record.batch.reports[0].outcome = CommandReport::Outcome::kCancelled;
+  EXPECT_TRUE(Encoded(record).starts_with("\x08\x01"));
 }
 
 TEST(RecordCodecTest, WrongNumbersAreErrors) {

@@ -71,6 +71,7 @@ inline TurnRecord FullRecord() {
                                {RunRequest::Kind::kCancel, "BoothGuide-1", {}}};
   record.transitions = {{"BoothGuide-1", "", "running", "started"},
                         {"BoothGuide-1/Move2Booth", "waiting", "running", "R01 is at B03"}};
+  record.told = {{"BoothGuide-1/Move2Booth", {robot, x, greeting, Term::Iri("urn:docent:run:BoothGuide-1")}}};
   record.commands = {{CommandId("BoothGuide-1/Move2Booth/0/0/0/1"),
                       RobotId("https://w3id.org/docent/expo#R01"),
                       "moveToBooth",

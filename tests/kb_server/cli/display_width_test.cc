@@ -42,7 +42,12 @@ TEST(DisplayWidthTest, WhatIsPrintedCannotCommandATerminal) {
             "a�b�");  // not UTF-8
   EXPECT_EQ(Printable("Zähler 展"), "Zähler 展");
   EXPECT_EQ(Printable("a\u200Fb\u2028c\uFEFF"), "a�b�c�");
-  EXPECT_EQ(Printable("a\u200Db"), "a\u200Db");  // joins the letters of some scripts
+  EXPECT_EQ(Printable("\u0646\u200C\u0647"), "\u0646\u200C\u0647");  // tells letters of some scripts apart
+  EXPECT_EQ(Printable("a\u200Db"), "a\uFFFDb");                      // and none of these
+  EXPECT_EQ(Printable("\U0001F469\u200D\U0001F52C \u2764\uFE0F"), "\U0001F469\u200D\U0001F52C \u2764\uFE0F");
+  for (const char* hidden : {"\u00AD", "\u034F", "\u180E", "\u200B", "\u2060", "\u2064", "\u3164", "\uFE00",
+                             "\uFFA0", "\uFFF9", "\U0001D173", "\U000E0001", "\U000E0100"})
+    EXPECT_EQ(Printable(std::string("a") + hidden + "b"), "a\uFFFDb");
   EXPECT_EQ(PrintableLines("a\n\tb\r\x1b]0;x\x07"), "a\n\tb��]0;x�");
 }
 

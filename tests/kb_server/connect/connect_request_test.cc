@@ -8,7 +8,10 @@
 #include "docent/v1/fleet.pb.h"
 #include "docent/v1/workflows.pb.h"
 #include "graph/base/gzip.h"
+#include "graph/base/network_limits.h"
+#include "graph/base/overload.h"
 #include "kb_server/connect/connect_envelope.h"
+#include "kb_server/door/message_sizes.h"
 
 namespace docent::server {
 namespace {
@@ -204,6 +207,61 @@ TEST(ConnectRequestTest, WhatUnpacksToTooMuchIsRefusedByTheLimit) {
       ReadAll(Post("application/connect+json", one + one, {{"connect-content-encoding", "gzip"}}),
               Method("Context", "AssertStream"), limits)
           .messages.status()));
+}
+
+TEST(ConnectRequestTest, AMessageIsNoLargerThanItsMethodTakes) {
+  const auto& list = Method("Fleet", "List");
+  const size_t most = LargestJson("docent.v1.Fleet.List", Limits{}, kNetworkLimits).bytes;
+  const std::string text = "{" + std::string(most - 2, ' ') + "}";
+  EXPECT_TRUE(ReadAll(Post("application/json", text), list).messages.ok());
+  const HttpFields gzip = {{"content-encoding", "gzip"}};
+  EXPECT_TRUE(ReadAll(Post("application/json", Gzip(text), gzip), list).messages.ok());
+  for (const auto& read : {ReadAll(Post("application/json", text + " "), list),
+                           ReadAll(Post("application/json", Gzip(text + " "), gzip), list)}) {
+    EXPECT_TRUE(absl::IsResourceExhausted(read.messages.status())) << read.messages.status();
+    EXPECT_THAT(read.messages.status().message(), HasSubstr("request_bytes"));
+  }
+}
+
+// "{}," becomes a Quad of some hundred bytes.
+TEST(ConnectRequestTest, PartsCountAsTheMemoryThatTheyBecome) {
+  const auto& method = Method("Context", "Assert");
+  std::string json = R"({"add":[{})";
+  for (int i = 0; i < 5000000; ++i) json += ",{}";
+  const Read read = ReadAll(Post("application/json", json + "]}"), method);
+  EXPECT_TRUE(absl::IsResourceExhausted(read.messages.status())) << read.messages.status();
+  EXPECT_THAT(read.messages.status().message(), HasSubstr("request_memory_bytes"));
+  std::string binary;
+  for (int i = 0; i < 5000000; ++i) binary += std::string("\x1a\0", 2);
+  EXPECT_TRUE(
+      absl::IsResourceExhausted(ReadAll(Post("application/proto", binary), method).messages.status()));
+}
+
+TEST(ConnectRequestTest, WhatIsUnpackedAndConvertedCountsInTheRequestsMemory) {
+  const auto& method = Method("Context", "Update");
+  MemoryBudget all("some_bytes", 8u << 20);
+  const auto read = [&](size_t bytes, MemoryUse* memory) {
+    const HttpRequest http =
+        Post("application/json", Gzip(R"({"update":")" + std::string(bytes, ' ') + "\"}"),
+             {{"content-encoding", "gzip"}});
+    ConnectHead head;
+    EXPECT_FALSE(ReadConnectHead(http, method, &head));
+    return ReadConnectMessages(http, method, head, Limits{}, memory);
+  };
+  {
+    MemoryUse memory(SIZE_MAX, &all);
+    const auto messages = read(1u << 20, &memory);
+    ASSERT_TRUE(messages.ok()) << messages.status();
+    EXPECT_EQ(memory.used(), messages->front().size()) << "the text and the conversion are given back";
+  }
+  EXPECT_EQ(all.taken(), 0u);
+  for (const size_t bytes : {3u << 20, 15u << 20}) {  // its conversion is too much; it is itself
+    MemoryUse memory(SIZE_MAX, &all);
+    const absl::Status refused = read(bytes, &memory).status();
+    EXPECT_TRUE(IsOverload(refused)) << refused;
+    EXPECT_THAT(refused.message(), HasSubstr("some_bytes"));
+    EXPECT_EQ(memory.used(), 0u);
+  }
 }
 
 }  // namespace

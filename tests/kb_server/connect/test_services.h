@@ -7,6 +7,7 @@
 #include <atomic>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
@@ -24,7 +25,11 @@ class TestFleet final : public v1::Fleet::CallbackService {
     reply->add_robots()->set_label(label_);
     deadline_ = absl::FromChrono(context->deadline());
     auto* reactor = context->DefaultReactor();
-    reactor->Finish(grpc::Status::OK);
+    if (holds_) {
+      held_.push_back(reactor);
+    } else {
+      reactor->Finish(grpc::Status::OK);
+    }
     return reactor;
   }
   grpc::ServerUnaryReactor* Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
@@ -37,6 +42,21 @@ class TestFleet final : public v1::Fleet::CallbackService {
     absl::MutexLock lock(&mutex_);
     label_ = std::move(label);
   }
+  // Calls of List are not answered until they are let go.
+  void Hold() {
+    absl::MutexLock lock(&mutex_);
+    holds_ = true;
+  }
+  void LetGo() {
+    absl::MutexLock lock(&mutex_);
+    holds_ = false;
+    for (auto* reactor : held_) reactor->Finish(grpc::Status::OK);
+    held_.clear();
+  }
+  size_t held() {
+    absl::MutexLock lock(&mutex_);
+    return held_.size();
+  }
   // Of the newest call.
   absl::Time deadline() {
     absl::MutexLock lock(&mutex_);
@@ -47,6 +67,8 @@ class TestFleet final : public v1::Fleet::CallbackService {
   absl::Mutex mutex_;
   std::string label_ = "R01";
   absl::Time deadline_;
+  bool holds_ = false;
+  std::vector<grpc::ServerUnaryReactor*> held_;
 };
 
 // Watch sends `count` events, or events without end, and counts what was taken. A run "fail" fails after the first, "hang"

@@ -2,34 +2,59 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include "absl/synchronization/barrier.h"
 #include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "gmock/gmock.h"
 #include "graph/base/overload.h"
 #include "gtest/gtest.h"
 
 namespace docent::server {
 namespace {
 
-TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
-  std::atomic<int> running = 0, most = 0, done = 0;
-  {
-    WorkerPool pool({2, 8, 100});
-    for (int i = 0; i < 50; ++i) {
-      ASSERT_TRUE(pool.Submit([&] {
-                        int now = ++running;
-                        int seen = most;
-                        while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
-                        std::this_thread::yield();
-                        --running;
-                        ++done;
-                      })
-                      .ok());
-    }
+using ::testing::HasSubstr;
+
+void Unexpected(const absl::Status& why) {
+  ADD_FAILURE() << "refused: " << why;
+}
+
+Work WorkOf(std::function<void()> run, ClientPtr client = nullptr) {
+  return {.run = std::move(run), .refuse = Unexpected, .client = std::move(client)};
+}
+
+ClientPtr NewClient(const std::string& name) {
+  return std::make_shared<Client>(name);
+}
+
+// Work that begins, and goes on until it is told to end.
+struct Held {
+  std::function<void()> Run() {
+    return [this] {
+      begun.Notify();
+      go.WaitForNotification();
+    };
   }
-  EXPECT_EQ(done, 50) << "what was queued is finished";
+  absl::Notification begun, go;
+};
+
+TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
+  std::atomic<int> running = 0, most = 0;
+  absl::BlockingCounter done(50);
+  WorkerPool pool({2, 8, 100});
+  for (int i = 0; i < 50; ++i) {
+    pool.Submit(WorkOf([&] {
+      int now = ++running;
+      int seen = most;
+      while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
+      std::this_thread::yield();
+      --running;
+      done.DecrementCount();
+    }));
+  }
+  done.Wait();
   EXPECT_LE(most, 2);
 }
 
@@ -38,192 +63,256 @@ TEST(WorkerPoolTest, WorkThatWaitsLetsOthersRun) {
   absl::Notification go;
   absl::BlockingCounter waiting(7), ended(7);
   for (int i = 0; i < 7; ++i) {
-    ASSERT_TRUE(pool.Submit([&] {
-                      {
-                        WorkerPool::Waiting wait(&pool);
-                        waiting.DecrementCount();
-                        go.WaitForNotification();
-                      }
-                      ended.DecrementCount();
-                    })
-                    .ok());
+    pool.Submit(WorkOf([&] {
+      {
+        const WorkerPool::Waiting wait;
+        waiting.DecrementCount();
+        go.WaitForNotification();
+      }
+      ended.DecrementCount();
+    }));
   }
   waiting.Wait();
   absl::Notification ran;
-  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }).ok());
-  EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
+  pool.Submit(WorkOf([&] { ran.Notify(); }));
+  ran.WaitForNotification();
   go.Notify();
   ended.Wait();
 }
 
+TEST(WorkerPoolTest, MoreThanSoManyDoNotWaitForOthers) {
+  WorkerPoolLimits limits{1, 8, 100};
+  limits.stalled = 1;
+  WorkerPool pool(limits);
+  absl::Notification waits, go, ended;
+  pool.Submit(WorkOf([&] {
+    const WorkerPool::Waiting wait;
+    EXPECT_TRUE(wait.status().ok()) << "at the limit";
+    waits.Notify();
+    go.WaitForNotification();
+  }));
+  waits.WaitForNotification();
+  pool.Submit(WorkOf([&] {
+    const WorkerPool::Waiting wait;
+    EXPECT_TRUE(IsOverload(wait.status())) << "one past it";
+    EXPECT_THAT(std::string(wait.status().message()), HasSubstr("queries_stalled is 1"));
+    const WorkerPool::Waiting client(WorkerPool::Waiting::What::kClient);
+    EXPECT_TRUE(client.status().ok()) << "a client is something else";
+    ended.Notify();
+  }));
+  ended.WaitForNotification();
+  go.Notify();
+}
+
 TEST(WorkerPoolTest, WhoIsNotServedInTimeIsTold) {
-  absl::Notification go, told, served;
-  std::atomic<bool> begun = false;
-  {
-    WorkerPool pool({1, 2, 10});
-    ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }).ok());
-    ASSERT_TRUE(
-        pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }})
-            .ok());
-    ASSERT_TRUE(
-        pool.Submit([&] { served.Notify(); }, {absl::Now() + absl::Seconds(60), [] { FAIL(); }}).ok());
-    EXPECT_TRUE(told.WaitForNotificationWithTimeout(absl::Seconds(20)));
-    go.Notify();
-    served.WaitForNotification();
-  }
-  EXPECT_FALSE(begun);
+  Held held;
+  absl::Notification told, served;
+  WorkerPool pool({1, 2, 10});
+  pool.Submit(WorkOf(held.Run()));
+  held.begun.WaitForNotification();
+  pool.Submit({.run = [] { ADD_FAILURE() << "it has begun"; },
+               .refuse =
+                   [&](const absl::Status& why) {
+                     EXPECT_TRUE(absl::IsDeadlineExceeded(why));
+                     told.Notify();
+                   },
+               .until = absl::Now()});
+  Work in_time = WorkOf([&] { served.Notify(); });
+  in_time.until = absl::InfiniteFuture();
+  pool.Submit(std::move(in_time));
+  told.WaitForNotification();
+  held.go.Notify();
+  served.WaitForNotification();
 }
 
-TEST(WorkerPoolTest, BeyondTheOpenOnesWorkIsQueuedAndBeyondTheQueueItIsRefused) {
-  absl::Notification go;
-  std::atomic<int> done = 0;
-  {
-    WorkerPool pool({1, 2, 1});
-    absl::BlockingCounter waiting(2);
-    auto work = [&] {
-      WorkerPool::Waiting wait(&pool);
-      waiting.DecrementCount();
-      go.WaitForNotification();
-      ++done;
+TEST(WorkerPoolTest, BeyondTheQueueWorkIsRefused) {
+  Held held;
+  absl::Notification done;
+  absl::Status refused;
+  WorkerPool pool({1, 2, 1});
+  pool.Submit(WorkOf(held.Run()));
+  held.begun.WaitForNotification();
+  pool.Submit(WorkOf([&] { done.Notify(); }));  // at the limit
+  pool.Submit({.run = [] { ADD_FAILURE() << "one past it"; },
+               .refuse = [&](const absl::Status& why) { refused = why; }});
+  EXPECT_TRUE(IsOverload(refused));
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("the limit queries_waiting is 1"));
+  held.go.Notify();
+  done.WaitForNotification();
+}
+
+TEST(WorkerPoolTest, AClientMayHaveThreeTimesOfTheQueueWhatIsFree) {
+  Held held;
+  const ClientPtr greedy = NewClient("greedy"), other = NewClient("other");
+  absl::BlockingCounter done(7);
+  int refused = 0;
+  WorkerPool pool({1, 2, 8});
+  pool.Submit(WorkOf(held.Run()));
+  held.begun.WaitForNotification();
+  for (int i = 0; i < 20; ++i) {
+    pool.Submit({.run = [&] { done.DecrementCount(); },
+                 .refuse =
+                     [&](const absl::Status& why) {
+                       EXPECT_TRUE(IsOverload(why));
+                       EXPECT_THAT(std::string(why.message()), HasSubstr("of this client"));
+                       ++refused;
+                     },
+                 .client = greedy});
+  }
+  EXPECT_EQ(refused, 14) << "six times three quarters of eight";
+  pool.Submit(WorkOf([&] { done.DecrementCount(); }, other));
+  held.go.Notify();
+  done.Wait();
+}
+
+TEST(WorkerPoolTest, TheClientThatHadLessGoesFirstWhateverWaitsBefore) {
+  Held held;
+  const ClientPtr much = NewClient("much"), little = NewClient("little");
+  std::vector<std::string> order;
+  absl::BlockingCounter done(4);
+  WorkerPool pool({1, 1, 100});
+  pool.Submit(WorkOf(
+      [&] {
+        held.Run()();
+        const absl::Time end = absl::Now() + absl::Milliseconds(5);
+        while (absl::Now() < end) continue;  // of a processor
+      },
+      much));
+  held.begun.WaitForNotification();
+  const auto say = [&](const std::string& name) {
+    return [&, name] {
+      order.push_back(name);
+      done.DecrementCount();
     };
-    ASSERT_TRUE(pool.Submit(work).ok());
-    while (!pool.Submit(work).ok()) std::this_thread::yield();  // the first has left the queue
-    waiting.Wait();
-    EXPECT_TRUE(pool.Submit([&] { ++done; }).ok()) << "at the limit";
-    const absl::Status refused = pool.Submit([&] { ++done; });
-    EXPECT_TRUE(IsOverload(refused)) << "one past it";
-    EXPECT_NE(refused.message().find("the limit queries_waiting is 1"), absl::string_view::npos);
-    EXPECT_EQ(done, 0) << "both threads wait";
-    go.Notify();
-  }
-  EXPECT_EQ(done, 3);
+  };
+  for (const char* name : {"much 1", "much 2", "much 3"}) pool.Submit(WorkOf(say(name), much));
+  pool.Submit(WorkOf(say("little"), little));
+  held.go.Notify();
+  done.Wait();
+  EXPECT_THAT(order, ::testing::ElementsAre("little", "much 1", "much 2", "much 3"));
 }
 
-// Uses the processor for a while, as an evaluation does.
-void Compute(Cancellation* cancellation, absl::Duration how_long) {
-  const absl::Time end = absl::Now() + how_long;
-  while (absl::Now() < end && cancellation->CheckNow().ok()) continue;
+// Uses the processor until it is told to end, or cancelled.
+std::function<void()> Computing(WorkerPool* pool, std::shared_ptr<Cancellation> cancellation,
+                                std::atomic<bool>* stop, absl::BlockingCounter* begun = nullptr) {
+  return [=] {
+    const WorkerPool::SharedWork shared(pool, cancellation.get());
+    if (begun != nullptr) begun->DecrementCount();
+    while (!*stop && cancellation->CheckNow().ok()) continue;
+  };
 }
 
-TEST(WorkerPoolTest, ShortWorkPassesLongWork) {
-  WorkerPoolLimits limits{2, 40, 100};
+TEST(WorkerPoolTest, SmallWorkOfAnotherClientPassesLargeWork) {
+  WorkerPoolLimits limits{2, 80, 100};
   limits.short_running = 1;
   limits.short_time = absl::Milliseconds(5);
   std::atomic<bool> stop = false;
-  std::atomic<int> ended = 0;
-  {
-    WorkerPool pool(limits);
-    for (int i = 0; i < 30; ++i) {
-      ASSERT_TRUE(pool.Submit([&] {
-                        Cancellation cancellation;
-                        WorkerPool::SharedWork shared(&pool, &cancellation);
-                        while (!stop) Compute(&cancellation, absl::Milliseconds(1));
-                        ++ended;
-                      })
-                      .ok());
-    }
-    for (int i = 0; i < 20; ++i) {
-      absl::Notification done;
-      ASSERT_TRUE(pool.Submit([&] { done.Notify(); }).ok());
-      EXPECT_TRUE(done.WaitForNotificationWithTimeout(absl::Seconds(60)));
-      EXPECT_EQ(ended, 0);
-    }
-    stop = true;
-  }
-  EXPECT_EQ(ended, 30) << "long work goes on where there is room";
-}
-
-TEST(WorkerPoolTest, LongWorkRunsInItsPlacesAlone) {
-  WorkerPoolLimits limits{2, 40, 100};
-  limits.short_running = 1;
-  limits.short_time = absl::Milliseconds(2);
-  std::atomic<int> running = 0, most = 0;
+  absl::BlockingCounter begun(60);
   WorkerPool pool(limits);
-  for (int i = 0; i < 12; ++i) {
-    ASSERT_TRUE(pool.Submit([&] {
-                      Cancellation cancellation;
-                      WorkerPool::SharedWork shared(&pool, &cancellation);
-                      Compute(&cancellation, absl::Milliseconds(30));  // it is among the others then
-                      const int now = ++running;
-                      int seen = most;
-                      while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
-                      Compute(&cancellation, absl::Milliseconds(20));
-                      --running;
-                    })
-                    .ok());
+  for (int i = 0; i < 60; ++i) {
+    pool.Submit(WorkOf(Computing(&pool, std::make_shared<Cancellation>(), &stop, &begun),
+                       NewClient("heavy " + std::to_string(i))));
   }
-  absl::SleepFor(absl::Milliseconds(300));
-  EXPECT_LE(most, 3);
+  begun.Wait();  // all of them have begun, although there are three places
+  for (int i = 0; i < 20; ++i) {
+    absl::Notification done;
+    pool.Submit(WorkOf([&] { done.Notify(); }, NewClient("small " + std::to_string(i))));
+    done.WaitForNotification();
+  }
+  EXPECT_EQ(pool.load().begun, 60u);
+  stop = true;
 }
 
-TEST(WorkerPoolTest, WorkThatNeverLooksDoesNotHoldAShortPlaceForLong) {
+TEST(WorkerPoolTest, WhatNeverLooksDoesNotHoldAShortPlaceForLong) {
   WorkerPoolLimits limits{1, 8, 100};
   limits.short_running = 1;
   limits.short_time = absl::Milliseconds(5);
-  absl::Notification go, served;
+  Held held;
+  absl::Notification served, second;
   WorkerPool pool(limits);
-  ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }).ok());
-  ASSERT_TRUE(pool.Submit([&] { served.Notify(); }).ok());
-  EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
-  go.Notify();
+  pool.Submit(WorkOf(held.Run()));
+  pool.Submit(WorkOf([&] { served.Notify(); }));
+  served.WaitForNotification();
+  pool.Submit(WorkOf([&] { second.Notify(); }));
+  second.WaitForNotification();
+  held.go.Notify();
 }
 
 TEST(WorkerPoolTest, WorkThatIsHeldUpEndsWhenItIsCancelled) {
   WorkerPoolLimits limits{1, 8, 100};
   limits.short_running = 1;
   limits.short_time = absl::Milliseconds(1);
-  absl::Notification go, ended;
-  Cancellation second;
+  std::atomic<bool> never = false;
+  std::vector<std::shared_ptr<Cancellation>> cancellations;
+  absl::BlockingCounter ended(2);
+  const ClientPtr client = NewClient("both");
   WorkerPool pool(limits);
-  ASSERT_TRUE(pool.Submit([&] {
-                    Cancellation cancellation;
-                    WorkerPool::SharedWork shared(&pool, &cancellation);
-                    while (!go.HasBeenNotified()) Compute(&cancellation, absl::Milliseconds(1));
-                  })
-                  .ok());
-  ASSERT_TRUE(pool.Submit([&] {
-                    WorkerPool::SharedWork shared(&pool, &second);
-                    Compute(&second, absl::InfiniteDuration());
-                    ended.Notify();
-                  })
-                  .ok());
-  absl::SleepFor(absl::Milliseconds(50));
-  EXPECT_FALSE(ended.HasBeenNotified());
-  second.Cancel();
-  EXPECT_TRUE(ended.WaitForNotificationWithTimeout(absl::Seconds(60)));
-  go.Notify();
+  for (int i = 0; i < 2; ++i) {
+    cancellations.push_back(std::make_shared<Cancellation>());
+    pool.Submit(WorkOf(
+        [&, compute = Computing(&pool, cancellations.back(), &never)] {
+          compute();
+          ended.DecrementCount();
+        },
+        client));
+  }
+  while (pool.load().held_up == 0) absl::SleepFor(absl::Milliseconds(1));
+  for (const auto& cancellation : cancellations) cancellation->Cancel();
+  ended.Wait();
+}
+
+TEST(WorkerPoolTest, AStopCancelsWhatRunsAndRefusesWhatWaits) {
+  std::atomic<bool> never = false;
+  absl::BlockingCounter begun(1);
+  absl::Notification ended;
+  auto cancellation = std::make_shared<Cancellation>();
+  absl::Status queued, late;
+  WorkerPool pool({1, 1, 10});
+  Work endless = WorkOf([&, compute = Computing(&pool, cancellation, &never, &begun)] {
+    compute();
+    ended.Notify();
+  });
+  endless.cancellation = cancellation;
+  pool.Submit(std::move(endless));
+  begun.Wait();
+  pool.Submit({.run = [] { ADD_FAILURE(); }, .refuse = [&](const absl::Status& why) { queued = why; }});
+  pool.Stop();
+  EXPECT_TRUE(absl::IsUnavailable(queued)) << queued;
+  ended.WaitForNotification();
+  pool.Submit({.run = [] { ADD_FAILURE(); }, .refuse = [&](const absl::Status& why) { late = why; }});
+  EXPECT_TRUE(absl::IsUnavailable(late)) << late;
 }
 
 TEST(WorkerPoolTest, TheClientThatIsWaitedForTheLongestIsCrowdedOut) {
   WorkerPoolLimits limits{1, 2, 100};
   limits.crowded_time = absl::Milliseconds(20);
-  absl::Notification first_waits, gone, served;
+  absl::Notification first_waits, second_waits, served;
   std::atomic<bool> stop = false;
   std::atomic<int> first = 0, second = 0;
-  {
-    WorkerPool pool(limits);
-    const auto wait_for_client = [&](std::atomic<int>* crowded) {
-      WorkerPool::Waiting waiting(&pool, WorkerPool::Waiting::What::kClient);
-      if (!first_waits.HasBeenNotified()) first_waits.Notify();
-      while (!stop) {
-        absl::SleepFor(absl::Milliseconds(5));
-        if (!waiting.Crowded()) continue;
-        ++*crowded;
-        return;
-      }
-    };
-    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&first); }).ok());
-    first_waits.WaitForNotification();
-    absl::SleepFor(absl::Milliseconds(50));
-    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&second); }).ok());
-    absl::SleepFor(absl::Milliseconds(100));
-    EXPECT_EQ(first + second, 0) << "nobody else wants their threads";
-    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }).ok());
-    EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  WorkerPool pool(limits);
+  const auto wait_for_client = [&](std::atomic<int>* crowded, absl::Notification* waits) {
+    WorkerPool::Waiting waiting(WorkerPool::Waiting::What::kClient);
+    EXPECT_FALSE(waiting.Crowded()) << "nobody else wants the thread";
+    waits->Notify();
+    while (!stop) {
+      absl::SleepFor(absl::Milliseconds(5));
+      if (!waiting.Crowded()) continue;
+      ++*crowded;
+      return;
+    }
+  };
+  pool.Submit(WorkOf([&] { wait_for_client(&first, &first_waits); }));
+  first_waits.WaitForNotification();
+  absl::SleepFor(absl::Milliseconds(50));  // so much longer is it waited for
+  pool.Submit(WorkOf([&] { wait_for_client(&second, &second_waits); }));
+  second_waits.WaitForNotification();
+  pool.Submit(WorkOf([&] {
     EXPECT_EQ(first, 1);
     EXPECT_EQ(second, 0);
-    stop = true;
-  }
+    served.Notify();
+  }));
+  served.WaitForNotification();
+  stop = true;
 }
 
 TEST(WorkerPoolTest, WhatWorkHoldsIsGoneWhenItEnds) {
@@ -231,8 +320,8 @@ TEST(WorkerPoolTest, WhatWorkHoldsIsGoneWhenItEnds) {
   auto held = std::make_shared<int>(7);
   std::weak_ptr<int> watch = held;
   absl::Notification next;
-  ASSERT_TRUE(pool.Submit([held = std::move(held)] {}).ok());
-  ASSERT_TRUE(pool.Submit([&] { next.Notify(); }).ok());
+  pool.Submit(WorkOf([held = std::move(held)] {}));
+  pool.Submit(WorkOf([&] { next.Notify(); }));
   next.WaitForNotification();
   EXPECT_TRUE(watch.expired());
 }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "graph/base/text.h"
+#include "graph/calendar/time_spec.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/batch_applier.h"
@@ -83,6 +85,40 @@ TEST_F(RunWaitsTest, TheFactThatLacksForWhatHasToHoldIsNamed) {
   reply = Waits(run);
   ASSERT_EQ(reply.waits_size(), 1);
   EXPECT_EQ(reply.waits(0).detail(), "what has to hold while it runs does not hold");
+}
+
+TEST_F(RunWaitsTest, ATimeOfDayIsToldWithItsNextBegin) {
+  const std::string window = calendar::TimeIri({{"between", "09:00-17:00"}});
+  const std::string each = calendar::TimeIri({{"every", "10min"}});
+  answer_ = {false, "a time", "", ""};
+  const TimeMicros night = 1'700'000'000'000'000;  // 22:13:20
+  v1::ExplainRunReply reply = Waits(Waiting(Concat("ASK { <", window, "> <urn:p> true }")), night);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_THAT(reply.waits(0).detail(), HasSubstr("its time comes at 2023-11-15T09:00:00"));
+  EXPECT_EQ(reply.waits(0).until_us(), 1'700'038'800'000'000);
+  reply = Waits(Waiting(Concat("ASK { <", window, "> <urn:p> true }")), night - 6 * 3600 * 1'000'000LL);
+  EXPECT_EQ(reply.waits(0).until_us(), 0) << "it holds: another fact lacks";
+  Tell(each, DocentIri("nextOccurrence"), Term::Literal("2023-11-14T22:20:00Z", std::string(kXsdDateTime)));
+  reply = Waits(Waiting(Concat("ASK { <", each, "> <urn:p> ?at }")), night);
+  EXPECT_THAT(reply.waits(0).detail(), HasSubstr("its time comes at 2023-11-14T22:20:00"));
+}
+
+TEST_F(RunWaitsTest, ItIsSaidThatTheHolderOfARobotIsPaused) {
+  Tell("urn:clara", std::string(kRdfType), Term::Iri(DocentIri("Robot")));
+  Tell("urn:clara", DocentIri("heldBy"), Term::Iri("urn:docent:run:G-2"));
+  v1::Run run = Waiting("");
+  run.mutable_nodes(0)->set_state("running");
+  v1::Invocation* invocation = run.mutable_nodes(0)->add_invocations();
+  invocation->set_operation("goTo");
+  invocation->set_state("pending");
+  invocation->set_reason("every robot that offers it serves another run");
+  invocation->add_awaits()->set_robot("urn:clara");
+  EXPECT_THAT(Waits(run).waits(0).detail(), Not(HasSubstr("paused")));
+  Tell("urn:docent:run:G-2", DocentIri("pausedAt"),
+       Term::Literal("2023-11-14T22:20:00Z", std::string(kXsdDateTime)));
+  Tell("urn:docent:run:G-2", DocentIri("pauseReason"), Term::Literal("smoke"));
+  EXPECT_THAT(Waits(run).waits(0).detail(),
+              HasSubstr("held by run G-2, which is paused (smoke); docent runs resume G-2"));
 }
 
 // The reason of the invocation, which is that of one robot, stood with each.

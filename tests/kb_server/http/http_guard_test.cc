@@ -30,6 +30,18 @@ HttpRequest From(const std::string& origin, const std::string& method = "GET") {
   return request;
 }
 
+TEST(HttpGuardTest, APageOfAnotherSiteThatSendsNoOriginIsToldByItsBrowser) {
+  HttpRequest request = From("");
+  EXPECT_FALSE(RefuseAnotherSite(request));
+  for (const auto& [site, refused] : {std::pair("cross-site", true), std::pair("same-site", true),
+                                      std::pair("same-origin", false), std::pair("none", false)}) {
+    request.headers = {{"host", "localhost:7480"}, {"sec-fetch-site", site}};
+    EXPECT_EQ(RefuseAnotherSite(request).has_value(), refused) << site;
+    request.headers.emplace_back("origin", "http://a");  // which Refuse looks at
+    EXPECT_FALSE(RefuseAnotherSite(request)) << site;
+  }
+}
+
 TEST(HttpGuardTest, OnlyTheOriginsThatAreAllowedShareAnswers) {
   const HttpGuard guard(7480, {}, {"http://app.example:5173"});
   EXPECT_FALSE(guard.Refuse(From("http://app.example:5173")));

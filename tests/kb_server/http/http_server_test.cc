@@ -76,6 +76,24 @@ TEST(HttpServerTest, DecodesPathAndParameters) {
   EXPECT_EQ(client.Ask("GET", "/hello?x=%00").status, 400);
 }
 
+TEST(HttpServerTest, APathBelowSeveralRoutesGoesToTheLongest) {
+  HttpRoutes routes;
+  for (const char* path : {"/a/*", "/a/b/*", "/a/b/c", "/z"})
+    routes.Add("GET", path, [path](std::shared_ptr<HttpExchange> e) { e->Respond(TextResponse(200, path)); });
+  auto server = StartServer(std::move(routes));
+  HttpClient client(server->port());
+  for (const auto& [path, route] :
+       {std::pair("/a/x", "/a/*"), std::pair("/a/", "/a/*"), std::pair("/a/b/x/y", "/a/b/*"),
+        std::pair("/a/b/", "/a/b/*"), std::pair("/a/b", "/a/*"), std::pair("/a/b/c", "/a/b/c"),
+        std::pair("/a//", "/a/*")})
+    EXPECT_EQ(client.Ask("GET", path).body, absl::StrCat(route, "\n")) << path;
+  for (const char* nothing : {"/a", "/ab/x", "/z/x", "/", "//a/x"})
+    EXPECT_EQ(client.Ask("GET", nothing).status, 404);
+  const std::string slashes(60000, '/');
+  EXPECT_EQ(client.Ask("GET", slashes).status, 404);
+  EXPECT_EQ(client.Ask("GET", "/a" + slashes).status, 200);
+}
+
 TEST(HttpServerTest, HeadHasNoBody) {
   auto server = StartServer(EchoRoutes());
   HttpClient client(server->port());

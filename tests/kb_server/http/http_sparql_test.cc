@@ -7,7 +7,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "graph/base/gzip.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_writer.h"
 #include "tests/kb_server/http/http_client.h"
@@ -76,6 +78,49 @@ class HttpSparqlTest : public ::testing::Test {
   std::unique_ptr<WorkerPool> pool_;
   std::unique_ptr<HttpServer> server_;  // goes first
 };
+
+// The network's threads serve everybody: unpacking is for a worker, of which there is none free here.
+TEST_F(HttpSparqlTest, APackedOrLargeBodyIsReadByAWorker) {
+  Start({}, 1);
+  HttpRoutes routes;
+  AddSparqlRoutes(&routes, &ports_,
+                  &metrics_);  // it outlives the pool, whose work counts there when it is done
+  const auto ask = [&](const std::string& type, const std::string& body, bool packed) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = request.raw_path = "/sparql";
+    request.headers = {{"content-type", type}};
+    if (packed) request.headers.emplace_back("content-encoding", "gzip");
+    request.body = body;
+    HttpResponse refusal;
+    const auto answer = std::make_shared<HttpAnswer>();
+    routes.Find(request, &refusal)->handler(std::make_shared<HttpExchange>(std::move(request), answer));
+    return answer;
+  };
+  absl::Notification busy, go;
+  pool_->Submit({.run =
+                     [&] {
+                       busy.Notify();
+                       go.WaitForNotification();
+                     },
+                 .refuse = nullptr});
+  busy.WaitForNotification();
+  const std::string large = "query=" + std::string(100000, 'x');
+  const std::vector<std::shared_ptr<HttpAnswer>> answers = {
+      ask("application/sparql-update", "this is not gzip", true),
+      ask("application/x-www-form-urlencoded", large, false),
+      ask("application/sparql-query", Gzip("ASK {}"), true)};
+  for (const auto& answer : answers) EXPECT_FALSE(answer->Take().head) << "the network's thread read it";
+  go.Notify();
+  std::vector<int> statuses;
+  for (const auto& answer : answers) {
+    absl::Notification answered;
+    answer->OnProgress([&answered] { answered.Notify(); });
+    answered.WaitForNotification();
+    statuses.push_back(answer->Take().head->status);
+  }
+  EXPECT_EQ(statuses, (std::vector<int>{400, 400, 200}));
+}
 
 TEST_F(HttpSparqlTest, SelectInEachForm) {
   const std::string query = "SELECT ?b WHERE { <urn:r1> <urn:isAt> ?b }";

@@ -20,6 +20,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+constexpr size_t kBodiesBytes = 4u << 20;
+
 class LiveTest : public ::testing::Test {
  protected:
   void SetUp() override { Start({}); }
@@ -39,6 +41,7 @@ class LiveTest : public ::testing::Test {
     live_->AddRoute(&routes);
     HttpServerOptions options;
     options.listen = "127.0.0.1:0";
+    options.bodies_bytes = kBodiesBytes;
     http_ = *HttpServer::Start(options, std::move(routes));
   }
   void Stop() {
@@ -87,6 +90,42 @@ TEST_F(LiveTest, StreamsAndReadsShareAConnection) {
   tab.Send(R"({"id":"r","call":"docent.v1.Fleet/List"})");
   EXPECT_EQ(tab.Receive(), R"({"id":"r","begun":true})");
   EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":"r","message":{"robots":[{"label":"R01"}]},"resume":")"));
+}
+
+// A message that is begun counts as a body of HTTP does; the first 256 KiB of a connection are free.
+TEST_F(LiveTest, BegunMessagesCountInTheServersBudget) {
+  std::vector<std::unique_ptr<WebSocketClient>> tabs;
+  const auto begin = [&] {
+    tabs.push_back(std::make_unique<WebSocketClient>(http_->port()));
+    tabs.back()->Receive();
+    tabs.back()->SendBytes(ClientFrame(0x01, std::string(900000, ' ')));  // a text frame, not the last one
+  };
+  begin();
+  EXPECT_TRUE(Soon([&] { return http_->counts().body_bytes >= 600000; }));
+  tabs.front()->SendBytes(ClientFrame(0x80, "{}"));  // its end
+  EXPECT_THAT(tabs.front()->Receive(), HasSubstr("\"refused\""));
+  EXPECT_TRUE(Soon([&] { return http_->counts().body_bytes == 0; }));
+  for (int i = 0; i < 8; ++i) begin();  // of which four fit
+  EXPECT_TRUE(Soon([&] { return live_->open() <= 5; })) << "the others are told to try again";
+  EXPECT_LE(http_->counts().body_bytes, kBodiesBytes);
+}
+
+// Pings come meanwhile: the connection is not silent.
+TEST_F(LiveTest, AMessageThatDoesNotArriveEndsTheConnection) {
+  WebLimits limits;
+  limits.live_silence_ms = 300;
+  Start(limits);
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.SendBytes(ClientFrame(0x01, "{"));
+  uint8_t first = 0x8a;
+  std::string payload;
+  while (first == 0x8a) {
+    tab.SendBytes(ClientFrame(0x89, "p"));
+    payload = tab.Receive(&first);
+  }
+  EXPECT_EQ(first, 0x88);
+  EXPECT_THAT(payload, HasSubstr("did not arrive"));
 }
 
 TEST_F(LiveTest, AReadIsToldWhenItsAnswerChanges) {
@@ -170,6 +209,26 @@ TEST_F(LiveTest, OtherRequestsAndOtherPagesAreRefused) {
   EXPECT_THAT(
       WebSocketClient(http_->port(), absl::StrCat("Origin: http://localhost:", http_->port(), "\r\n")).head(),
       StartsWith("HTTP/1.1 101 "));
+}
+
+TEST_F(LiveTest, SoManyReadsOfATabAreAskedAtATime) {
+  Start({.live_reads_asked = 2});
+  fleet_.Hold();
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  for (int id = 1; id <= 5; ++id) {
+    tab.Send(absl::StrCat(R"({"id":)", id, R"(,"call":"docent.v1.Fleet/List"})"));
+    EXPECT_EQ(tab.Receive(), absl::StrCat(R"({"id":)", id, R"(,"begun":true})"));
+  }
+  EXPECT_TRUE(Soon([this] { return fleet_.held() == 2; })) << "at the limit";
+  absl::SleepFor(absl::Milliseconds(100));
+  EXPECT_EQ(fleet_.held(), 2u) << "one past it waits";
+  WebSocketClient other(http_->port());
+  other.Receive();
+  other.Send(R"({"id":1,"call":"docent.v1.Fleet/List"})");
+  EXPECT_TRUE(Soon([this] { return fleet_.held() == 3; })) << "another tab has its own";
+  fleet_.LetGo();
+  for (int i = 0; i < 5; ++i) EXPECT_THAT(tab.Receive(), HasSubstr(R"("label":"R01")"));
 }
 
 TEST_F(LiveTest, ATabFollowsSoMuchAndNoMore) {

@@ -323,13 +323,16 @@ TEST_F(ReplayTest, ADamagedSavedRunIsRefusedWithItsPlace) {
               HasSubstr("a.run.json is no saved run, or damaged"));
   EXPECT_THAT(DecodeCase("{}", "a.run.json").status().message(), HasSubstr("has no \"format\""));
   EXPECT_THAT(DecodeCase("[]", "a.run.json").status().message(), HasSubstr("has no \"format\""));
-  EXPECT_THAT(wrong("\"formatVersion\": 1", "\"formatVersion\": 2"),
-              HasSubstr("is of format version 2, and this program reads up to 1"));
+  EXPECT_THAT(wrong("\"formatVersion\": 2", "\"formatVersion\": 3"),
+              HasSubstr("is of format version 3, and this program reads up to 2"));
   EXPECT_THAT(wrong("\"succeeded\"", "\"sucseeded\""),
               HasSubstr("outcome is \"sucseeded\", which means nothing here"));
   EXPECT_THAT(wrong("\"flow\"", "\"flaw\""), HasSubstr("run.flow is missing"));
-  EXPECT_THAT(wrong("<urn:w:John> <https://w3id.org/docent#isAt>", "<urn:w:John> nothing"),
+  EXPECT_THAT(wrong("+ <urn:w:John> <https://w3id.org/docent#selected>", "+ <urn:w:John> nothing"),
               HasSubstr("facts has no fact in N-Quads at ["));
+  EXPECT_THAT(wrong("+ <urn:w:John> <https://w3id.org/docent#selected>", "<urn:w:John> <urn:w:x>"),
+              HasSubstr("begins neither with \"+ \" nor with \"- \""));
+  EXPECT_THAT(wrong("\"state\": [\n  \"", "\"state\": [\n  \"x"), HasSubstr("state is no packed state"));
   EXPECT_THAT(wrong("\"turn\": 6", "\"turn\": \"six\""), HasSubstr("is no whole number"));
   EXPECT_THAT(wrong("\"turn\": 6", "\"turn\": 2"), HasSubstr("does not come after the turn before it"));
   ReplayLimits few;

@@ -8,6 +8,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
+#include "kb_server/door/workflow_removal.h"
 #include "kb_server/robots/reservations.h"
 #include "kb_server/robots/robot_records.h"
 #include "kb_server/turn/turn.h"
@@ -164,8 +165,31 @@ TEST_F(RobotReservationTest, AReservationEndsWithTheRunThatItIsFor) {
   EXPECT_TRUE(absl::StrContains(Told("urn:docent:run:W-2/A/0", "reason"),
                                 "is reserved for run Tour-1, with priority 0"));
   const TurnResult tour = Go("Tour");
-  EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R1");
+  EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R2") << "nothing waits for this one";
   EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1");
+  EXPECT_TRUE(Reservations().empty());
+}
+
+TEST_F(RobotReservationTest, AReservationForAWorkflowEndsWhenItIsUndeployed) {
+  const auto undeploy = [this](const char* how) {
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Tour", how});
+    Turn(std::move(batch));
+  };
+  for (const bool cancels : {false, true}) {
+    Deploy("Tour", {WhenTold(cancels ? "a" : "b", kDrive)});
+    ASSERT_TRUE(Reserve({{"R1"}, "Tour", 5, 600'000, ""}).ok());
+    Start("Tour");
+    undeploy(cancels ? kRemovesRuns : "");
+    EXPECT_EQ(Reservations().size(), cancels ? 0u : 1u) << "a live run of it may need the robot";
+    if (!cancels) Done(Go("b"));
+    EXPECT_TRUE(Reservations().empty());
+  }
+  Deploy("Tour", {kDrive});
+  ASSERT_TRUE(Reserve({{"R1"}, "Tour", 5, 600'000, ""}).ok());
+  Deploy("Tour", {kDrive});
+  EXPECT_EQ(Reservations().size(), 1u) << "it is loaded again";
+  undeploy("");
   EXPECT_TRUE(Reservations().empty());
 }
 
@@ -183,7 +207,8 @@ TEST_F(RobotReservationTest, ARunReservesAheadOfNeed) {
   EXPECT_EQ(Commands(Start("W")), "");
   const TurnResult tour = Go("Tour");
   EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R1");
-  EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1") << "the robots are free with the end of the run";
+  EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R2")
+      << "the robots are free with the end of the run, and this one was not used";
 }
 
 TEST_F(RobotReservationTest, ARunReleasesWhatItReserved) {

@@ -14,9 +14,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "gtest/gtest.h"
 #include "tests/kb_server/test_world.h"
 #include "tests/kb_server/turn/simulation_dice.h"
-#include "workflow/engine/state/ports.h"
+#include "workflow/engine/engine.h"
 
 namespace docent::server::test {
 
@@ -92,24 +93,39 @@ class Fleet {
     return batch;
   }
 
+  // What the server's proxies are told. They carry it to the adapter as soon as that can be reached.
   void Send(const RobotCommand& command, TimeMicros now_us) {
     Command& sent = commands_[command.id];
     sent.command = command;
-    sent.ends_us = now_us + Seconds(8);
-    if (dice_.OneIn(8, "hang")) sent.ends_us += 40'000'000;  // hangs
+    sent.reached_us = now_us;
+    if (dice_.OneIn(6, "away")) sent.reached_us += Seconds(12);
     if (command.expected_incarnation != Incarnation(NumberOf(command.robot)) &&
         !command.expected_incarnation.empty())
       End(&sent, CommandReport::Outcome::kUnknown, now_us);
-    else if (dice_.OneIn(12, "failure"))
-      End(&sent, CommandReport::Outcome::kFailed, now_us);  // turned away
   }
   void Cancel(const CommandId& id, TimeMicros now_us) {
     const auto found = commands_.find(id);
-    if (found == commands_.end() || found->second.ended || dice_.OneIn(5, "deaf"))
-      return;  // ended, lost or deaf
-    found->second.cancelled = true;
-    found->second.ends_us = std::min(found->second.ends_us, now_us + Seconds(5));
+    if (found == commands_.end()) return;
+    Command& command = found->second;
+    command.must_end = command.wanted_end = true;
+    if (!command.ended && dice_.OneIn(4, "away"))
+      command.reached_us = std::max(command.reached_us, now_us + Seconds(8));
   }
+  void Recall(const CommandId& id) {
+    if (const auto found = commands_.find(id); found != commands_.end()) found->second.recalled = true;
+  }
+  // The server begins again, and knows of its commands what it has kept of them.
+  void ForgetWishes() {
+    for (auto& [id, command] : commands_) command.wanted_end = command.recalled = false;
+  }
+  void Resume(const engine::CommandUnderWay& open) {
+    const auto found = commands_.find(open.command.id);
+    ASSERT_NE(found, commands_.end()) << open.command.id.value() << " was never sent";
+    found->second.wanted_end = open.ending;
+    found->second.recalled = open.recalled;
+  }
+  // Commands that robots have begun since the last time.
+  std::vector<RobotCommand> TakeBegun() { return std::exchange(begun_, {}); }
   // The adapter forgets: what it did has an unknown outcome, and the robot stands still.
   WriteBatch Die(int robot, TimeMicros now_us) {
     ++lives_[robot];
@@ -126,7 +142,8 @@ class Fleet {
   std::vector<CommandReport> Reports(TimeMicros now_us) {
     std::vector<CommandReport> reports;
     for (auto& [id, command] : commands_) {
-      if (!command.ended && command.ends_us <= now_us) {
+      Reach(&command, now_us);
+      if (command.begun && !command.ended && command.ends_us <= now_us) {
         const int fate = dice_.OneIn(5, "failure") ? 0 : 9;
         End(&command,
             command.cancelled && fate > 0 ? CommandReport::Outcome::kCancelled
@@ -152,6 +169,10 @@ class Fleet {
   // Everything ends and becomes known.
   void EndAll(TimeMicros now_us) {
     for (auto& [id, command] : commands_) {
+      Reach(&command, now_us);
+      if (!command.ended && command.must_end && command.reached_us <= now_us) {
+        EXPECT_TRUE(command.heard_end) << id.value() << " was cancelled, and its robot never heard it";
+      }
       if (!command.ended) End(&command, CommandReport::Outcome::kCancelled, now_us);
       command.arrives_us = now_us;
     }
@@ -160,6 +181,10 @@ class Fleet {
  private:
   struct Command {
     RobotCommand command;
+    TimeMicros reached_us = 0;  // its adapter cannot be reached before
+    // As the proxies know it, and (`must_end`) as it was decided.
+    bool wanted_end = false, recalled = false, must_end = false;
+    bool begun = false, heard_end = false;
     TimeMicros ends_us = 0;
     bool cancelled = false;
     bool ended = false;
@@ -173,6 +198,24 @@ class Fleet {
     command->ended = true;
     command->outcome = outcome;
     command->arrives_us = now_us + (dice_.OneIn(3, "late") ? Seconds(6) : 0);
+  }
+  // Its adapter can be reached: it begins, hears that it is to end, or never begins.
+  void Reach(Command* command, TimeMicros now_us) {
+    if (command->ended || command->reached_us > now_us) return;
+    if (!command->begun && (command->wanted_end || command->recalled))
+      return End(command, CommandReport::Outcome::kNotBegun, now_us);
+    if (!command->begun) {
+      const bool late = command->command.deadline_us != 0 && command->command.deadline_us <= now_us;
+      if (late || dice_.OneIn(12, "failure"))  // or turned away
+        return End(command, CommandReport::Outcome::kFailed, now_us);
+      command->begun = true;
+      command->ends_us = now_us + Seconds(8);
+      if (dice_.OneIn(8, "hang")) command->ends_us += 40'000'000;  // hangs
+      begun_.push_back(command->command);
+    }
+    if (!command->wanted_end || std::exchange(command->heard_end, true) || dice_.OneIn(5, "deaf")) return;
+    command->cancelled = true;
+    command->ends_us = std::min(command->ends_us, now_us + Seconds(5));
   }
   std::string Incarnation(int robot) { return absl::StrCat("life", lives_[robot]); }
   std::vector<TermQuad> Presence(int robot) {
@@ -203,6 +246,7 @@ class Fleet {
   Dice& dice_;
   std::map<CommandId, Command> commands_;
   std::map<int, int> lives_;
+  std::vector<RobotCommand> begun_;
 };
 
 }  // namespace docent::server::test

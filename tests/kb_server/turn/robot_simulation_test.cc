@@ -11,6 +11,8 @@
 //   - every live run waits for a thing that Workflows.Explain names;
 //   - an activator fires once for each event and each occurrence of its time, and not without one;
 //   - what was told for as long as a run lives is gone when it has ended; a variable has only values of its type;
+//   - no command begins at its robot when its time is over, its run has ended or is paused, it was cancelled, or the robot takes
+//     none any more; each cancel is heard, also where the robot was out of reach and the server began again in between;
 //   - a notification is decided once, and kept until its answer comes;
 //   - what a run says that it has undone is undone, also what a robot did after it was to stop;
 //   - the log, replayed, comes to the same decisions and the same graph, whatever restarts there were.
@@ -59,7 +61,7 @@ using test::Tell;
 bool IsFinal(CommandReport::Outcome outcome) {
   using Outcome = CommandReport::Outcome;
   return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
-         outcome == Outcome::kUnknown;
+         outcome == Outcome::kUnknown || outcome == Outcome::kNotBegun;
 }
 
 // run/node/iteration/invocation.attempt/step/attempt@time
@@ -96,7 +98,7 @@ class Simulation {
       if (!dice_.Plays(i)) continue;
       Note(absl::StrCat("step ", i));
       now_us_ += dice_.Below(2500) * TimeMicros{1000};
-      const bool restarts = dice_.OneIn(20, "restart");
+      const bool restarts = dice_.OneIn(12, "restart");
       Deliver();
       Turn(Anything());
       if (restarts && !Failed()) Restart();
@@ -114,6 +116,7 @@ class Simulation {
   size_t fallen() const { return fallen_; }
   size_t timed_out() const { return attempts_.timed_out(); }
   size_t undone() const { return undoing_.checked(); }
+  size_t not_begun() const { return not_begun_; }
 
  private:
   static constexpr int kSteps = 70;
@@ -140,6 +143,7 @@ class Simulation {
 
   void Deliver() {
     std::vector<CommandReport> reports = fleet_.Reports(now_us_);
+    for (const RobotCommand& command : fleet_.TakeBegun()) CheckBegin(command);
     const size_t split =
         reports.empty() ? 0 : static_cast<size_t>(dice_.Below(static_cast<int>(reports.size())));
     for (auto part : {std::make_pair(size_t{0}, split), std::make_pair(split, reports.size())}) {
@@ -394,6 +398,7 @@ class Simulation {
     for (const CommandReport& report : batch.reports) {
       Note(absl::StrCat("report ", report.command.value(), " ", static_cast<int>(report.outcome)));
       if (!IsFinal(report.outcome)) continue;
+      not_begun_ += report.outcome == CommandReport::Outcome::kNotBegun ? 1 : 0;
       under_way_.erase(report.command);
       attempts_.Ended(report.command, now_us_);
     }
@@ -425,7 +430,11 @@ class Simulation {
     CheckWrites(*graph);
     if (log_.size() % 4 == 0) CheckWaits();
     for (const RobotCommand& command : result->record.commands) fleet_.Send(command, now_us_);
-    for (const CommandId& id : result->cancels) fleet_.Cancel(id, now_us_);
+    for (const CommandId& id : result->recalls) fleet_.Recall(id);
+    for (const CommandId& id : result->cancels) {
+      cancelled_.insert(id);
+      fleet_.Cancel(id, now_us_);
+    }
     commands_ += result->record.commands.size();
     for (const Transition& transition : result->record.transitions)
       preempted_ += transition.cause.starts_with("pre-empted") ? 1 : 0;
@@ -496,6 +505,23 @@ class Simulation {
         << command.id.value() << " to a robot that is " << status;
     if (stays) CheckGuard(command, id);
     CheckClass(command, id);
+  }
+
+  // A robot begins the command now: after the turns before, of which nothing may be lost on the way.
+  void CheckBegin(const RobotCommand& command) {
+    Note(absl::StrCat("begins ", command.id.value()));
+    const GraphReader& graph = *Graph();
+    const std::string run = RunIri(RunId(IdParts(command.id).run));
+    EXPECT_FALSE(cancelled_.contains(command.id)) << command.id.value() << " was cancelled";
+    EXPECT_EQ(graph.Object(run, DocentIri("runState")), "running")
+        << command.id.value() << " of a run that has ended";
+    EXPECT_EQ(graph.Object(run, DocentIri("pausedAt")), "")
+        << command.id.value() << " of a run that is paused";
+    EXPECT_EQ(graph.Object(command.robot.value(), DocentIri("outOfService")), "")
+        << command.id.value() << " at a robot that is out of service";
+    if (command.deadline_us != 0) {
+      EXPECT_GT(command.deadline_us, now_us_) << command.id.value() << " after its time";
+    }
   }
 
   std::map<RobotId, std::string> Holders() const {
@@ -686,6 +712,8 @@ class Simulation {
     version_.reset();
     stages_ = std::move(state->stages);
     stages_->freezes = false;
+    fleet_.ForgetWishes();
+    for (const engine::CommandUnderWay& open : stages_->engine.OpenCommands()) fleet_.Resume(open);
   }
 
   // All that is under way ends; then every robot has to be free.
@@ -759,10 +787,12 @@ class Simulation {
   std::set<std::string> begun_;                                  // RUN/NODE: it has begun something
   std::vector<std::set<std::string>> writers_;                   // by revision: nodes and runs that wrote
   std::map<CommandId, UnderWay> under_way_;
+  std::set<CommandId> cancelled_;  // that a turn decided to end
   test::AttemptModel attempts_;
   test::FiringModel firings_;
   test::UndoModel undoing_;
   size_t commands_ = 0;
+  size_t not_begun_ = 0;
   size_t preempted_ = 0;
   size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
   size_t by_class_ = 0;  // commands of those that asked for a class
@@ -774,7 +804,8 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int only = test::NumberFromEnvironment("DOCENT_SIMULATION_SEED", -1);
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
-  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0, undone = 0;
+  size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0, undone = 0,
+         not_begun = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
@@ -786,6 +817,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     fallen += simulation.fallen();
     timed_out += simulation.timed_out();
     undone += simulation.undone();
+    not_begun += simulation.not_begun();
     if (HasFailure()) break;
   }
   if (only < 0 && first == 0 && seeds >= 300) {
@@ -796,6 +828,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(fallen, static_cast<size_t>(seeds) / 30) << "of what has to hold and falls";
     EXPECT_GT(timed_out, static_cast<size_t>(seeds) / 30) << "of times of nodes";
     EXPECT_GT(undone, static_cast<size_t>(seeds) / 30) << "of what is undone";
+    EXPECT_GT(not_begun, static_cast<size_t>(seeds) / 10) << "of what is stopped before it begins";
   }
 }
 

@@ -57,7 +57,7 @@ struct World {
 
 // The id of the command that is open for this run.
 CommandId OpenCommandOf(const World& world, const std::string& run) {
-  for (const auto& [command, ending] : world.stages.engine.OpenCommands()) {
+  for (const auto& [command, ending, recalled] : world.stages.engine.OpenCommands()) {
     if (command.id.value().starts_with(absl::StrCat(run, "/"))) return command.id;
   }
   return CommandId("none");
@@ -81,7 +81,7 @@ std::string Dump(const World& world) {
   for (const auto& document : world.stages.engine.workflows())
     lines.push_back("workflow " + document->name.value);
   for (const auto& plan : world.stages.engine.services().Plans()) lines.push_back("service " + plan->process);
-  for (const auto& [command, ending] : world.stages.engine.OpenCommands())
+  for (const auto& [command, ending, recalled] : world.stages.engine.OpenCommands())
     lines.push_back("open " + command.id.value());
   std::shared_ptr<const Catalog> catalog = world.stages.documents.MakeCatalog(world.stages.engine);
   for (const ModuleEntry& m : catalog->modules) {

@@ -1,15 +1,21 @@
 // What becomes of notifications that cannot be delivered.
 #include "kb_server/work/notifier.h"
 
+#include <atomic>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "gmock/gmock.h"
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/cloud_event.h"
+#include "kb_server/work/http_fetch.h"
 
 namespace docent::server {
 namespace {
@@ -72,6 +78,88 @@ TEST(NotifierTest, AnAnswerOf2xxIsADeliveryHoweverLongItIs) {
   const CommandReport report = ReportOf(settings, To(base + "/hook"));
   EXPECT_EQ(report.outcome, CommandReport::Outcome::kSucceeded) << report.message;
   EXPECT_THAT(ReportOf(settings, To(base + "/bad")).message, HasSubstr("answered 500"));
+}
+
+std::unique_ptr<HttpServer> ServeHooks(const HttpHandler& handler) {
+  HttpRoutes routes;
+  routes.Add("POST", "/hook", handler);
+  HttpServerOptions options;
+  options.listen = "127.0.0.1:0";
+  auto server = HttpServer::Start(options, std::move(routes));
+  EXPECT_TRUE(server.ok()) << server.status();
+  return *std::move(server);
+}
+
+std::string AddressOf(const HttpServer& server) {
+  return "http://" + server.address();
+}
+
+TEST(NotifierTest, AReceiverThatDoesNotAnswerHoldsUpNoOther) {
+  absl::Mutex mutex;
+  std::vector<std::shared_ptr<HttpExchange>> kept;
+  const auto silent = ServeHooks([&](std::shared_ptr<HttpExchange> exchange) {
+    absl::MutexLock lock(&mutex);
+    kept.push_back(std::move(exchange));
+  });
+  const auto quick = ServeHooks(
+      [](const std::shared_ptr<HttpExchange>& exchange) { exchange->Respond(TextResponse(200, "taken")); });
+  Notifier::Settings settings;
+  settings.allow = {AddressOf(*silent), AddressOf(*quick)};
+  settings.timeout = std::chrono::hours(1);
+  absl::Notification told;
+  Notifier notifier(settings, [&](const WriteBatch& batch, const std::function<void(bool)>& done) {
+    EXPECT_EQ(batch.reports.at(0).outcome, CommandReport::Outcome::kSucceeded) << batch.reports.at(0).message;
+    done(true);
+    told.Notify();
+  });
+  for (int i = 0; i < 40; ++i) notifier.Send(To(AddressOf(*silent) + "/hook"));
+  const auto asked = [&]() ABSL_NO_THREAD_SAFETY_ANALYSIS { return kept.size() >= 4; };
+  mutex.LockWhen(absl::Condition(&asked));
+  mutex.Unlock();
+  notifier.Send(To(AddressOf(*quick) + "/hook"));
+  told.WaitForNotification();
+}
+
+TEST(NotifierTest, AReceiverThatAsksForTimeGetsIt) {
+  std::atomic<int> asked = 0;
+  absl::Time first;
+  const auto server = ServeHooks([&](const std::shared_ptr<HttpExchange>& exchange) {
+    HttpResponse answer = TextResponse(asked == 0 ? 503 : 200, "");
+    if (asked++ == 0) {
+      first = absl::Now();
+      answer.headers.emplace_back("Retry-After", "1");
+    } else {
+      EXPECT_GE(absl::Now() - first, absl::Seconds(1));
+    }
+    exchange->Respond(std::move(answer));
+  });
+  Notifier::Settings settings;
+  settings.allow = {AddressOf(*server)};
+  EXPECT_EQ(ReportOf(settings, To(AddressOf(*server) + "/hook")).outcome, CommandReport::Outcome::kSucceeded);
+  EXPECT_EQ(asked, 2);
+}
+
+TEST(NotifierTest, NoReceiverGetsMoreTimeThanTheLimit) {
+  std::atomic<int> asked = 0;
+  const auto server = ServeHooks([&](const std::shared_ptr<HttpExchange>& exchange) {
+    HttpResponse answer = TextResponse(asked++ == 0 ? 429 : 200, "");
+    answer.headers.emplace_back("Retry-After", "1000000");
+    exchange->Respond(std::move(answer));
+  });
+  Notifier::Settings settings;
+  settings.allow = {AddressOf(*server)};
+  settings.longest_retry_after = std::chrono::milliseconds(10);
+  EXPECT_EQ(ReportOf(settings, To(AddressOf(*server) + "/hook")).outcome, CommandReport::Outcome::kSucceeded);
+}
+
+TEST(RetryAfterTest, IsANumberOfSecondsOrADate) {
+  const absl::Time now = absl::FromUnixSeconds(784111777);  // Sun, 06 Nov 1994 08:49:37 GMT
+  EXPECT_EQ(RetryAfterOf({{"retry-after", "120"}}, now), absl::Seconds(120));
+  EXPECT_EQ(RetryAfterOf({{"retry-after", "Sun, 06 Nov 1994 08:50:07 GMT"}}, now), absl::Seconds(30));
+  EXPECT_EQ(RetryAfterOf({{"retry-after", "Sun, 06 Nov 1994 08:00:00 GMT"}}, now), absl::ZeroDuration());
+  EXPECT_EQ(RetryAfterOf({{"retry-after", "soon"}}, now), std::nullopt);
+  EXPECT_EQ(RetryAfterOf({{"retry-after", "-1"}}, now), std::nullopt);
+  EXPECT_EQ(RetryAfterOf({}, now), std::nullopt);
 }
 
 TEST(NotifierTest, AnAddressThatIsNotAllowedIsNotReached) {

@@ -155,19 +155,6 @@ TEST_F(QueryRunnerTest, PrefixesOfLoadedDocumentsNeedNoDeclaration) {
   EXPECT_THAT(LinesOf(request), ElementsAre("begin 1", "false")) << "a declaration counts more";
 }
 
-TEST_F(QueryRunnerTest, ANewerRevisionIsWaitedFor) {
-  QueryRequest request;
-  request.text = "ASK {}";
-  request.min_revision = Revision(2);
-  request.deadline = absl::Now() + absl::Milliseconds(20);
-  const absl::Status status = Run(request);
-  EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("revision 2 is not here yet; the newest is 1"));
-  Publish("<urn:d> <urn:p> 4 .");
-  request.deadline = absl::Now() + absl::Seconds(10);
-  EXPECT_THAT(LinesOf(request), ElementsAre("begin 2", "true"));
-}
-
 TEST_F(QueryRunnerTest, AnAnswerThatIsNotWantedIsNotMade) {
   sink_.wanted = false;
   EXPECT_THAT(LinesOf("SELECT * { ?s ?p ?o }"), ElementsAre("begin 1"));

@@ -10,6 +10,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "kb_server/door/worker_pool.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/http_fetch.h"
 
@@ -193,18 +194,18 @@ TEST_F(RemoteAccessHttpTest, WhoWaitsForAnotherServerLetsOthersRun) {
     kept = std::move(e);
     asked.Notify();
   });
-  RemoteAccess slow({base_}, Limits{}, &pool);
+  RemoteAccess slow({base_}, Limits{});
   Cancellation cancellation;
-  ASSERT_TRUE(pool.Submit([&] {
-                    EXPECT_EQ(
-                        slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(),
-                        absl::StatusCode::kCancelled);
-                    go.Notify();
-                  })
-                  .ok());
+  pool.Submit({.run =
+                   [&] {
+                     const auto answer = slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation);
+                     EXPECT_EQ(answer.status().code(), absl::StatusCode::kCancelled);
+                     go.Notify();
+                   },
+               .refuse = nullptr});
   asked.WaitForNotification();
   absl::Notification ran;
-  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }).ok());
+  pool.Submit({.run = [&] { ran.Notify(); }, .refuse = nullptr});
   EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
   cancellation.Cancel();
   go.WaitForNotification();

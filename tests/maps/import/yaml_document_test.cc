@@ -41,6 +41,24 @@ TEST(YamlDocumentTest, KeepsValuesWithTheirPlaces) {
   EXPECT_EQ(origin->Find("x"), nullptr);
 }
 
+// They are counted on from value to value.
+TEST(YamlDocumentTest, PlacesAreThoseOfTheWholeText) {
+  const std::string text =
+      "ä: [ö, 'é', [ü, {a: b, 展: ブ}], 1]\nb:\n  - x\n  - ñ: [1,\n 2, 3]\n    z: \"ß\"\nlast: [a, b, c]\n";
+  const auto document = Parse(text);
+  ASSERT_TRUE(document);
+  size_t values = 0;
+  const auto check = [&](const auto& self, const YamlValue& value) -> void {
+    const SourceSpan expected = SpanAt(text, value.span.offset, value.span.length);
+    EXPECT_EQ(value.span.line, expected.line) << value.text;
+    EXPECT_EQ(value.span.column, expected.column) << value.text;
+    ++values;
+    for (const YamlValue& item : value.items) self(self, item);
+  };
+  check(check, *document);
+  EXPECT_EQ(values, 24u);
+}
+
 TEST(YamlDocumentTest, RefusesWithThePlace) {
   EXPECT_THAT(Said("a:\n\t- 1\n"), HasSubstr("f.yaml:2:1: error: a tab stands in the indentation"));
   EXPECT_THAT(Said("a:\n\tb: 1\n"), HasSubstr("tab"));

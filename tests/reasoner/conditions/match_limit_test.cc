@@ -98,5 +98,48 @@ TEST_F(MatchLimitTest, SolutionsAreTheFirstOfThoseThatAreKept) {
   EXPECT_EQ(*first, std::vector<Binding>(all->begin(), all->begin() + 3));
 }
 
+// Twenty times as many as of one.
+TEST_F(MatchLimitTest, MatchesOfAllConditionsTogetherAreLimitedAtTheLimitAndOnePast) {
+  Cancellation cancellation;
+  for (int i = 0; i < 20; ++i) Register(absl::StrCat("ASK { ?a :p ?b . ?a :p ?c", i, " }"), {"a"});
+  Register("ASK { ?x :q ?y }", {"x"});
+  set_.Commit();
+  const auto update = [&](const Delta& delta) {
+    return set_.Update(world_.writer.current(), delta, 0, &cancellation).status();
+  };
+  EXPECT_TRUE(update(Add(0, 30)).ok()) << "600";
+  Commit();
+  const absl::Status more = update(world_.Apply({"y q z"}));
+  EXPECT_EQ(more.code(), absl::StatusCode::kResourceExhausted) << more;
+  EXPECT_THAT(std::string(more.message()), ::testing::HasSubstr("the limit is matches_live"));
+  set_.Rollback();
+  world_.writer.Rollback();
+  EXPECT_TRUE(update(world_.Apply({"y q z"}, {"x0 p y0"})).ok()) << "581";
+  Commit();
+  const auto refused = set_.Register(world_.Parse("ASK { ?x :p ?y . ?x :p ?z }"), world_.writer.current(),
+                                     {{"x", "y"}, 0, &cancellation});
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
+  set_.Rollback();
+  EXPECT_EQ(set_.size(), 21u);
+  EXPECT_TRUE(
+      set_.Register(world_.Parse("ASK { ?x :p ?y . ?x :p ?z }"), world_.writer.current(), {{"x", "y"}, 0})
+          .ok())
+      << "as a log is replayed";
+}
+
+TEST_F(MatchLimitTest, MatchesCostSteps) {
+  set_.LimitMatches(SIZE_MAX);
+  for (int i = 0; i < 50; ++i) Register(absl::StrCat("ASK { ?a :p ?b . ?a :p ?c", i, " }"), {"a"});
+  set_.Commit();
+  Cancellation cancellation;
+  cancellation.AllowSteps(1000000);
+  const auto changes = set_.Update(world_.writer.current(), Add(0, 200), 0, &cancellation);  // 10,000 matches
+  EXPECT_EQ(changes.status().code(), absl::StatusCode::kResourceExhausted);
+  set_.Rollback();
+  world_.writer.Rollback();
+  cancellation.AllowSteps(50000000);
+  EXPECT_TRUE(set_.Update(world_.writer.current(), Add(0, 200), 0, &cancellation).ok());
+}
+
 }  // namespace
 }  // namespace docent::conditions

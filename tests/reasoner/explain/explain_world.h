@@ -59,9 +59,10 @@ class ExplainWorld : public testing::Test, public TestWorld {
     return explain::ToText(WhyNot(ask, sets), prefixes_);
   }
 
+  explain::Explainer::Settings settings_;
+
  private:
   rules::RuleEngine engine_;
-  explain::Explainer::Settings settings_;
   explain::Prefixes prefixes_;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/match.h"
+#include "graph/base/query_limits.h"
 #include "graph/base/rule_limits.h"
 #include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/rules/rule_engine_fixture.h"
@@ -58,6 +59,16 @@ TEST_F(RuleLimitsTest, PatternsOfABodyAreLimitedAtTheLimitAndOnePast) {
   EXPECT_EQ(errors(kRuleLimits.rule_patterns + 1, RuleTextOrigin::kAccepted), "") << "of an old log";
 }
 
+TEST_F(RuleLimitsTest, ListsOfABodyAreLimitedAsThoseOfQueries) {
+  const size_t limit = QueryLimits{}.query_list_elements;
+  std::string text = "PREFIX : <http://example.org/>\nRULE { ?x :p 1 } WHERE { ?x :q ?y FILTER(?y IN (0";
+  for (size_t i = 0; i < limit; ++i) absl::StrAppend(&text, ",", i);
+  text += ")) }";
+  EXPECT_THAT(Render(ParseRules(text, "r.rules", {}, nullptr, RuleTextOrigin::kNew).diagnostics, ""),
+              HasSubstr("query_list_elements = 100000"));
+  EXPECT_TRUE(ParseRules(text, "r.rules", {}, nullptr, RuleTextOrigin::kAccepted).ok()) << "of an old log";
+}
+
 TEST_F(RuleLimitsTest, ABodyOfMoreThan32PatternsHasTheSameResults) {
   std::string body = "?x :q0 ?y";
   for (int i = 1; i < 40; ++i) absl::StrAppend(&body, " . ?x :q", i, " ?y", i);
@@ -89,6 +100,31 @@ TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
   const absl::Status status = Run(limits, rule, {"a p b1", "a p b2", "a p b3", "a p b4", "a p b5"});
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
+}
+
+// A rule that makes longer texts of its own results.
+TEST_F(RuleLimitsTest, TermsThatRulesComputeInATurnAreLimited) {
+  RuleEngine engine(world_.dictionary);
+  EXPECT_THAT(engine.PutRules("grow.rules",
+                              "PREFIX : <http://example.org/>\nRULE { ?x :n ?m } WHERE { ?x :n ?n "
+                              "BIND(CONCAT(?n, \"x\") AS ?m) FILTER(STRLEN(?n) < 2000000) }"),
+              IsEmpty());
+  ASSERT_TRUE(engine.Update(world_.writer, {}).ok());
+  engine.Commit();
+  Cancellation cancellation;
+  const auto update = [&](size_t length) {
+    const absl::Status status =
+        engine.Update(world_.writer, world_.Apply({"s n '" + std::string(length, 'y')}), &cancellation)
+            .status();
+    engine.Rollback();
+    world_.writer.Rollback();
+    return status;
+  };
+  const absl::Status status = update(1000000);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("grow.rules rule 1 (line 2)"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("computed_bytes_per_turn is 268435456"));
+  EXPECT_TRUE(update(1999990).ok()) << "counted again from nothing";
 }
 
 // It had no result, so the time limit was never checked.

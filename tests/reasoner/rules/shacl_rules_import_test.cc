@@ -50,6 +50,38 @@ TEST(ShaclRulesImport, ARuleAppliesToTheTargetsOfItsShape) {
   EXPECT_THAT(world.Inferred(), ElementsAre("hall has d", "r is free", "s is free"));
 }
 
+TEST(ShaclRulesImport, NodesThatAQuerySelectsAreTargets) {
+  const ImportedRules imported = Import(
+      ":S sh:targetNode :z ; sh:rule :mark ; sh:target [ a sh:SPARQLTarget ; sh:prefixes :decl ;\n"
+      "  sh:select \"SELECT ?this { ?this ex:p ?v FILTER(?v > 1) }\" ] .\n"
+      ":T sh:rule :note ; sh:target [ a sh:SPARQLTarget ; sh:prefixes :decl ;\n"
+      "  sh:select \"SELECT DISTINCT ?this { ?v ex:of ?this }\" ] .\n"
+      ":mark a sh:SPARQLRule ; sh:prefixes :decl ; sh:construct \"CONSTRUCT { $this ex:has ex:P } WHERE { "
+      "}\" .\n"
+      ":note a sh:SPARQLRule ; sh:prefixes :decl ;\n"
+      "  sh:construct \"CONSTRUCT { $this ex:n ?v } WHERE { $this ex:v ?v FILTER NOT EXISTS { $this ex:old "
+      "true "
+      "} }\" .");
+  ASSERT_TRUE(imported.ok()) << Render(imported.diagnostics, "");
+  EXPECT_EQ(imported.rules, 3u);
+  TestWorld world;
+  RuleEngine engine(world.dictionary);
+  const Diagnostics diagnostics = engine.PutRules("shapes.ttl", imported.text);
+  ASSERT_TRUE(diagnostics.empty()) << Render(diagnostics, imported.text);
+  ASSERT_TRUE(engine.Update(world.writer, world.Apply({"a p 2", "b p 1", "x of c", "c v 7", "d v 8"})).ok());
+  EXPECT_THAT(world.Inferred(), ElementsAre("a has P", "c n 7", "z has P"));
+}
+
+TEST(ShaclRulesImport, ATargetThatCannotBeFollowedIsNamed) {
+  const std::string rule =
+      " ; sh:rule [ a sh:SPARQLRule ; sh:construct \"CONSTRUCT { $this a $this } WHERE { }\" ] .";
+  EXPECT_THAT(Errors(":S sh:targetNode :z ; sh:target :near" + rule),
+              HasSubstr("its sh:target <http://example.org/near> has no sh:select"));
+  EXPECT_THAT(Errors(":S sh:target [ sh:select \"SELECT ?that { ?that ?p ?o }\" ]" + rule),
+              HasSubstr("is no SELECT of ?this"));
+  EXPECT_THAT(Errors(":S sh:target [ sh:select \"SELECT ?this {\" ]" + rule), HasSubstr("is not SPARQL"));
+}
+
 TEST(ShaclRulesImport, WhatIsDeactivatedIsLeftOut) {
   const ImportedRules imported = Import(
       ":S sh:targetClass :C ; sh:deactivated true ; sh:rule [ a sh:SPARQLRule ; sh:construct \"nonsense\" ] "

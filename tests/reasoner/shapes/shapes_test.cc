@@ -223,6 +223,9 @@ TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
                                                         {"NMTOKEN", "-1:a"},
                                                         {"language", "de-CH-1901"},
                                                         {"anyURI", "a/b#c"},
+                                                        {"anyURI", "http://e/a b"},
+                                                        {"anyURI", "<{|\\^`\"}> %"},
+                                                        {"anyURI", ""},
                                                         {"nonPositiveInteger", "-0"}}) {
     EXPECT_EQ(valid(type, text), true) << type << " " << text;
   }

@@ -103,6 +103,60 @@ TEST_F(SparqlShapesTest, TargetsAreSelected) {
                     Not(HasSubstr("R2")), Not(HasSubstr("R4"))));
 }
 
+// SHACL 2.1.3: the nodes of a target need not be in the data.
+TEST_F(SparqlShapesTest, TargetsThatAreNotInTheDataAreTargets) {
+  const std::string text = Validated(
+      std::string(kDeclared) +
+          ":Listed a sh:SPARQLTargetType ; sh:prefixes :ns ; sh:parameter [ sh:path :prefix ] ;\n"
+          "  sh:select \"SELECT ?this { BIND(IRI(CONCAT($prefix, 'made')) AS ?this) }\" .\n"
+          ":S sh:target [ a sh:SPARQLTarget ; sh:select \"SELECT ?this { VALUES ?this { <http://e/none> "
+          "'text' "
+          "7 } }\" ] , [ a :Listed ; :prefix \"http://e/\" ] ;\n"
+          "  sh:property [ sh:path :q ; sh:minCount 1 ] ; sh:sparql [ sh:message \"itself\" ; sh:select "
+          "\"SELECT $this { FILTER($this = <http://e/none>) }\" ] .",
+      ":a :q 1 .");
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("<http://e/none> <http://e/q>"), HasSubstr("<http://e/made> <http://e/q>"),
+                    HasSubstr("text"), HasSubstr("7 <http://e/q>"), HasSubstr(": itself\n")));
+}
+
+// The shapes are in two graphs: SHACL 5.3.1 has them as one.
+TEST_F(SparqlShapesTest, TheShapesGraphOfSeveralGraphsIsAllOfThem) {
+  Add("m1.ttl", std::string(kDeclared) +
+                    ":allowed :member :x . :S sh:targetClass :C ; sh:sparql [ sh:prefixes :ns ; sh:select "
+                    "\"SELECT $this { FILTER NOT EXISTS { GRAPH $shapesGraph { e:allowed e:member $this } } "
+                    "}\" ] .");
+  Add("m2.ttl", ":allowed :member :z .");
+  Add("data.ttl", ":x a :C . :y a :C . :z a :C . :allowed :member :y .");
+  const auto id = [&](const char* iri) { return graph_.dictionary().InternIri(iri); };
+  const GraphView shapes(graph_.version(), {id("urn:m1.ttl"), id("urn:m2.ttl")});
+  const ParsedShapes parsed = ReadShapes(shapes, graph_.dictionary());
+  EXPECT_THAT(docent::Render(parsed.diagnostics, ""), IsEmpty());
+  for (const GraphView& data : {GraphView(graph_.version()), graph_.View("urn:data.ttl")}) {
+    const auto report = Validate(parsed.shapes, data, graph_.dictionary());
+    ASSERT_TRUE(report.ok()) << report.status();
+    EXPECT_EQ(report->total, 1u);
+    EXPECT_THAT(Text(*report), HasSubstr("<http://e/y>"));
+  }
+}
+
+// SHACL 1.5.
+TEST_F(SparqlShapesTest, AnEntailmentThatIsNotFollowedIsAFailure) {
+  Add("shapes.ttl",
+      ":g sh:entailment <http://www.w3.org/ns/entailment/RDFS> . :S sh:targetNode :a ; "
+      "sh:property [ sh:path :p ; sh:minCount 1 ] .");
+  const auto read = [&](const std::vector<std::string>* regimes) {
+    return docent::Render(ReadShapes(graph_.View("urn:shapes.ttl"), graph_.dictionary(), {},
+                                     &graph_.Places("urn:shapes.ttl"), nullptr, regimes)
+                              .diagnostics,
+                          "");
+  };
+  const std::vector<std::string> none, rdfs = {"http://www.w3.org/ns/entailment/RDFS"};
+  EXPECT_THAT(read(&none), AllOf(HasSubstr("error"), HasSubstr("entailment/RDFS> is not supported here")));
+  EXPECT_THAT(read(&rdfs), IsEmpty());
+  EXPECT_THAT(read(nullptr), HasSubstr("warning"));
+}
+
 TEST_F(SparqlShapesTest, WhatIsDeactivatedSaysNothing) {
   EXPECT_THAT(
       Validated(":S sh:targetNode :a ; sh:sparql [ sh:deactivated true ; sh:select \"SELECT $this { }\" ] .",

@@ -46,6 +46,13 @@ class CommandSessionTest : public testing::Test {
   }
   void End(grpc::StatusCode code) { session_->OnCallEnded(Serial(), grpc::Status(code, "why")); }
 
+  // The adapter answers the question which incarnation it is; what is reported then.
+  Outcome TellLife(const std::string& life) {
+    if (host_.probes.empty()) return Outcome::kAccepted;
+    session_->OnProbed(host_.probes.back().second, grpc::Status::OK, life);
+    return host_.reports.empty() ? Outcome::kAccepted : host_.reports.back().outcome;
+  }
+
   FakeHost host_;
   std::unique_ptr<CommandSession> session_;
 };
@@ -117,10 +124,10 @@ TEST_F(CommandSessionTest, ACancelBeforeItIsSentEndsIt) {
   host_.connected = false;
   Begin().Cancel();
   EXPECT_THAT(host_.calls, IsEmpty());
-  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kCancelled));
-  EXPECT_EQ(host_.reports[0].message, "cancelled before it was sent");
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kNotBegun));
+  EXPECT_EQ(host_.reports[0].message, "cancelled before the robot began it");
   host_.connected = true;
-  session_->OnProbed(1, grpc::Status::OK);
+  session_->OnProbed(1, grpc::Status::OK, "life1");
   EXPECT_THAT(host_.calls, IsEmpty()) << "it is sent though it was cancelled";
 }
 
@@ -261,8 +268,103 @@ TEST_F(CommandSessionTest, ACancelledOneThatTheAdapterDoesNotKnowIsNotInvokedAga
   Begin(Drive(), true).Cancel();
   EXPECT_THAT(host_.reports, IsEmpty()) << "it may have been sent";
   End(grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnknown));
+  EXPECT_THAT(host_.reports, IsEmpty()) << "it may have begun it, and have forgotten";
+  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun);
   EXPECT_EQ(host_.calls.size(), 1u);
+}
+
+TEST_F(CommandSessionTest, WhatAnotherLifeDoesNotKnowMayHaveBegun) {
+  for (const char* life : {"life2", ""}) {
+    Begin(Drive(), true).Cancel();
+    End(grpc::StatusCode::NOT_FOUND);
+    EXPECT_EQ(TellLife(life), Outcome::kUnknown) << life;
+  }
+  RobotCommand command = Drive();
+  command.expected_incarnation = "";
+  command.idempotent = true;
+  Begin(command, true).Cancel();
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
+}
+
+TEST_F(CommandSessionTest, AnAdapterThatIsLostBeforeItTellsItsLifeIsAskedAgain) {
+  Begin(Drive(), true).Cancel();
+  End(grpc::StatusCode::NOT_FOUND);
+  session_->OnProbed(host_.probes.back().second, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"), "");
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kUnreachable));
+  host_.Go(absl::Seconds(1));
+  ASSERT_EQ(host_.calls.size(), 2u);
+  EXPECT_TRUE(host_.calls.back().is_attach());
+  EXPECT_FALSE(session_->done());
+}
+
+// The server was away when its time was over.
+TEST_F(CommandSessionTest, WhatIsOverdueAndHasNotBegunNeverBegins) {
+  Begin(Drive(), true, absl::Seconds(-1));
+  End(grpc::StatusCode::NOT_FOUND);
+  ASSERT_EQ(TellLife("life1"), Outcome::kFailed);
+  EXPECT_THAT(host_.reports.back().message, HasSubstr("did not take drive before its deadline"));
+  EXPECT_EQ(host_.calls.size(), 1u) << "it is not invoked";
+}
+
+TEST_F(CommandSessionTest, WhatBecomesOverdueBetweenTwoCallsNeverBegins) {
+  Begin(Drive(), true, absl::Milliseconds(50));
+  host_.connected = false;
+  End(grpc::StatusCode::NOT_FOUND);  // it is to be invoked again, and there is no connection
+  ASSERT_EQ(host_.probes.size(), 1u);
+  host_.Go(absl::Milliseconds(60));
+  host_.connected = true;
+  session_->OnProbed(host_.probes.back().second, grpc::Status::OK, "life1");
+  ASSERT_EQ(host_.calls.size(), 2u);
+  EXPECT_TRUE(host_.calls.back().is_attach());
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(TellLife("life1"), Outcome::kFailed);
+}
+
+TEST_F(CommandSessionTest, WhatIsOverdueAndHasBegunIsWaitedFor) {
+  Begin(Drive(), true, absl::Seconds(-1));
+  Say(v1::Feedback::RUNNING);
+  host_.Go(absl::Seconds(1));
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
+  Say(v1::Feedback::SUCCEEDED);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kSucceeded);
+}
+
+TEST_F(CommandSessionTest, WhatIsCalledBackDoesNotBeginAndWhatHasBegunGoesOn) {
+  host_.connected = false;
+  Begin().Recall();
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kNotBegun)) << "it was never sent";
+  host_.connected = true;
+  host_.reports.clear();
+  Begin(Drive(), true).Recall();
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun) << "the robot does not know it";
+  host_.reports.clear();
+  Begin(Drive(), true).Recall();
+  Say(v1::Feedback::RUNNING);
+  EXPECT_THAT(host_.cancels, IsEmpty());
+  Say(v1::Feedback::SUCCEEDED);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kSucceeded);
+}
+
+TEST_F(CommandSessionTest, WhatWasCalledBackWhileItWasOnItsWayDoesNotBeginAgain) {
+  Begin().Recall();
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  ASSERT_TRUE(host_.calls.back().is_attach());
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun);
+}
+
+// It contradicts itself.
+TEST_F(CommandSessionTest, WhatTheAdapterHadBegunAndDoesNotKnowAnyMoreIsUnknown) {
+  Begin();
+  Say(v1::Feedback::RUNNING);
+  session_->Cancel();
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  End(grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kUnknown);
 }
 
 TEST_F(CommandSessionTest, AtTheDeadlineItAsksForTheEndAndWaitsForIt) {
@@ -300,7 +402,7 @@ TEST(CommandSession, NoDeadlineIsReachedWhileTheClockStandsStill) {
 TEST_F(CommandSessionTest, AtTheDeadlineOneThatNeverWentOutFails) {
   host_.connected = false;
   Begin(Drive(), false, absl::Seconds(10));
-  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"));
+  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"), "");
   host_.Go(absl::Milliseconds(10300));
   EXPECT_EQ(host_.reports.back().outcome, Outcome::kFailed);
   EXPECT_EQ(
@@ -313,10 +415,12 @@ TEST_F(CommandSessionTest, TheTimeLeftIsToldAndACallOutlastsIt) {
   Begin(Drive(), false, absl::Seconds(10));
   EXPECT_EQ(host_.calls[0].invoke().time_left_us(), 10'000'000);
   EXPECT_EQ(host_.calls[0].timeout, absl::Seconds(70));
-  RobotCommand late = Drive();
-  Begin(late, false, absl::Seconds(-5));
-  EXPECT_EQ(host_.calls[1].invoke().time_left_us(), 1);
-  EXPECT_EQ(host_.calls[1].timeout, absl::Seconds(60));
+}
+
+TEST_F(CommandSessionTest, WhatIsSentAfterItsTimeFailsAndIsNotInvoked) {
+  Begin(Drive(), false, absl::Seconds(-5));
+  EXPECT_THAT(host_.calls, IsEmpty());
+  EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kFailed));
 }
 
 TEST_F(CommandSessionTest, ProgressIsReportedOnceAnInterval) {
@@ -420,13 +524,14 @@ TEST_F(CommandSessionTest, WhatAnEarlierCallSaysDoesNotCount) {
 TEST_F(CommandSessionTest, WhatAnEarlierProbeSaysDoesNotCount) {
   host_.connected = false;
   Begin();
-  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"));
+  session_->OnProbed(1, grpc::Status(grpc::StatusCode::UNAVAILABLE, "no"), "");
   host_.Go(absl::Seconds(1));
   ASSERT_GE(host_.probes.size(), 2u);
   host_.connected = true;
-  session_->OnProbed(1, grpc::Status::OK);
+  session_->OnProbed(1, grpc::Status::OK, "life1");
   EXPECT_THAT(host_.calls, IsEmpty());
-  session_->OnProbed(host_.probes.back().second, grpc::Status(grpc::StatusCode::UNIMPLEMENTED, "whatever"));
+  session_->OnProbed(host_.probes.back().second, grpc::Status(grpc::StatusCode::UNIMPLEMENTED, "whatever"),
+                     "");
   EXPECT_EQ(host_.calls.size(), 1u) << "there is a connection now";
 }
 

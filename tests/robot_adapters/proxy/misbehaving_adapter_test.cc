@@ -1,8 +1,11 @@
 // The proxies against scripted adapters that misbehave: they hang, drop the stream, die, or say what cannot be.
 #include <grpcpp/grpcpp.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <cmath>
+#include <sstream>
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
@@ -208,6 +211,28 @@ TEST_F(MisbehavingAdapterTest, FeedbackOfAnotherCommandIsRefusedAndRecorded) {
               HasSubstr("is refused: it is about command somebody/else"));
   EXPECT_EQ(proxies_.refused_feedback(), 2u);
   EXPECT_THAT(reports_.Outcomes("somebody/else"), IsEmpty());
+}
+
+// What is wrong is said once of each command; the others are counted.
+TEST_F(MisbehavingAdapterTest, AFloodOfWrongFeedbackDoesNotFloodTheLog) {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script.assign(70, Message(v1::Feedback::RUNNING, "x\n12:00:00 error forged"));
+  adapter_.script.push_back(Message(v1::Feedback::SUCCEEDED));
+  proxies_.Send(Command("c/1", "drive"));
+  reports_.AwaitFinal("c/1");
+  while (proxies_.open() > 0) absl::SleepFor(absl::Milliseconds(1));
+  spdlog::set_default_logger(before);
+  EXPECT_EQ(proxies_.refused_feedback(), 70u);
+  const std::string text = log.str();
+  size_t refusals = 0;
+  for (size_t at = text.find("refused"); at != std::string::npos; at = text.find("refused", at + 1))
+    ++refusals;
+  EXPECT_EQ(refusals, 2u) << text;
+  EXPECT_THAT(text, HasSubstr("feedback about command c/1 was refused 70 times"));
 }
 
 TEST_F(MisbehavingAdapterTest, FeedbackThatCannotFollowIsRefused) {

@@ -20,7 +20,7 @@ inline constexpr char kRobot[] = "http://example.org/r1";
 
 inline bool IsFinalOutcome(Outcome outcome) {
   return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
-         outcome == Outcome::kUnknown;
+         outcome == Outcome::kUnknown || outcome == Outcome::kNotBegun;
 }
 
 // The reports of the proxies, with waiting.

@@ -74,6 +74,11 @@ class RobotProxiesTest : public testing::Test {
     return command;
   }
 
+  // Until an operation has begun. Before that its command is accepted, and may end without being done.
+  void AwaitRun() const {
+    while (runs_ == 0) absl::SleepFor(absl::Milliseconds(1));
+  }
+
   std::string folder_;
   std::string address_ = "127.0.0.1:0";
   std::atomic<int> runs_ = 0;
@@ -184,7 +189,7 @@ TEST_F(RobotProxiesTest, AdapterThatComesLateIsInvokedThen) {
 TEST_F(RobotProxiesTest, RestartOfTheAdapterWithAJournalTellsTheOutcome) {
   StartAdapter();
   proxies_.Send(Decided("c/1", "wait"));
-  reports_.Await("c/1", Outcome::kAccepted);
+  AwaitRun();
   adapter_.reset();  // ends the command as failed and remembers that
   StartAdapter();
   CommandReport report = reports_.AwaitFinal("c/1");
@@ -272,7 +277,46 @@ TEST_F(RobotProxiesTest, CancelOfACommandThatWasNeverSentEndsItHere) {
   proxies_.Send(Command("c/1", "wait"));
   proxies_.Cancel(CommandId("c/1"));
   proxies_.Cancel(CommandId("c/other"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kNotBegun);
+}
+
+// As after a restart of the server, which has kept what was decided of its commands.
+TEST_F(RobotProxiesTest, WhatIsResumedToEndIsCancelledAndIsNotBegun) {
+  StartAdapter();
+  proxies_.Resume(Decided("c/1", "quick"), CommandWish::kEnd);
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kNotBegun);
+  proxies_.Resume(Decided("c/2", "quick"), CommandWish::kNotBegin);
+  EXPECT_EQ(reports_.AwaitFinal("c/2").outcome, Outcome::kNotBegun);
+  RobotCommand overdue = Decided("c/3", "quick");
+  overdue.deadline_us = 1;
+  proxies_.Resume(overdue);
+  EXPECT_EQ(reports_.AwaitFinal("c/3").outcome, Outcome::kFailed);
+  EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(RobotProxiesTest, WhatIsResumedToEndAndRunsEnds) {
+  StartAdapter();
+  RobotCommand command = Decided("c/1", "wait");
+  {
+    Reports earlier;
+    RobotProxies before([&](WriteBatch batch) { earlier.Take(std::move(batch)); }, FastSettings());
+    before.SetAdapter(RobotId(kRobot), address_, "");
+    before.Send(command);
+    earlier.Await("c/1", Outcome::kAccepted);
+  }
+  proxies_.Resume(command, CommandWish::kEnd);
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kCancelled);
+}
+
+TEST_F(RobotProxiesTest, ACommandThatIsCalledBackDoesNotReachARobotThatComesLater) {
+  proxies_.Send(Command("c/1", "quick"));
+  reports_.Await("c/1", Outcome::kUnreachable);
+  proxies_.Recall(CommandId("c/1"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kNotBegun);
+  StartAdapter();
+  proxies_.Send(Decided("c/2", "quick"));
+  reports_.AwaitFinal("c/2");
+  EXPECT_EQ(runs_, 1);
 }
 
 TEST_F(RobotProxiesTest, OperationThatIsNotOfferedFailsWithTheAdaptersWords) {

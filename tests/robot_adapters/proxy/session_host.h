@@ -52,7 +52,7 @@ class FakeHost : public SessionHost {
         calls.size(),
         v1::RobotAdapter::NewStub(grpc::CreateChannel("127.0.0.1:1", grpc::InsecureChannelCredentials())),
         std::move(request), std::chrono::system_clock::now() + std::chrono::minutes(5),
-        [](const v1::Feedback&) {},
+        [](const v1::Feedback&, FeedbackCall* call) { call->Next(); },
         [this](const grpc::Status&, std::shared_ptr<FeedbackCall> ended) {
           absl::MutexLock lock(&mutex_);
           ended_.push_back(std::move(ended));

@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "absl/synchronization/notification.h"
 #include "gtest/gtest.h"
 
 namespace docent::robot {
@@ -12,10 +13,12 @@ TEST(CommandTable, WhatRunsIsStoppedWithIt) {
   const SystemClock clock;
   auto journal = CommandJournal::Open("", &clock);
   ASSERT_TRUE(journal.ok());
+  absl::Notification begun;
   std::atomic<bool> stopped = false;
   Operation wait;
   wait.name = "wait";
-  wait.run = [&stopped](OperationContext& context) -> absl::StatusOr<NamedTerms> {
+  wait.run = [&](OperationContext& context) -> absl::StatusOr<NamedTerms> {
+    begun.Notify();
     for (int i = 0; i < 2000; ++i) {
       if (context.SleepFor(std::chrono::milliseconds(10))) continue;
       stopped = true;
@@ -30,6 +33,7 @@ TEST(CommandTable, WhatRunsIsStoppedWithIt) {
     request.set_command_id("c/1");
     request.set_operation("wait");
     ASSERT_TRUE((*table)->Begin(request).ok());
+    begun.WaitForNotification();  // before that it would not begin at all
   }
   EXPECT_TRUE(stopped) << "it ran to its own end";
 }

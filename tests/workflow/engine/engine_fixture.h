@@ -55,6 +55,7 @@ class EngineTest : public ::testing::Test {
     transitions_.clear();
     commands_.clear();
     cancels_.clear();
+    recalls_.clear();
     for (int round = 0; round < Limits{}.engine_rounds_per_turn; ++round) {
       EngineInput input;
       input.now_us = now_us_;
@@ -69,6 +70,7 @@ class EngineTest : public ::testing::Test {
       for (const auto& t : output.transitions) transitions_.push_back(t.subject + " " + t.from + ">" + t.to);
       commands_.insert(commands_.end(), output.commands.begin(), output.commands.end());
       cancels_.insert(cancels_.end(), output.cancels.begin(), output.cancels.end());
+      recalls_.insert(recalls_.end(), output.recalls.begin(), output.recalls.end());
       const std::set<Quad> removed(output.remove.begin(), output.remove.end());
       std::erase_if(facts_, [&removed](const Quad& quad) { return removed.contains(quad); });
       facts_.insert(facts_.end(), output.add.begin(), output.add.end());
@@ -116,7 +118,7 @@ class EngineTest : public ::testing::Test {
   uint64_t revision_ = 0;
   std::vector<std::string> transitions_;
   std::vector<RobotCommand> commands_;
-  std::vector<CommandId> cancels_;
+  std::vector<CommandId> cancels_, recalls_;
   std::vector<Quad> facts_;
 };
 

@@ -367,6 +367,102 @@ TEST_F(EngineSteeringTest, ACommandThatWasOverdueWhenItWasStoppedIsAsGoodAsNewWh
       << "it is sent again, and no other attempt begins";
 }
 
+// What was decided of a command is told its proxy again after a restart, until its end is known.
+TEST_F(EngineSteeringTest, AStopSurvivesARestart) {
+  const CommandUnderWay going_on = {}, stopped = {{}, true, true}, recalled = {{}, false, true};
+  const auto open = [this] {
+    std::vector<CommandUnderWay> commands = engine_.OpenCommands();
+    EXPECT_EQ(commands.size(), 1u);
+    commands.at(0).command = {};
+    return commands.at(0);
+  };
+  Deploy(TwoNodes());
+  Start();
+  EXPECT_EQ(open(), going_on);
+  Ask(Kind::kPause, "F-1");
+  Restart();
+  EXPECT_EQ(open(), recalled);
+  Ask(Kind::kPause, "F-1", true);
+  Restart();
+  EXPECT_EQ(open(), stopped);
+  Ask(Kind::kResume, "F-1");
+  Restart();
+  EXPECT_EQ(open(), stopped) << "it has yet to hear it";
+}
+
+TEST_F(EngineSteeringTest, ARobotsStopSurvivesARestart) {
+  Deploy(TwoNodes());
+  Start();
+  robots_.offers[0].out_of_service = "is out of service: a wheel";
+  Turn();
+  Restart();
+  EXPECT_TRUE(engine_.OpenCommands().at(0).recalled);
+  EXPECT_FALSE(engine_.OpenCommands().at(0).ending);
+  Ask(Kind::kCancelCommands, "urn:r1");
+  Restart();
+  EXPECT_TRUE(engine_.OpenCommands().at(0).ending);
+}
+
+// The robot was out of reach.
+TEST_F(EngineSteeringTest, WhatARobotHasNotBegunIsCalledBackByAPauseAndSentAgainAfterIt) {
+  Deploy(TwoNodes());  // not idempotent
+  Start();
+  const CommandId first = commands_[0].id;
+  Ask(Kind::kPause, "F-1");
+  EXPECT_THAT(recalls_, ElementsAre(first));
+  EXPECT_THAT(cancels_, IsEmpty());
+  Turn({Report(first, Outcome::kNotBegun)});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_EQ(State("A"), "running");
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("not begun: its run was paused"));
+  Pass(1000);
+  Turn();
+  Restart();
+  Ask(Kind::kResume, "F-1");
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_NE(commands_[0].id, first);
+  EXPECT_GT(commands_[0].deadline_us, now_us_) << "with a time of its own";
+  Turn({Done(commands_[0].id)});
+  EXPECT_EQ(State("A"), "done");
+}
+
+TEST_F(EngineSteeringTest, WhatWasCancelledBeforeItBeganIsNoIncident) {
+  Deploy(TwoNodes());  // not idempotent
+  Start();
+  Ask(Kind::kPause, "F-1", true);
+  Turn({Report(cancels_[0], Outcome::kNotBegun)});
+  EXPECT_EQ(State("A"), "running");
+  Ask(Kind::kResume, "F-1");
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineSteeringTest, WhatARobotHasNotBegunIsCalledBackWhenItTakesNoCommandsAnyMore) {
+  Deploy(TwoNodes());
+  Start();
+  const CommandId first = commands_[0].id;
+  robots_.offers[0].out_of_service = "is out of service: a wheel";
+  Turn();
+  EXPECT_THAT(recalls_, ElementsAre(first));
+  Turn();
+  EXPECT_THAT(recalls_, IsEmpty()) << "once";
+  Turn({Report(first, Outcome::kNotBegun)});
+  EXPECT_THAT(commands_, IsEmpty());
+  robots_.offers[0].out_of_service = "";
+  Turn();
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineSteeringTest, WhatARobotHadBegunWhenItWasCalledBackIsDoneOnce) {
+  Deploy(TwoNodes());
+  Start();
+  const CommandId first = commands_[0].id;
+  Ask(Kind::kPause, "F-1");
+  Ask(Kind::kResume, "F-1");
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({Done(first)});
+  EXPECT_EQ(State("A"), "done");
+}
+
 TEST_F(EngineSteeringTest, ANodeWaitsWithAVariablesNewValueFromTheTurnThatSetsIt) {
   std::string near = Condition("near");
   near.replace(near.find("?s</subject>"), 12, "$user</subject>");

@@ -10,7 +10,7 @@
 
 namespace docent::engine::test {
 
-// Formats 4 to 12 (docs/reference/file_formats.md).
+// Formats 4 to 13 (docs/reference/file_formats.md).
 inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   const std::string bytes = *EncodeEngineState(state);
   Packed packed;
@@ -24,6 +24,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   reader(packed.last_used);
   AddedIn11(reader, packed);
   AddedIn12(reader, packed);
+  AddedIn13(reader, packed);
   EXPECT_TRUE(reader.AtEnd()) << "a newer format: leave out here what it added";
   ByteWriter writer;
   Fields(writer, packed);
@@ -35,6 +36,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   if (format >= 10) writer(packed.last_used);
   if (format >= 11) AddedIn11(writer, packed);
   if (format >= 12) AddedIn12(writer, packed);
+  if (format >= 13) AddedIn13(writer, packed);
   return writer.Take();
 }
 

@@ -15,6 +15,18 @@ std::string Bytes(std::string_view source, const SourceSpan& span) {
   return std::string(source.substr(span.offset, span.length));
 }
 
+// libxml2's own limit is 10 MB.
+TEST(XmlDocument, IsAsLargeAsADocumentMayBe) {
+  const std::string text(12u << 20, 'x');
+  for (const std::string& source : {"<a><!--" + text + "--></a>", "<a b='" + text + "'/>",
+                                    "<a>" + text + "</a>", "<a>" + text + "<b/>" + text + "</a>"}) {
+    const ParsedXml parsed = ParseXml(source, "f.xml");
+    EXPECT_TRUE(parsed.diagnostics.empty()) << parsed.diagnostics.front().message;
+    EXPECT_TRUE(parsed.root != nullptr);
+  }
+  EXPECT_FALSE(ParseXml("<a>" + text + "</b>", "f.xml").diagnostics.empty());
+}
+
 TEST(XmlDocument, KnowsTheBytesOfEverything) {
   const std::string source =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- é --><a:root xmlns:a='urn:a'\n   x = \"1 &lt; 2\">\n"

@@ -1,6 +1,6 @@
 // A visitor chooses the booth guide and a booth; the robots and the steps of the run are followed until it has ended.
 //   npm run build && node dist/example/guide.js http://127.0.0.1:7480 B05      (Node 22 or newer, which has WebSocket)
-import { connectDocent, docentTerm, fact, iri, ListRobotsReplySchema, ListRobotsRequestSchema, literal, namespace, RunEventSchema, WatchRequestSchema } from "../src/index.js";
+import { connectDocent, docentTerm, fact, iri, ListRobotsReplySchema, ListRobotsRequestSchema, namespace, RunEventSchema, WatchRequestSchema } from "../src/index.js";
 
 const expo = namespace("https://w3id.org/docent/expo#");
 
@@ -19,7 +19,7 @@ export async function guide(address: string, booth: string, say: (line: string) 
         if (told) return;
         told = true;
         void docent.tell([
-          fact(visitor, iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"), docentTerm("Visitor")), fact(visitor, iri("http://www.w3.org/2000/01/rdf-schema#label"), literal("a visitor")),
+          fact(visitor, iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"), docentTerm("Visitor")), fact(visitor, iri("http://www.w3.org/2000/01/rdf-schema#label"), "a visitor"),
           fact(visitor, docentTerm("isAt"), expo(booth)), fact(visitor, docentTerm("selected"), expo(booth)), fact(visitor, docentTerm("chose"), expo("BoothGuideService")),
         ]);
       },

@@ -1,4 +1,5 @@
 // What a flow takes from the run that runs it as a step, and what of that has a value before. Pure functions.
+import { eachWayHas, neededRows } from "./condition_logic";
 import { type CawlDocument, type Condition, type Flow, type Invoke, prefixesOf, type Step } from "./document";
 import { literally } from "./names";
 import { assigns, needOf, startFlow } from "./start_values";
@@ -59,8 +60,7 @@ function conditionTerms(condition: Condition | null): string[] {
 }
 // Whether each way to meet the condition gives the variable a value.
 function binds(condition: Condition | null, name: string): boolean {
-  const contexts = condition?.contexts ?? [];
-  return contexts.length > 0 && contexts.every((c) => c.rules.some((r) => r.constraints.some((k) => [k.subject.text, k.object.text].some((t) => t.trim() === `?${name}` || t.trim() === `$${name}`))));
+  return condition !== null && eachWayHas(condition, (row) => [row.subject.text, row.object.text].some((t) => t.trim() === `?${name}` || t.trim() === `$${name}`));
 }
 
 // Where a variable has its value from when a step of the flow begins; none: nothing gives it one.
@@ -117,6 +117,6 @@ export function unsetInputs(document: CawlDocument, called: ReadonlyMap<string, 
 }
 function namedIn(document: CawlDocument, flow: Flow, fits: (term: string, ownType: string) => boolean): string[] {
   if (document.activator?.flow !== flow.name) return [];
-  const slots = (document.activator.condition?.contexts ?? []).flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject, k.object])));
+  const slots = neededRows(document.activator.condition).flatMap((row) => [row.subject, row.object]);
   return [...new Set(slots.filter((s) => /^([A-Za-z][\w-]*:[\w.-]+|<[^<>\s]+>)$/.test(s.text.trim()) && fits(s.text.trim(), s.type)).map((s) => s.text.trim()))];
 }

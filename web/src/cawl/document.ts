@@ -39,16 +39,23 @@ export interface Constraint extends Part {
   verb: Slot;
   object: Slot;
 }
+// <ext:time between="09:00-17:00"/>: what its attributes say, as they are written.
+export interface Time extends Part {
+  name: string;
+  attributes: readonly (readonly [name: string, value: string])[];
+}
 export interface Rule extends Part {
   name: string;
   expression: string;
   lasting: string; // ext:for
   constraints: Constraint[];
+  times: Time[];
 }
 export interface Context extends Part {
   name: string;
   priority: string;
   rules: Rule[];
+  times: Time[]; // beside its rules
 }
 export interface Condition extends Part {
   expression: string;
@@ -56,6 +63,8 @@ export interface Condition extends Part {
   contexts: Context[];
   events: string[]; // operations of its case
   caseElement: XmlElement | null;
+  caseName: string;
+  caseExpression: string;
 }
 export interface Invoke extends Part {
   kind: "operation" | "subflow";
@@ -190,21 +199,28 @@ class Reader {
     const caseElement = this.children(found, "case")[0] ?? null;
     return {
       element: found, expression: this.get(found, "expression"), timeout: this.ext(found, "timeout"), caseElement,
+      caseName: caseElement ? this.get(caseElement, "name") : "", caseExpression: caseElement ? this.get(caseElement, "expression") : "",
       events: caseElement ? this.children(caseElement, "event").map((e) => this.get(e, "operation")) : [],
       contexts: this.children(found, "context").map((context) => ({
         element: context, name: this.get(context, "name"), priority: this.get(context, "priority"),
-        rules: this.children(context, "rule").map((rule) => this.rule(rule)),
+        rules: this.children(context, "rule").map((rule) => this.rule(rule)), times: this.times(context),
       })),
     };
   }
 
   private rule(element: XmlElement): Rule {
     return {
-      element, name: this.get(element, "name"), expression: this.get(element, "expression"), lasting: this.ext(element, "for"),
+      element, name: this.get(element, "name"), expression: this.get(element, "expression"), lasting: this.ext(element, "for"), times: this.times(element),
       constraints: this.children(element, "constraint").map((c) => ({
         element: c, name: this.get(c, "name"), subject: this.slot(c, "subject"), verb: this.slot(c, "verb"), object: this.slot(c, "object"),
       })),
     };
+  }
+
+  private times(element: XmlElement): Time[] {
+    return element.children.filter((c) => c.local === "time" && c.namespace === extNamespace).map((time) => ({
+      element: time, name: this.get(time, "name"), attributes: time.attributes.filter((a) => a.name !== "name").map((a) => [a.name, a.value.trim()] as const),
+    }));
   }
 
   private slot(constraint: XmlElement, local: string): Slot {

@@ -1,4 +1,5 @@
 // The values that a run begins with: which have to be given, and which it finds by itself. Pure functions.
+import { neededRows } from "./condition_logic";
 import type { CawlDocument, Flow, Variable } from "./document";
 import { literally } from "./names";
 
@@ -14,7 +15,7 @@ export function startFlow(document: CawlDocument): Flow | undefined {
   return document.flows.find((f) => f.name === document.activator?.flow) ?? document.flows[0];
 }
 function boundBy(flow: Flow | undefined): ReadonlySet<string> {
-  const terms = flow?.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.flatMap((k) => [k.subject.text, k.object.text]))) ?? []) ?? [];
+  const terms = flow?.steps.flatMap((s) => neededRows(s.condition).flatMap((row) => [row.subject.text, row.object.text])) ?? [];
   return new Set(terms.map((t) => t.trim()).filter((t) => t.startsWith("?")).map((t) => t.slice(1)));
 }
 // Whether the text of a step, or of a flow, assigns the variable or has it as a result of what it invokes.

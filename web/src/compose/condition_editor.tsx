@@ -1,18 +1,16 @@
 // What has to hold, as rows of subject, verb and object, each with its state in the live graph.
-import { Circle, CircleCheck, CircleDashed, Clock3, FlaskConical, Plus, Trash2, X } from "lucide-react";
+import { Ban, Circle, Clock3, Plus, Trash2, X } from "lucide-react";
 import { useMemo, useState } from "react";
-import { useNames } from "../api/prefixes";
-import { shorten } from "../api/sparql";
 import { type CawlDocument, type Condition, type Constraint, type Context, type Invoke, prefixesOf, type Rule } from "../cawl/document";
+import { conditionLogic, ruleLogic, senseInRule, senseOfContext } from "../cawl/condition_logic";
 import type { Edits, Words } from "../cawl/edits";
-import { termWords, verbWords } from "../cawl/phrases";
+import type { Sense } from "../cawl/expression";
+import { logicWords, timeWords } from "../cawl/phrases";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { Combo, type Choice } from "../ui/combo";
 import type { XmlElement } from "../cawl/xml";
-import { TellDialog } from "../operate/tell";
-import { constraintAsk, matchesShown, ofKinds, useLive, type Live } from "./live";
-import type { Lack, NearestMiss } from "./nearest_miss";
-import { patternWords, termName, valuesWords } from "./term_name";
+import { Chip, count, Miss, RowState } from "./condition_states";
+import { constraintAsk, ofKinds, useLive, type Live } from "./live";
 import { ofClass, useVerbsOfClasses, verbsFor, verbWordsToFind, type Vocabulary, type Word } from "./vocabulary";
 import "./condition.css";
 
@@ -32,7 +30,7 @@ export function ConditionEditor(props: ConditionProps) {
   const rows = condition?.contexts.flatMap((context, c) => context.rules.flatMap((rule, r) => rule.constraints.map((constraint, k) => ({ id: `${c}.${r}.${k}`, constraint })))) ?? [];
   const asks = [
     ...rows.map(({ id, constraint }) => ({ id, ask: constraintAsk(props.document, constraint) })),
-    ...(condition?.contexts ?? []).map((context, c) => ({ id: `${c}`, ask: askOf(props.compiled, props.place, context, c) })),
+    ...(condition ? situationAsks(props.compiled, props.place, condition) : []),
   ];
   const kinds = new Map(props.variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const live = useLive(props.document, asks.map((a) => ({ ...a, ask: ofKinds(props.document, a.ask, rowsOf(a.id, rows), kinds) })));
@@ -48,10 +46,11 @@ export function ConditionEditor(props: ConditionProps) {
     );
   return (
     <div className="condition">
+      {condition.expression && <Together condition={condition} live={live.get(togetherId)} document={props.document} />}
       {condition.events.map((event) => <div key={event} className="condition-event"><Circle size={12} />event <b>{event}</b></div>)}
       {condition.contexts.map((context, c) => (
         <div key={c}>
-          {c > 0 && <div className="condition-or">or</div>}
+          {c > 0 && !condition.expression && <div className="condition-or">or</div>}
           <ContextCard {...props} condition={condition} context={context} index={c} live={live} choices={choices} used={used} />
         </div>
       ))}
@@ -60,14 +59,26 @@ export function ConditionEditor(props: ConditionProps) {
   );
 }
 
-// The ask of a whole situation. The server names a situation without a name by its number.
-export function askOf(compiled: readonly CompiledCondition[], place: string, context: Context, index: number): string {
-  return compiled.find((x) => x.place === `${place} / context ${context.name || index + 1}`)?.ask ?? "";
+// An expression over situations: what holds is asked of all together.
+function Together({ condition, live, document }: { condition: Condition; live: Live | undefined; document: CawlDocument }) {
+  return (
+    <section className={`situation${live && live.matches > 0 ? " holds" : ""}`} aria-label="All situations together">
+      <header><Chip live={live} /><span className="cut grow situation-name" title={condition.expression}>{logicWords(conditionLogic(condition))}</span></header>
+      {live && live.matches === 0 && live.miss && <Miss miss={live.miss} name="" document={document} />}
+    </section>
+  );
 }
 
-// The rows that an ask is made of: one, or all of a situation.
+export const togetherId = "together";
+// The asks of whole situations, or of their expression. The server names a situation without a name by its number.
+export function situationAsks(compiled: readonly CompiledCondition[], place: string, condition: Condition): { id: string; ask: string }[] {
+  if (condition.expression) return [{ id: togetherId, ask: compiled.find((x) => x.place.startsWith(`${place} / condition`))?.ask ?? "" }];
+  return condition.contexts.map((context, c) => ({ id: `${c}`, ask: compiled.find((x) => x.place === `${place} / context ${context.name || c + 1}`)?.ask ?? "" }));
+}
+
+// The rows that an ask is made of: one, or all of a situation, or of all together.
 export function rowsOf(id: string, rows: readonly { id: string; constraint: Constraint }[]): Constraint[] {
-  return rows.filter((row) => row.id === id || row.id.startsWith(`${id}.`)).map((row) => row.constraint);
+  return rows.filter((row) => id === togetherId || row.id === id || row.id.startsWith(`${id}.`)).map((row) => row.constraint);
 }
 
 interface Choices {
@@ -107,12 +118,14 @@ type CardProps = ConditionProps & { condition: Condition; context: Context; inde
 function ContextCard(props: CardProps) {
   const { condition, context, index, live, edit } = props;
   const whole = live.get(`${index}`);
-  const rules = context.rules.length > 0 ? context.rules : [];
+  const rules = context.rules;
+  const sense = senseOfContext(condition, context);
   return (
     <section className={`situation${whole && whole.matches > 0 ? " holds" : ""}`} aria-label={`Situation ${context.name}`}>
       <header>
-        <Chip live={whole} />
+        {!condition.expression && <Chip live={whole} />}
         <span className="cut grow situation-name">{context.name || "Situation"}</span>
+        <SenseTag sense={sense} />
         <button className="button plain icon small" aria-label={`Remove the situation ${context.name}`} title="Remove this situation" onClick={() => edit((e) => e.removeContext(condition, context))}><Trash2 size={13} /></button>
       </header>
       {rules.map((rule, r) => <RuleRows key={r} {...props} rule={rule} ruleIndex={r} />)}
@@ -132,9 +145,10 @@ function RuleRows(props: CardProps & { rule: Rule; ruleIndex: number }) {
       {(rule.lasting || rule.expression) && (
         <div className="situation-also">
           {rule.lasting && <label className="row"><Clock3 size={12} />without a break for<input className="field small" style={{ width: 70 }} defaultValue={rule.lasting} key={rule.lasting} aria-label="How long it has to hold" onBlur={(e) => e.target.value !== rule.lasting && edit((x) => x.setExt(rule.element, "for", e.target.value.trim()))} /></label>}
-          {rule.expression && <span className="cut" title={rule.expression}>where <code>{rule.expression}</code></span>}
+          {rule.expression && <span className="cut" title={logicWords(ruleLogic(rule))}>where <code>{rule.expression}</code></span>}
         </div>
       )}
+      {[...props.rule.times, ...(ruleIndex === 0 ? props.context.times : [])].map((time, k) => <div key={`t${k}`} className="condition-event"><Clock3 size={12} />{timeWords(time)}</div>)}
       {rule.constraints.map((constraint, k) => (
         <ConstraintRow key={k} {...props} constraint={constraint} state={props.live.get(`${index}.${ruleIndex}.${k}`)} />
       ))}
@@ -144,6 +158,7 @@ function RuleRows(props: CardProps & { rule: Rule; ruleIndex: number }) {
 
 function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; state: Live | undefined }) {
   const { constraint, edit, choices, state } = props;
+  const sense = senseInRule(props.rule, constraint);
   const [kinds, setKinds] = useState(false);
   const set = (which: "subject" | "verb" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, value));
   const setType = (which: "subject" | "object") => (value: string) => edit((e) => e.setSlot(constraint, which, constraint[which].text, value));
@@ -155,6 +170,7 @@ function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; 
   const verbs = useMemo(() => [{ value: "a", label: "is a" }, ...verbsFor(props.vocabulary, type, used).map((w): Choice => ({ value: w.term, label: w.label, use: w.use, words: verbWordsToFind(w) }))], [props.vocabulary, type, used]);
   return (
     <div className="constraint">
+      <SenseTag sense={sense} />
       <div className="constraint-words">
         <Combo label="Subject" placeholder="who or what" value={constraint.subject.text} choices={offered("subject", choices.subjects)} onChange={set("subject")} />
         <Combo label="Verb" placeholder="is or has" value={constraint.verb.text} choices={verbs} onChange={set("verb")} className="verb" />
@@ -162,7 +178,7 @@ function ConstraintRow(props: CardProps & { rule: Rule; constraint: Constraint; 
         <button className="button plain icon small" aria-label="Remove this row" title="Remove this row" onClick={() => edit((e) => e.removeConstraint(props.condition, props.context, props.rule, constraint))}><X size={13} /></button>
       </div>
       <div className="constraint-foot">
-        <RowState live={state} constraint={constraint} document={props.document} />
+        <RowState live={state} constraint={constraint} document={props.document} sense={sense} />
         {!kinds && <button className="constraint-kinds" onClick={() => setKinds(true)}>{typed ? kindWords(constraint) : "say the kind"}</button>}
       </div>
       {kinds && (
@@ -182,59 +198,8 @@ function kindWords(constraint: Constraint): string {
   return [one(constraint.subject), one(constraint.object)].filter(Boolean).join(", ");
 }
 
-function count(matches: number): string {
-  return matches >= matchesShown ? `${matchesShown} or more matches` : matches === 1 ? "1 match" : `${matches} matches`;
-}
-
-// The state of a whole situation, as icon and words.
-function Chip({ live }: { live: Live | undefined }) {
-  if (!live || live.matches < 0) return <span className="tag"><CircleDashed size={12} />not asked</span>;
-  return live.matches > 0 ? <span className="tag good"><CircleCheck size={12} />true now</span> : <span className="tag wait"><Circle size={12} />not now</span>;
-}
-
-function RowState({ live, constraint, document }: { live: Live | undefined; constraint: Constraint; document: CawlDocument }) {
-  if (!live) return <span className="constraint-state faint"><CircleDashed size={11} />…</span>;
-  if (live.matches < 0) return <span className="constraint-state faint" title={live.note}><CircleDashed size={11} />can't be asked</span>;
-  if (live.matches === 0) {
-    const [lack] = live.miss?.lacks ?? [];
-    const instead = lack?.now ? `: ${insteadWords(lack, prefixesOf(document))}` : "";
-    return <span className="constraint-state none cut" title={`no match now${instead}`}><Circle size={11} /><span className="cut">no match now{instead}</span></span>;
-  }
-  const words = matchWords(constraint, live.found);
-  return <span className="constraint-state some cut" title={live.witness}><CircleCheck size={11} /><span className="cut">{count(live.matches)}{words && `${live.matches === 1 ? ": " : ", one is "}${words}`}</span></span>;
-}
-
-// The row with what was found in the places of its variables: "R01 status Standby".
-export function matchWords(constraint: Constraint, found: Readonly<Record<string, string>>): string {
-  const word = (text: string) => found[text.trim().replace(/^[?$]/, "").replace(".", "_")] ?? termWords(text);
-  const free = [constraint.subject.text, constraint.object.text].some((text) => /^[?$]/.test(text.trim()));
-  if (!free) return "";
-  return [/^[?$]/.test(constraint.subject.text.trim()) ? word(constraint.subject.text) : termWords(constraint.subject.text), verbWords(constraint.verb.text), /^[?$]/.test(constraint.object.text.trim()) ? word(constraint.object.text) : termWords(constraint.object.text)].join(" ");
-}
-// What is there in place of what is missing: "John is at B10".
-function insteadWords({ pattern, now }: Lack, prefixes: ReadonlyMap<string, string>): string {
-  const [subject = "", verb = ""] = pattern.split(" ");
-  return `${termName(subject, prefixes)} ${verbWords(verb)} ${valuesWords(now, prefixes)}`;
-}
-
-// What is nearest to the situation, what is missing, and a way to try it.
-function Miss({ miss, name, document }: { miss: NearestMiss; name: string; document: CawlDocument }) {
-  const [telling, setTelling] = useState(false);
-  const names = useNames();
-  const prefixes = useMemo(() => new Map([...names.prefixes, ...prefixesOf(document)]), [names, document]);
-  if (miss.lacks.length + miss.tooMuch.length === 0) return miss.text ? <p className="situation-lacks small">{miss.text}</p> : null;
-  return (
-    <div className="situation-lacks" role="status">
-      {miss.where && <p>Nearest: {miss.where}{miss.holds > 0 && <span className="faint"> ({miss.holds === 1 ? "one fact of it is" : `${miss.holds} facts of it are`} there)</span>}</p>}
-      <ul>
-        {miss.lacks.map((lack, i) => <li key={i} title={lack.pattern}>missing: <b>{patternWords(lack.pattern, prefixes)}</b>{lack.now && <>, now {valuesWords(lack.now, prefixes)}</>}</li>)}
-        {miss.tooMuch.map((text, i) => <li key={`x${i}`} title={text}>must not be: <b>{patternWords(text, prefixes)}</b></li>)}
-      </ul>
-      <p className="row">
-        {miss.add.length > 0 && <button className="button small" onClick={() => setTelling(true)}><FlaskConical size={13} />Simulate or tell</button>}
-        {miss.others > 0 && <span className="faint small">{miss.others === 1 ? "One other way is" : `${miss.others} other ways are`} as near</span>}
-      </p>
-      {telling && <TellDialog title={`What is missing for ${name || "the situation"}`} quads={miss.add} patterns={miss.lacks.map((l) => l.pattern)} names={{ ...names, prefixes, short: (iri) => shorten(iri, prefixes), name: names.name }} onClose={() => setTelling(false)} />}
-    </div>
-  );
+// Of a row or situation that has not simply to be there. Undefined: the expression does not name it.
+function SenseTag({ sense }: { sense: Sense | undefined }) {
+  if (sense === "must") return null;
+  return <span className="tag condition-sense">{sense === "must not" ? <><Ban size={11} />must not be</> : sense === "both" ? "in some ways, not in others" : "not looked at"}</span>;
 }

@@ -1,5 +1,5 @@
 // Before a workflow is deployed: what changes against the one that runs, and what the check says.
-import { CircleAlert, Rocket, X } from "lucide-react";
+import { CircleAlert, Copy, Rocket, X } from "lucide-react";
 import { useMemo, useState, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
@@ -26,7 +26,8 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<PlainError | null>(null);
   const errors = findings.list.filter((f) => f.error);
-  const warnings = findings.list.filter((f) => !f.error);
+  const shared = findings.list.filter((f) => f.rule === "shared-start"); // another workflow starts on the same occasion
+  const warnings = findings.list.filter((f) => !f.error && !shared.includes(f));
   const diff = useMemo(() => (deployed === null ? [] : diffLines(deployed, document.text)), [deployed, document.text]);
   const old = useMemo(() => (deployed === null ? null : readCawl(deployed)), [deployed]);
   const [typed, setTyped] = useState<string | null>(null);
@@ -80,6 +81,7 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
         </div>
         {document.activator && errors.length === 0 && (!old || conditionText(old) !== conditionText(document)) && <StartsNow activator={document.activator} conditions={findings.conditions} again={old !== null} />}
         {errors.length > 0 && <div className="notice bad"><CircleAlert size={15} /><div><b>{errors.length} to mend first.</b> {errors[0]?.message}</div></div>}
+        {errors.length === 0 && shared.map((f) => <div key={f.id} className="notice wait" role="status"><Copy size={15} /><div><b>{sentenceOf(f.message)}</b> {sentenceOf(f.hint)}</div></div>)}
         {errors.length === 0 && warnings.length > 0 && <div className="notice wait"><CircleAlert size={15} /><div><b>{warnings.length} to look at.</b> {warnings[0]?.message}</div></div>}
         {error && <div className="notice bad" role="alert"><CircleAlert size={15} /><div><b>{error.title}.</b> {error.detail}</div></div>}
         {steps && (steps.come.length + steps.gone.length + steps.changed.length > 0) && (
@@ -103,6 +105,8 @@ export function DeployDialog(props: { session: Session; document: CawlDocument; 
     </Dialog>
   );
 }
+
+const sentenceOf = (text: string) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
 
 // Without the places of steps, which say nothing of what it does.
 const placeless = (text: string) => text.replace(/ \w+:[xy]="[^"]*"/g, "");

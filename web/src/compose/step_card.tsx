@@ -1,10 +1,11 @@
 // A step on the canvas: what it does, what opens it, and what is wrong with it.
 import { Handle, Position, type Node, type NodeProps } from "@xyflow/react";
-import { Bot, CircleAlert, Clock3, Flag, GitCompareArrows, Play, Repeat2, RotateCw, TriangleAlert, Unlink, Workflow, Wrench, Zap } from "lucide-react";
+import { Ban, Bot, CircleAlert, Clock3, Flag, GitCompareArrows, Play, Repeat2, RotateCw, TriangleAlert, Unlink, Workflow, Wrench, Zap } from "lucide-react";
 import { memo } from "react";
 import type { Step } from "../cawl/document";
-import { conditionRows } from "../cawl/phrases";
+import { conditionLogic } from "../cawl/condition_logic";
 import { words } from "../cawl/names";
+import { conditionRows, logicWords } from "../cawl/phrases";
 
 export interface StepData extends Record<string, unknown> {
   step: Step & { stale: boolean };
@@ -58,7 +59,7 @@ export const StepCard = memo(function StepCard({ data, selected, isConnectable }
       {rows.length > 0 && (
         <ul className="step-condition" aria-label="Opens when">
           {rows.slice(0, 2).map((row, i) => (
-            <li key={i}><Zap size={11} aria-hidden /><span className="cut">{row}</span></li>
+            <li key={i} title={row.words}>{row.isNot ? <Ban size={11} aria-hidden /> : <Zap size={11} aria-hidden />}<span className="cut">{row.words}</span></li>
           ))}
           {rows.length > 2 && <li className="faint"><span className="step-more">and {rows.length - 2} more</span></li>}
         </ul>
@@ -92,6 +93,6 @@ export function stepWords(data: StepData): string {
   const { step } = data;
   if (step.kind !== "node") return `${step.kind === "source" ? "Begin" : "End"}: ${step.name}`;
   const does = step.invokes.map((i) => words(i.target)).join(", ");
-  const rows = step.condition ? conditionRows(step.condition) : [];
-  return [`Step ${step.name}`, does && `does ${does}`, rows.length > 0 && `opens when ${rows.join(", ")}`, data.breakpoint && "breakpoint", data.stateLabel, data.differs, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
+  const opens = step.condition ? logicWords(conditionLogic(step.condition)) : "";
+  return [`Step ${step.name}`, does && `does ${does}`, opens && `opens when ${opens}`, data.breakpoint && "breakpoint", data.stateLabel, data.differs, data.errors > 0 && `${data.errors} to mend`].filter(Boolean).join("; ");
 }

@@ -13,7 +13,7 @@ import type { TryNodeReply } from "../gen/docent/v1/replays_pb";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
 import { clock } from "../operate/states";
 import { factsOf } from "../operate/fact_words";
-import { askOf, rowsOf } from "./condition_editor";
+import { rowsOf, situationAsks } from "./condition_editor";
 import { ofKinds, useLive, type Live } from "./live";
 import type { PaletteEntry } from "./palette_data";
 import type { Trial } from "./trials";
@@ -51,7 +51,8 @@ function Now({ document, step, place, variables, compiled, palette }: TryStepPro
   const contexts = step.condition?.contexts ?? [];
   const kinds = new Map(variables.filter((v) => v.type && !v.type.startsWith("xsd:")).map((v) => [v.name, v.type]));
   const rows = contexts.flatMap((context, c) => context.rules.flatMap((rule) => rule.constraints.map((constraint, k) => ({ id: `${c}.${k}`, constraint }))));
-  const live = useLive(document, contexts.map((context, c) => ({ id: `${c}`, ask: ofKinds(document, askOf(compiled, place, context, c), rowsOf(`${c}`, rows), kinds) })));
+  const asks = step.condition ? situationAsks(compiled, place, step.condition) : [];
+  const live = useLive(document, asks.map(({ id, ask }) => ({ id, ask: ofKinds(document, ask, rowsOf(id, rows), kinds) })));
   const holds = [...live.values()].find((l) => l.matches > 0);
   if (contexts.length > 0 && live.size === 0) return <p className="faint small">Not asked yet: the text has to be without mistakes.</p>;
   if (contexts.length > 0 && !holds) return <p className="row small"><Hourglass size={13} />It would wait: its situation is not true now. What is missing is listed above.</p>;

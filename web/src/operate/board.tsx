@@ -13,6 +13,7 @@ import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { toast } from "../ui/toasts";
 import { factWords } from "./fact_words";
+import { AnotherRobot, CauseActions } from "./cause_actions";
 import { useFleet } from "./offline";
 import { RunActions, SettleButtons } from "./run_actions";
 import { useRuns, useTicks } from "./runs";
@@ -95,12 +96,14 @@ function GroupCard({ group, counted, runs, robots, names, again, onTell }: { gro
         <span className="board-count number" title="Steps that wait for it">{group.waiting.length}</span>
         {group.ask && !past && <button className="button small" disabled={busy} onClick={() => void tell()}>{busy ? <LoaderCircle size={13} className="turn" /> : <FlaskConical size={13} />}Simulate or tell</button>}
       </header>
+      <CauseActions causes={group.robots} robots={robots} names={names} again={again} />
       <ul>
         {shown.map(({ run, node, root, sinceUs }) => (
           <li key={`${run.id} ${node?.name ?? ""}`}>
             <Link href={paths.run(run.id, node?.name ?? "")} className="run-id">{runWords(run.id)}</Link>
             <span className="faint cut grow">{node && `at ${node.name}`}{run !== root && ` in ${runWords(root.id)}`}{runFor(root)}</span>
             {node && <SettleButtons run={run.id} node={node} again={again} />}
+            <AnotherRobot run={run} node={node} runs={runs} causes={group.robots} robots={robots} names={names} again={again} />
             <span className="board-actions"><RunActions run={root} runs={runs} again={again} /></span>
             <span className="faint small number board-time">{duration(sinceUs, nowUs())}</span>
           </li>

@@ -6,10 +6,12 @@ import { query, type Row } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Lately } from "./lately";
 import type { Layout } from "./layout";
+import { tellsItself } from "./no_robot";
 import { RobotPanel } from "./robot_panel";
 import { TellPlace } from "./tell_place";
 import { usePast } from "../api/past";
 import { RobotTag } from "./robot_words";
+import { screenAddress } from "./screen_address";
 import type { Way } from "./ways";
 import { Fact } from "./why";
 
@@ -26,7 +28,8 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
   const shape = props.layout?.shapes.find((s) => s.iri === iri);
   const facts = useShown(`facts ${iri}`, (asOf, signal) => query(`SELECT ?p ?o { <${iri.replace(/[<>"{}|^\`\\\s]/g, "")}> ?p ?o FILTER(!isBlank(?o)) } ORDER BY ?p LIMIT 60`, signal, asOf), 1500);
   const word = (v: { kind: string; text: string; datatype?: string } | undefined) => (!v ? "" : v.kind === "iri" ? names.short(v.text) || `<${v.text}>` : /integer|decimal|boolean|double/.test(v.datatype ?? "") ? v.text : JSON.stringify(v.text));
-  const screen = facts.data?.rows.find((row) => row["p"]?.text === "https://w3id.org/docent#screenPage" && /^https?:\/\//.test(row["o"]?.text ?? ""))?.["o"]?.text;
+  const pages = facts.data?.rows.filter((row) => row["p"]?.text === "https://w3id.org/docent#screenPage") ?? [];
+  const screen = pages.map((row) => screenAddress(row["o"]?.text)).find((address) => address);
   const past = usePast() !== null;
   const here = props.robots.filter((r) => r.regions.includes(iri));
   return (
@@ -40,9 +43,9 @@ export function Details(props: { iri: string; robots: readonly RobotStatus[]; la
       <div className="hall-details" tabIndex={0} aria-label="Details">
         {shape?.detail && <p className="quiet">{shape.detail}</p>}
         {robot && <RobotPanel robot={robot} way={props.way} names={names} again={props.again} />}
-        {!past && !shape && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
+        {!past && !shape && !tellsItself(robot) && facts.data && facts.data.rows.length > 0 && <TellPlace iri={iri} name={robot?.label || names.name(iri)} layout={props.layout} names={names} again={facts.again} />}
         {shape && ["booth", "region"].includes(shape.kind) && <p><a className="button small" href={`/visit/code.svg?${new URLSearchParams({ at: names.short(iri) || iri, base: location.origin, label: shape.name })}`} target="_blank" rel="noreferrer"><QrCode size={13} />Code for visitors’ phones</a></p>}
-        {robot && screen && <p><a className="button small" href={new URL("/", screen).href} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
+        {robot && screen && <p><a className="button small" href={screen} target="_blank" rel="noreferrer"><MonitorSmartphone size={13} />Its screen</a></p>}
         {here.length > 0 && <p className="quiet">Here: {here.map((r) => r.label || names.name(r.robot)).join(", ")}</p>}
         <Lately key={iri} iri={iri} />
         <h3>Facts</h3>

@@ -12,12 +12,14 @@ import type { RobotReservation, RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { ReserveDialog } from "./reserve_dialog";
 import { taskWords } from "./robot_words";
 import { attempt } from "./run_actions";
+import { ServiceDialog } from "./service_dialog";
 import { clock, runWords } from "./states";
 import type { Way } from "./ways";
 
 export function RobotPanel({ robot, way, names, again }: { robot: RobotStatus; way: Way | undefined; names: Names; again: () => void }) {
   const past = usePast() !== null;
   const [reserving, setReserving] = useState(false);
+  const [taking, setTaking] = useState(false);
   const task = robot.heldFor[0];
   return (
     <>
@@ -27,13 +29,14 @@ export function RobotPanel({ robot, way, names, again }: { robot: RobotStatus; w
         <div className="row">
           {robot.outOfService
             ? <button className="button small" onClick={() => attempt("The robot is in service", () => fleet.putInService({ robot: robot.robot }), again)}>Put in service</button>
-            : <button className="button small" title="It gets no further command; what it does ends" onClick={() => attempt("The robot is out of service", () => fleet.takeOutOfService({ robot: robot.robot, cancelCommands: false, reason: "" }), again)}>Take out of service</button>}
+            : <button className="button small" title="It gets no further command" onClick={() => setTaking(true)}>Take out of service</button>}
           <button className="button small" onClick={() => setReserving(true)}><CalendarClock size={13} />Reserve</button>
         </div>
       )}
       {robot.reservations.length > 0 && <><h3>Kept</h3><ul className="reservations">{robot.reservations.map((r) => <Reservation key={r.reservation} reservation={r} names={names} again={again} fixed={past} />)}</ul></>}
       {robot.capabilities.length > 0 && <><h3>Can do</h3><p className="row tags">{robot.capabilities.map((c) => <span key={c} className="tag accent" title={names.short(c) || c}>{words(localName(c))}</span>)}</p></>}
       {robot.operations.length > 0 && <><h3>Operations</h3><p className="row tags">{robot.operations.map((o) => <span key={o} className="tag">{words(o)}</span>)}</p></>}
+      {taking && <ServiceDialog robot={robot} name={robot.label || names.name(robot.robot)} again={again} onClose={() => setTaking(false)} />}
       {reserving && <ReserveDialog robot={robot} names={names} again={again} onClose={() => setReserving(false)} />}
     </>
   );

@@ -17,12 +17,15 @@ import { words } from "../cawl/names";
 import { loadDraft } from "../compose/drafts";
 import { usePalette } from "../compose/palette_data";
 import { type Node, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
+import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
+import { AnotherRobot, CauseActions } from "./cause_actions";
 import { FlowView } from "./flow_view";
 import { askRun } from "./past_runs";
 import { reasonWords } from "./reason_words";
 import { RunActions, SettleButtons, StillBusy } from "./run_actions";
 import { useRuns, useTicks } from "./runs";
-import { LostBar, useOfflineRobots } from "./offline";
+import { awayWords, isAway } from "./no_robot";
+import { LostBar, useFleet, useOfflineRobots } from "./offline";
 import { lostOf, progressOf, stateOf, whereWords } from "./runs_within";
 import { clock, duration, isLive, nowUs, runWords, StateTag, Time, timeTitle } from "./states";
 import { Timeline } from "./timeline";
@@ -140,6 +143,9 @@ function Now({ run, runs, names, again }: { run: Run; runs: readonly Run[]; name
 function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs: readonly Run[]; node: Node; names: Names; again: () => void; titled?: boolean }) {
   const because = readTriples(node.firedBecause, names.short);
   const past = usePast() !== null;
+  const robots = useFleet();
+  const about = (causes: readonly string[]) => <><CauseActions causes={causes} robots={robots} names={names} again={again} /><AnotherRobot run={run} node={node} runs={runs} causes={causes} robots={robots} names={names} again={again} /></>;
+  const away = robots.filter((r) => isAway(r) && node.invocations.some((i) => (i.state === "running" && i.robot === r.robot) || i.awaits.some((a) => a.robot === r.robot)));
   return (
     <section className="run-section">
       <div className="row">
@@ -149,19 +155,25 @@ function NodeDetails({ run, runs, node, names, again, titled }: { run: Run; runs
       </div>
       {node.reason && node.reason !== run.reason && <p className="notice bad"><CircleAlert size={14} /><Reason text={node.reason} robot={node.invocations.find((i) => i.reason === node.reason)?.robot} names={names} /></p>}
       <SettleButtons run={run.id} node={node} again={again} />
+      {node.state === "incident" ? about([]) : <CauseActions causes={away.map((r) => r.robot)} robots={robots} names={names} again={again} />}
       {node.invocations.map((i, k) => (
         <div key={k} className="invocation">
           <div className="row"><b className="cut grow">{words(i.operation)}</b><StateTag state={i.state} /></div>
           {i.state === "running" && <Progress part={progressOf(run, i, runs)} label={i.operation} />}
           <p className="faint small">{[i.robot && <Link key="r" href={paths.hall(names.short(i.robot) || i.robot)}>{names.name(i.robot)}</Link>, i.step && ` step ${i.step}`]}</p>
           {i.reason && i.reason !== node.reason && <p className="faint small"><Reason text={i.reason} robot={i.robot} names={names} /></p>}
-          {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {a.state}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{runWords(a.heldBy)}</Link></>}</p>)}
+          {i.awaits.map((a) => <p key={a.robot} className="small faint">{names.name(a.robot)} is {awaitWords(a.state, robots.find((r) => r.robot === a.robot))}{a.heldBy && <>, held by <Link href={paths.run(a.heldBy)}>{runWords(a.heldBy)}</Link></>}</p>)}
         </div>
       ))}
-      {node.waitsFor && <><h3>Why not yet?</h3>{past ? <PastWhyNot run={run.id} node={node.name} names={names} /> : <WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} />}</>}
+      {node.waitsFor && <><h3>Why not yet?</h3>{past ? <PastWhyNot run={run.id} node={node.name} names={names} /> : <WhyNot ask={node.waitsFor} names={names} title={`What ${node.name} waits for`} run={run.id} causeActions={about} />}</>}
       {because.length > 0 && <><h3>Opened because</h3><ul>{because.map((fact, i) => <Fact key={i} words={fact} names={names} heldAt={() => firedAt(run.id, node.name)} />)}</ul></>}
     </section>
   );
+}
+
+// As the server says it, and more where the robot can't come whatever it does.
+function awaitWords(state: string, robot: RobotStatus | undefined): string {
+  return robot && isAway(robot) ? awayWords(robot) : state;
 }
 
 // Why it failed or stands still, in words; as the server said it in the title.

@@ -45,7 +45,7 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
   const [busy, setBusy] = useState(false);
   const robots = useFleet();
   // That a robot tells of itself is tried here, and not told in its name: a robot that is off would count as ready.
-  const ofRobot = robots.find((r) => rows.some(([s = "", p = ""]) => isOwnFact(iriOf(s, names), iriOf(p, names), [r]) && iriOf(p, names) !== isAt));
+  const ofRobot = robots.find((r) => rows.some(([s = "", p = ""]) => isOwnFact(iriOf(s, names), iriOf(p, names), [r])));
   const run = async (what: "simulate" | "tell") => {
     setBusy(true);
     setError(null);
@@ -83,13 +83,12 @@ export function TellDialog(props: { title: string; quads: readonly Quad[]; patte
       </div>
       <div className="sheet-foot">
         <button className="button" disabled={busy} onClick={() => void run("simulate")}><FlaskConical size={14} />Simulate</button>
-        <button className="button primary" disabled={busy || ofRobot !== undefined} onClick={() => void run("tell")}><Megaphone size={14} />Tell it</button>
+        {!ofRobot && <button className="button primary" disabled={busy} onClick={() => void run("tell")}><Megaphone size={14} />Tell it</button>}
       </div>
     </Dialog>
   );
 }
 
-const isAt = "https://w3id.org/docent#isAt"; // where it stands can be seen by people, too
 function iriOf(term: string, names: Names): string {
   return /^<([^>]*)>$/.exec(term.trim())?.[1] ?? names.long(term.trim());
 }

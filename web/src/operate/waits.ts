@@ -3,7 +3,7 @@ import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import type { Node, Run, Wait } from "../gen/docent/v1/workflows_pb";
 import { asMeant, factsOf, factWords } from "./fact_words";
-import { isOwnFact, isReadiness, type Known, noRobotWords, tellsItself } from "./no_robot";
+import { awayWords, type Cause, causeOf, isAway, isOfRobot, isOwnFact, type Known, noCause, tellsItself } from "./no_robot";
 import { reasonWords } from "./reason_words";
 import { sinceWords } from "./runs_within";
 import { isLive, runWords } from "./states";
@@ -21,6 +21,7 @@ export interface Group {
   title: string[]; // facts as patterns, or words
   detail: string; // as the server said it, where the title says it otherwise
   noRobot: string; // why no robot can begin it; empty: it is not known that none can
+  robots: readonly string[]; // IRIs of robots that are the cause
   heldBy: string; // run that has the robot
   waiting: Waiting[];
   oldestUs: bigint;
@@ -33,11 +34,11 @@ export function groupWaits(runs: readonly Run[], waits: ReadonlyMap<string, read
   const byId = new Map(runs.map((run) => [run.id, run]));
   const groups = new Map<string, Group>();
   for (const root of runs.filter((r) => !r.parent && isLive(r.state))) {
-    for (const { kind, title, heldBy, place, detail, noRobot, told } of gathered(root, waits.get(root.id) ?? [], byId, names, clock, robots)) {
+    for (const { kind, title, heldBy, place, detail, cause, told } of gathered(root, waits.get(root.id) ?? [], byId, names, clock, robots)) {
       const { run, node } = placeOf(place, root, byId);
       const sinceUs = node?.sinceUs || run.startedUs;
-      const key = JSON.stringify([kind, title, noRobot]);
-      const group = groups.get(key) ?? { key, kind, title, detail, noRobot, heldBy, waiting: [], oldestUs: sinceUs, ask: "" };
+      const key = JSON.stringify([kind, title, cause.words]);
+      const group = groups.get(key) ?? { key, kind, title, detail, noRobot: cause.words, robots: cause.robots, heldBy, waiting: [], oldestUs: sinceUs, ask: "" };
       group.waiting.push({ run, node, root, sinceUs });
       if (sinceUs < group.oldestUs) group.oldestUs = sinceUs;
       if (told && node?.waitsFor && !group.ask) group.ask = node.waitsFor.split("\n# or\n")[0] ?? "";
@@ -53,7 +54,7 @@ interface Gathered {
   kind: WaitKind;
   title: string[];
   detail: string;
-  noRobot: string;
+  cause: Cause;
   heldBy: string;
   place: string;
   told: boolean; // something of it can be told by people
@@ -62,9 +63,9 @@ interface Gathered {
 function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, Run>, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): Gathered[] {
   const found: Gathered[] = [];
   for (const wait of waits) {
-    const at = { detail: "", noRobot: "", heldBy: wait.heldBy, place: wait.node, told: false };
+    const at = { detail: "", cause: noCause, heldBy: wait.heldBy, place: wait.node, told: false };
     const lost = wait.kind === "command" ? robots.find((r) => r.robot === wait.robot && r.state === "offline") : undefined;
-    if (lost) found.push({ ...at, kind: "lost", title: [`${lost.label || names.name(lost.robot)} is offline${sinceWords(lost)}`] });
+    if (lost) found.push({ ...at, kind: "lost", title: [`${lost.label || names.name(lost.robot)} is offline${sinceWords(lost)}`], cause: { words: "", robots: [lost.robot] } });
     if (!shown.includes(wait.kind)) continue;
     const kind = wait.kind as WaitKind;
     if (kind === "fact" && wait.missing) {
@@ -73,29 +74,30 @@ function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, R
     }
     const same = kind === "robot" ? found.find((g) => g.kind === "robot" && g.place === wait.node) : undefined;
     const { words, detail } = titleOf(wait, kind, names, clock, robots);
-    if (!same) found.push({ ...at, kind, title: [words], detail });
-    else if (!same.title.includes(words)) same.title.push(words);
+    const robot = kind === "robot" && wait.robot ? [wait.robot] : [];
+    if (!same) found.push({ ...at, kind, title: [words], detail, cause: { words: "", robots: robot } });
+    else if (!same.title.includes(words)) Object.assign(same, { title: [...same.title, words], cause: { words: "", robots: [...same.cause.robots, ...robot] } });
   }
   return found;
 }
-// What robots tell of themselves is not for people to tell: said is why no robot is ready.
-function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefined }, names: Pick<Names, "short">, robots: readonly Known[]): Pick<Gathered, "kind" | "title" | "noRobot" | "told"> {
+// What robots tell of themselves is not for people to tell: said is why no robot is ready, or that the one of the run is away.
+function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefined }, names: Pick<Names, "short">, robots: readonly Known[]): Pick<Gathered, "kind" | "title" | "cause" | "told"> {
   const facts = splitFacts(missing).map((text) => {
     const [, subject = "", property = ""] = /^<([^>]*)>\s+<([^>]*)>/.exec(text) ?? [];
-    return { subject, property, own: isOwnFact(subject, property, robots), words: factsOf(text, names)[0] ?? text };
+    return { subject, own: isOwnFact(subject, property, robots), ofRobot: isOfRobot(subject, property, robots), words: factsOf(text, names)[0] ?? text };
   });
-  const ready = facts.filter((f) => f.own && isReadiness(f.property));
+  const blamed = facts.filter((f) => f.ofRobot);
   // A robot that the run has is the one that is waited for; else any would do.
-  const bound = run.variables.some((v) => v.value?.kind.case === "iri" && ready.some((f) => f.subject === (v.value?.kind.value as string)));
-  const noRobot = ready.length === 0 ? "" : noRobotWords(robots.filter((r) => tellsItself(r) && (!bound || ready.some((f) => f.subject === r.robot))), run.id);
-  const rest = noRobot === "" ? facts : facts.filter((f) => !ready.includes(f));
-  return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, node?.waitsFor.split("\n# or\n")[0] ?? "")), noRobot, told: facts.some((f) => !f.own) };
+  const bound = run.variables.some((v) => v.value?.kind.case === "iri" && blamed.some((f) => f.subject === (v.value?.kind.value as string)));
+  const cause = blamed.length === 0 ? noCause : causeOf(robots.filter((r) => tellsItself(r) && (!bound || blamed.some((f) => f.subject === r.robot))), run.id, bound);
+  const rest = cause.words === "" ? facts : facts.filter((f) => !f.ofRobot);
+  return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, node?.waitsFor.split("\n# or\n")[0] ?? "")), cause, told: facts.some((f) => !f.own) };
 }
 function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): { words: string; detail: string } {
   const plain = replaceIris(wait.detail, names.name);
   const as = (words: string) => ({ words, detail: "" });
-  const away = robots.find((r) => r.robot === wait.robot && r.state === "offline");
-  if (kind === "robot" && wait.robot) return as(`${names.name(wait.robot)}${away ? ` (offline${sinceWords(away)})` : ""}`);
+  const away = robots.find((r) => r.robot === wait.robot && isAway(r));
+  if (kind === "robot" && wait.robot) return as(`${names.name(wait.robot)}${away ? ` (${awayWords(away)})` : ""}`);
   if (kind === "time" && wait.untilUs > 0n) return as(`until ${clock(wait.untilUs)}`);
   if (kind === "operator") return reasonWords(plain.replace(/^it failed: /, "").replace(/; settle it:[\s\S]*$/, ""));
   return as(plain.replace(/; docent runs[\s\S]*$/, ""));

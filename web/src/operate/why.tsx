@@ -13,7 +13,7 @@ import type { ExplainReply, MissingSet, Proof } from "../gen/docent/v1/context_p
 import { create } from "@bufbuild/protobuf";
 import { type Quad, QuadSchema, type Term } from "../gen/docent/v1/term_pb";
 import { asMeant, factWords } from "./fact_words";
-import { isOwnFact, isReadiness, type Known, noRobotWords } from "./no_robot";
+import { type Cause, causeOf, isOfRobot, isOwnFact, type Known, noCause } from "./no_robot";
 import { useFleet } from "./offline";
 import { clock } from "./states";
 import { TellDialog } from "./tell";
@@ -91,21 +91,23 @@ export function useWhyNot(ask: string, everyMs = 2500) {
 }
 
 // What is missing for a condition, with ways to try it and to tell it.
-export function WhyNot({ ask, names, title }: { ask: string; names: Names; title: string }) {
+// `run`: that waits; what its own robot is busy with is no cause. `causeActions`: what can be done about robots that are the cause.
+export function WhyNot({ ask, names, title, run, causeActions }: { ask: string; names: Names; title: string; run: string; causeActions: (robots: readonly string[]) => React.ReactNode }) {
   const polled = useWhyNot(ask);
   const [telling, setTelling] = useState<MissingSet | null>(null);
   const robots = useFleet();
   if (polled.error && !polled.data) return <p className="notice"><Unplug size={14} />{polled.error.title}. {polled.error.detail}</p>;
   if (!polled.data) return <p className="faint small">Looking for what is missing…</p>;
   if (polled.data.holds) return <p className="notice">It holds now; the step opens with the next turn.</p>;
-  const ways = waysOf(polled.data.sets, ask, names, robots);
+  const ways = waysOf(polled.data.sets, ask, names, robots, run);
   const others = ways.length === 1 && polled.data.sets.length > 1 ? 0 : othersOf(polled.data, polled.data.sets.length);
   return (
     <div className="lacks">
-      {ways.map(({ set, missing, noRobot, add }, i) => (
+      {ways.map(({ set, missing, cause, add }, i) => (
         <section key={i} className="lack">
           {i > 0 && <p className="faint small">or</p>}
-          {noRobot && <p className="lack-words"><ChevronRight size={12} /><span>{noRobot}</span></p>}
+          {cause.words && <p className="lack-words"><ChevronRight size={12} /><span>{cause.words}</span></p>}
+          {cause.words && causeActions(cause.robots)}
           {missing.map((m, k) => <p key={k} className="lack-words" title={m}><ChevronRight size={12} /><span>{factWords(m, names.prefixes)}</span></p>)}
           {set.conditions.map((c, k) => <p key={`c${k}`} className="lack-words faint"><ChevronRight size={12} /><code>{shortPattern(c, names)}</code></p>)}
           {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <span title={quadText(q, names.short)}>{patternWords(quadText(q, names.short), names.prefixes)}</span></p>)}
@@ -122,7 +124,7 @@ export function WhyNot({ ask, names, title }: { ask: string; names: Names; title
 interface Way {
   set: MissingSet;
   missing: string[]; // patterns with prefixes
-  noRobot: string;
+  cause: Cause;
   add: Quad[]; // what people may tell
 }
 const iriOf = (term: Term | undefined) => (term?.kind.case === "iri" ? term.kind.value : "");
@@ -132,15 +134,15 @@ export function tellable(set: Pick<MissingSet, "add">, robots: readonly Known[])
   return set.add.filter((quad) => !isOwn(quad, robots)).map(quadOf);
 }
 // The ways to make it hold; those that differ only in a thing of which any would do are one way.
-export function waysOf(sets: readonly MissingSet[], ask: string, names: Names, robots: readonly Known[]): Way[] {
+export function waysOf(sets: readonly MissingSet[], ask: string, names: Names, robots: readonly Known[], run = ""): Way[] {
   const ways = new Map<string, Way>();
   for (const set of sets) {
-    const own = set.add.filter((quad) => isOwn(quad, robots) && isReadiness(iriOf(quad.predicate)));
-    const noRobot = own.length === 0 ? "" : noRobotWords(robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)));
-    const ofRobot = new Set(noRobot ? own.map((quad) => quadText(quad, names.short)) : []);
+    const own = set.add.filter((quad) => isOfRobot(iriOf(quad.subject), iriOf(quad.predicate), robots));
+    const cause = own.length === 0 ? noCause : causeOf(robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)), run);
+    const ofRobot = new Set(cause.words ? own.map((quad) => quadText(quad, names.short)) : []);
     const missing = set.missing.map((m) => shortPattern(m, names)).filter((m) => !ofRobot.has(m)).map((m) => asMeant(m, ask.split("\n# or\n")[0] ?? ""));
-    const key = JSON.stringify([missing, noRobot, set.remove.length, set.conditions]);
-    if (!ways.has(key)) ways.set(key, { set, missing, noRobot, add: tellable(set, robots) });
+    const key = JSON.stringify([missing, cause.words, set.remove.length, set.conditions]);
+    if (!ways.has(key)) ways.set(key, { set, missing, cause, add: tellable(set, robots) });
   }
   return [...ways.values()];
 }

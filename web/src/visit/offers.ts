@@ -19,16 +19,16 @@ export interface Wish {
 
 // "docent:chose" of the activator, and whether the steps wait for "docent:selected".
 export async function wishesOf(text: string): Promise<Wish[]> {
-  const { prefixesOf, readCawl } = await import("../cawl/document"); // with its parser, which the first view does not need
+  // With the parser, which the first view does not need.
+  const [{ prefixesOf, readCawl }, { neededRows }] = await Promise.all([import("../cawl/document"), import("../cawl/condition_logic")]);
   const document = readCawl(text);
   const prefixes = prefixesOf(document);
   const iri = (word: string) => {
     const [prefix = "", local = ""] = word.trim().split(/:(.*)/s);
     return word.trim().startsWith("<") ? word.trim().slice(1, -1) : (prefixes.get(prefix) ?? `${prefix}:`) + local;
   };
-  const rows = (condition: (typeof document.flows)[number]["steps"][number]["condition"]) => condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints)) ?? [];
-  const asksBooth = document.flows.some((f) => f.steps.some((s) => rows(s.condition).some((r) => iri(r.verb.text) === `${docentNs}selected`)));
-  return rows(document.activator?.condition ?? null).filter((r) => iri(r.verb.text) === `${docentNs}chose`).map((r) => ({ service: /^[?$]/.test(r.object.text.trim()) ? "" : iri(r.object.text), asksBooth }));
+  const asksBooth = document.flows.some((f) => f.steps.some((s) => neededRows(s.condition).some((r) => iri(r.verb.text) === `${docentNs}selected`)));
+  return neededRows(document.activator?.condition ?? null).filter((r) => iri(r.verb.text) === `${docentNs}chose`).map((r) => ({ service: /^[?$]/.test(r.object.text.trim()) ? "" : iri(r.object.text), asksBooth }));
 }
 
 const servicesQuery = `PREFIX docent: <${docentNs}> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>

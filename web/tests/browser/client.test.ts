@@ -46,7 +46,14 @@ describe.skipIf(why !== "")("the client", () => {
     expect(await docent.ask(`ASK { <${expo}Sign> ?p ?o }`)).toBe(true);
     await expect(docent.select("SELECT nothing")).rejects.toThrow(/1:8: error/);
     expect((await docent.fleet.list({})).robots.map((r) => r.robot)).toEqual([`${expo}R01`]);
-    await docent.tell([], { source: `${expo}Desk`, remove: [told] });
+    const counts: number[] = [];
+    const stop = "WebSocket" in globalThis ? docent.watch(`SELECT ?open { <${expo}Sign> <https://w3id.org/docent#openNow> ?open }`, (rows) => counts.push(rows.length)) : undefined;
+    if (stop) await stage.until(async () => counts.at(-1) === 0);
+    await docent.tell([fact(name("Sign"), docentTerm("openNow"), true)], { source: `${expo}Desk` });
+    expect(await docent.ask(`ASK { <${expo}Sign> <https://w3id.org/docent#openNow> true }`)).toBe(true);
+    if (stop) await stage.until(async () => counts.at(-1) === 1);
+    stop?.();
+    await docent.tell([], { source: `${expo}Desk`, remove: [told, fact(name("Sign"), docentTerm("openNow"), true)] });
     expect(await docent.ask(`ASK { <${expo}Sign> ?p ?o }`)).toBe(false);
   });
 });

@@ -200,7 +200,52 @@ describe("operating", () => {
     await page.keyboard.press("Enter");
     for (const [label, value] of [["Subject", "expo:R01"], ["Verb", "docent:status"], ["Object", "docent:Standby"]]) await page.locator(`dialog input[aria-label="${label}"]`).fill(value ?? "");
     await page.locator("dialog").getByText("R01 tells this itself, and is offline").waitFor();
-    expect(await page.locator("dialog").getByRole("button", { name: "Tell it" }).isDisabled()).toBe(true);
+    expect(await page.locator("dialog").getByRole("button", { name: "Tell it" }).count()).toBe(0);
+  });
+  it("where its robot is out of service, that is the cause: it is put in service, looked at, or another one is given to the run", async () => {
+    const page = await open("/runs");
+    const usual = answers();
+    const bound = { ...run("BoothGuide-1", "John"), variables: [...run("BoothGuide-1", "John").variables, { name: "robot", value: iri("R01") }] };
+    const standby = { state: "standby", hasPose: true, operations: ["moveToBooth"] };
+    const out = { robot: `${expo}R01`, label: "R01", address: "127.0.0.1:1", outOfService: true, outOfServiceReason: "a wheel is loose", ...standby };
+    const missing = `<${expo}R01> <${docent}isAt> <${expo}Entrance> .`;
+    stage.calls = [];
+    stage.answers = {
+      ...usual, "Fleet/List": () => ({ robots: [out, { robot: `${expo}R02`, label: "R02", address: "127.0.0.1:2", ...standby }] }), "Fleet/PutInService": () => ({}), "Workflows/SetVariable": () => bound,
+      "Workflows/ListRuns": () => ({ runs: [bound] }), "Workflows/Get": () => bound, "Workflows/Explain": () => ({ waits: [{ node: "Move2Booth", kind: "fact", missing }] }),
+      "Context/Explain": () => ({ holds: false, sets: [{ missing: ["expo:R01 docent:isAt expo:Entrance"], add: [{ subject: iri("R01"), predicate: { iri: `${docent}isAt` }, object: iri("Entrance") }] }] }),
+    };
+    await page.goto(`${stage.url}/board`);
+    const group = page.locator(".board-group", { hasText: "A robot is needed" });
+    await group.getByText("R01 is out of service: a wheel is loose").waitFor();
+    expect(await page.getByText("is at Entrance").count()).toBe(0);
+    expect(await page.getByRole("button", { name: "Simulate or tell" }).count()).toBe(0);
+    expect(await group.getByRole("link", { name: "See it in the hall" }).getAttribute("href")).toContain("R01");
+    await stage.picture(page, "board-out-of-service");
+    expect(await seriousFindings(page)).toEqual([]);
+    await group.getByRole("button", { name: "Put R01 in service" }).click();
+    await page.locator(".toast.good", { hasText: "R01 is in service" }).waitFor();
+    await group.getByRole("button", { name: "Give the run another robot" }).click();
+    await stage.picture(page, "board-another-robot");
+    await page.locator("dialog").getByRole("button", { name: /R02/ }).click();
+    await page.locator(".toast.good", { hasText: "The run waits for R02 now" }).waitFor();
+    expect(stage.calls.find((c) => c.method === "Workflows/SetVariable")?.request).toEqual({ run: "BoothGuide-1", variable: { name: "robot", value: iri("R02") } });
+    // The same on the run's page.
+    await page.goto(`${stage.url}/runs/BoothGuide-1`);
+    await page.locator(".lack", { hasText: "out of service: a wheel is loose" }).getByRole("button", { name: "Put R01 in service" }).waitFor();
+    await page.getByRole("button", { name: "Give the run another robot" }).waitFor();
+    await stage.picture(page, "run-out-of-service");
+  });
+  it("a robot is taken out of service with a reason", async () => {
+    const page = await open("/hall?at=expo:R01");
+    stage.calls = [];
+    stage.answers = { ...answers(), "Fleet/TakeOutOfService": () => ({}) };
+    await page.getByRole("button", { name: "Take out of service" }).click();
+    await page.keyboard.type("a wheel is loose");
+    await stage.picture(page, "robot-take-out");
+    await page.keyboard.press("Enter");
+    await page.locator(".toast.good", { hasText: "R01 is out of service" }).waitFor();
+    expect(stage.calls.find((c) => c.method === "Fleet/TakeOutOfService")?.request).toMatchObject({ robot: `${expo}R01`, reason: "a wheel is loose" });
   });
   it("a pause says that the robot goes on, and can stop it", async () => {
     const page = await open("/runs");

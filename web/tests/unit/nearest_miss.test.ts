@@ -2,7 +2,7 @@
 import { fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { readMiss } from "../../src/compose/nearest_miss";
-import { matchWords } from "../../src/compose/condition_editor";
+import { matchWords } from "../../src/compose/condition_states";
 import { readCawl } from "../../src/cawl/document";
 import { ExplainReplySchema } from "../../src/gen/docent/v1/context_pb";
 

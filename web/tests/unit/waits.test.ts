@@ -7,6 +7,7 @@ import { RobotStatusSchema } from "../../src/gen/docent/v1/fleet_pb";
 import { RunSchema, WaitSchema, type Wait } from "../../src/gen/docent/v1/workflows_pb";
 import { asMeant, factsOf, factWords } from "../../src/operate/fact_words";
 import { reasonWords } from "../../src/operate/reason_words";
+import { exchangeOf, fitFor } from "../../src/operate/exchange";
 import { groupWaits } from "../../src/operate/waits";
 
 const expo = "https://w3id.org/docent/expo#";
@@ -62,10 +63,59 @@ describe("the board", () => {
     const both = { a: [wait({ kind: "fact", missing: `${missing} <${expo}John> <${docent}isAt> ?where .` })] };
     expect(groupWaits([run("a")], new Map(Object.entries(both)), names, () => "", [off])[0]).toMatchObject({ kind: "fact", title: ["expo:John docent:isAt ?where"], ask: "ASK { a }", noRobot: expect.stringMatching(/offline/) });
   });
+  it("a fact of a robot that is away is told by its robot alone: the cause is said, and what people can tell stays", () => {
+    const r01 = { case: "iri" as const, value: `${expo}R01` };
+    const missing = `<${expo}R01> <${docent}isAt> <${expo}Entrance> . <${expo}John> <${docent}selected> ?booth .`;
+    const waits = new Map([["a", [wait({ kind: "fact", missing })]]]);
+    const bound = run("a", { variables: [{ name: "robot", value: { iri: r01.value } }] });
+    const off = robot("R01", { state: "offline", lastSeenUs: "1795666891731000", address: "127.0.0.1:1" });
+    const free = robot("R02", { state: "standby", address: "127.0.0.1:2", hasPose: true });
+    const [group] = groupWaits([bound], waits, names, () => "", [off, free]);
+    expect(group).toMatchObject({ kind: "fact", title: ["expo:John docent:selected ?booth"], robots: [`${expo}R01`], ask: "ASK { a }" });
+    expect(group?.noRobot).toMatch(/^R01 is offline since .*:31/);
+    const out = robot("R01", { state: "standby", address: "127.0.0.1:1", outOfService: true, outOfServiceReason: "a wheel is loose", hasPose: true });
+    expect(groupWaits([bound], waits, names, () => "", [out])[0]?.noRobot).toBe("R01 is out of service: a wheel is loose");
+    // The robot is there, and only not yet at its place: that lacks, and is not for people to tell.
+    const there = robot("R01", { state: "standby", address: "127.0.0.1:1", hasPose: true });
+    expect(groupWaits([run("a")], new Map([["a", [wait({ kind: "fact", missing: `<${expo}R01> <${docent}isAt> <${expo}Entrance> .` })]]]), names, () => "", [there])[0]).toMatchObject({ kind: "fact", title: ["expo:R01 docent:isAt expo:Entrance"], noRobot: "", ask: "" });
+  });
+  it("a robot that is needed is named with its reason, and so is one that is taken", () => {
+    const waits = new Map([["a", [wait({ kind: "robot", robot: `${expo}R01` }), wait({ kind: "robot", robot: `${expo}R02` })]]]);
+    const [group] = groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "standby", outOfService: true, outOfServiceReason: "no brakes" }), robot("R02", { state: "offline", outOfService: true, lastSeenUs: "0" })]);
+    expect(group).toMatchObject({ title: ["R01 (out of service: no brakes)", "R02 (out of service, and offline)"], robots: [`${expo}R01`, `${expo}R02`] });
+  });
   it("a run hangs whose command's robot is offline", () => {
     const waits = new Map([["a", [wait({ kind: "command", robot: `${expo}R01` })]]]);
     expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "busy" })])).toEqual([]);
     expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "offline" })])).toMatchObject([{ kind: "lost", title: ["R01 is offline"], waiting: [{ node: { name: "n" } }] }]);
+  });
+});
+
+describe("another robot", () => {
+  const of = (local: string) => ({ name: "robot", value: { iri: expo + local } });
+  const moving = { name: "m", state: "running", invocations: [{ operation: "drive", state: "running", robot: `${expo}R01`, command: "c" }] };
+  const waiting = { name: "n", state: "waiting", waitsFor: "ASK {}" };
+  const causes = [`${expo}R01`];
+  it("is for a step that waits for its situation with the robot of its run, in the runs around it, too", () => {
+    const outer = run("outer", { variables: [of("R01"), of("R09")], nodes: [{ name: "o", state: "running", invocations: [{ operation: "inner", state: "running" }] }] });
+    const inner = run("inner", { parent: "outer", variables: [of("R01")], nodes: [waiting] });
+    expect(exchangeOf(inner, inner.nodes[0]!, [outer, inner], causes)).toMatchObject({ how: "set", robot: `${expo}R01`, values: [{ run: "inner", name: "robot" }, { run: "outer", name: "robot" }] });
+  });
+  it("is not for what has begun with the robot, is open, has ended, or names none", () => {
+    const busy = run("a", { variables: [of("R01")], nodes: [waiting, moving] });
+    expect(exchangeOf(busy, busy.nodes[0]!, [busy], causes)).toBe(null);
+    expect(exchangeOf(busy, busy.nodes[1]!, [busy], causes)).toBe(null);
+    const ended = run("b", { variables: [of("R01")], nodes: [waiting], state: "failed" });
+    expect(exchangeOf(ended, ended.nodes[0]!, [ended], causes)).toBe(null);
+    const free = run("c", { nodes: [waiting] });
+    expect(exchangeOf(free, free.nodes[0]!, [free], causes)).toBe(null);
+  });
+  it("is one that knows the operations, the ready ones first; an incident is tried again with it", () => {
+    const failed = run("a", { nodes: [{ name: "n", state: "incident", invocations: [{ operation: "drive", state: "failed", robot: `${expo}R01` }] }] });
+    const exchange = exchangeOf(failed, failed.nodes[0]!, [failed], []);
+    expect(exchange).toMatchObject({ how: "retry", robot: `${expo}R01`, operations: ["drive"] });
+    const fleet = [["R01", "standby", ["drive"]], ["R02", "offline", ["drive"]], ["R03", "standby", ["drive", "say"]], ["R04", "standby", ["say"]], ["R05", "busy", ["drive"]]].map(([name, state, operations]) => robot(String(name), { state: String(state), operations: operations as string[], hasPose: true }));
+    expect(fitFor(exchange!, fleet).map((r) => r.label)).toEqual(["R03", "R05", "R02"]);
   });
 });
 

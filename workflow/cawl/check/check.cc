@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/workflow_limits.h"
 #include "workflow/cawl/check/environment_checks.h"
+#include "workflow/cawl/check/shared_starts.h"
 #include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/parser.h"
 
@@ -30,7 +31,7 @@ bool CheckSizes(const Document& document, xml::ElementReader* reader) {
 }  // namespace
 
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
-                          const Limits& limits) {
+                          const Limits& limits, const std::vector<DocumentPtr>& beside) {
   ParsedCawl parsed = ParseCawl(text, file, limits);
   CheckReport out;
   out.document = std::move(parsed.document);
@@ -44,6 +45,7 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
     out.conditions = ConditionTexts(*out.document, limits, &reader);
     CheckConditions(*out.document, environment, &reader);
     CheckFeedback(*out.document, &reader);
+    CheckSharedStarts(*out.document, beside, &reader);
     CheckRaces(*out.document, &reader);
     CheckRuns(*out.document, &reader);
     CheckExchange(*out.document, environment, &reader);

@@ -29,8 +29,9 @@ struct CheckReport {
 //           operation a warning
 //  warning  a class, property or resource that the ontology does not have, with the nearest that it has
 // and, in a document without errors, the warnings of static_checks.h. docs/reference/findings.md has all kinds.
+// `beside`: workflows that are deployed, too (shared_starts.h).
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
-                          const Limits& limits = {});
+                          const Limits& limits = {}, const std::vector<DocumentPtr>& beside = {});
 
 }  // namespace docent::cawl
 

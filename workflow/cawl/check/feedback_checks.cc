@@ -88,14 +88,6 @@ std::string WhyFed(const Constraint& constraint, const Conjunction& conjunction)
   return narrowed ? "" : "matches any fact";
 }
 
-std::vector<Formula> PartsOf(const Condition& condition) {
-  if (condition.expression) return {FormulaOf(condition)};
-  std::vector<Formula> parts;
-  for (const Context& context : condition.contexts) parts.push_back(FormulaOf(context));
-  for (const Case& c : condition.cases) parts.push_back(FormulaOf(c));
-  return parts;
-}
-
 // `told`: constraints that another alternative has, too.
 void CheckAlternative(const Document& document, const Conjunction& conjunction,
                       std::set<const Constraint*>* told, xml::ElementReader* reader) {

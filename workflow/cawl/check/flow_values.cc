@@ -89,12 +89,12 @@ bool FlowValues::MayHaveBefore(const std::string& key, const Node& node) const {
 bool FlowValues::MayHaveIn(const std::string& key, const Node& node, const Action* action) const {
   const NodeValues& own = Of(node);
   if (start_.contains(key) || own.matched.contains(key)) return true;
-  const bool when_done = action != nullptr && action->when_done;
-  if (when_done && (own.gives_anything || own.given.contains(key))) return true;
+  const auto when = action == nullptr ? Action::When::kOpen : action->when;
+  if (when != Action::When::kOpen && (own.gives_anything || own.given.contains(key))) return true;
   bool before = true;  // `action`
   for (const Action& other : node.actions) {
     if (&other == action) before = false;
-    const bool earlier = other.when_done == when_done ? before : !other.when_done;
+    const bool earlier = other.when == when ? before : other.when < when;
     if (earlier && Assigns(other, key)) return true;
   }
   // Without a solution for its values it invokes nothing, and is done.

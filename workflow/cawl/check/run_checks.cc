@@ -1,5 +1,6 @@
 // What will go wrong in runs of a flow: loops that nothing slows down, joins that never open, what a node undoes itself.
 #include <algorithm>
+#include <bitset>
 #include <map>
 #include <optional>
 #include <set>
@@ -95,32 +96,57 @@ class RunChecker {
            !(one->failed && other->failed) && !(one->interrupted && other->interrupted);
   }
 
+  static constexpr size_t kMaxNames = 10;  // of predecessors in one joinCondition that is looked at
+  // For each set of predecessors that may have come, as a number: bit i says that the name i came.
+  using Sets = std::bitset<size_t{1} << kMaxNames>;
+
+  // The sets in which the name `i` came.
+  static const Sets& SetsWith(size_t i) {
+    static const std::vector<Sets> kAll = [] {
+      std::vector<Sets> all(kMaxNames);
+      for (size_t set = 0; set < Sets().size(); ++set) {
+        for (size_t name = 0; name < kMaxNames; ++name) all[name][set] = (set >> name & 1) != 0;
+      }
+      return all;
+    }();
+    return kAll[i];
+  }
+
+  // The sets for which the expression is true: all of them at once. `names` is sorted.
+  static Sets TrueIn(const Expression& e, const std::vector<std::string>& names) {
+    using Kind = Expression::Kind;
+    if (e.kind == Kind::kName)
+      return SetsWith(
+          static_cast<size_t>(std::lower_bound(names.begin(), names.end(), e.name) - names.begin()));
+    Sets sets = TrueIn(e.children[0], names);
+    if (e.kind == Kind::kNot) return ~sets;
+    for (size_t i = 1; i < e.children.size(); ++i) {
+      const Sets other = TrueIn(e.children[i], names);
+      sets = e.kind == Kind::kAnd ? sets & other : sets | other;
+    }
+    return sets;
+  }
+
   // The expression is tried with every set of predecessors that may have come.
   void CheckJoin(const Node& node) {
-    constexpr size_t kMaxNames = 10;
     if (!node.join) return;
     std::set<std::string> distinct;
     for (const Expression* e : NamesIn(*node.join)) distinct.insert(e->name);
     if (distinct.size() > kMaxNames) return;
     const std::vector<std::string> names(distinct.begin(), distinct.end());
-    std::vector<std::pair<size_t, size_t>> exclusive;
+    const Sets opens = TrueIn(*node.join, names);
+    Sets possible = opens;
+    std::optional<std::pair<size_t, size_t>>
+        excluded;  // by which the smallest set is not possible that opens it
     for (size_t i = 0; i < names.size(); ++i) {
       for (size_t j = i + 1; j < names.size(); ++j) {
-        if (Exclude(names[i], names[j])) exclusive.emplace_back(i, j);
+        if (!Exclude(names[i], names[j])) continue;
+        const Sets both = SetsWith(i) & SetsWith(j);
+        possible &= ~both;
+        if (!excluded && opens.any() && both[opens._Find_first()]) excluded = {i, j};
       }
     }
-    std::optional<std::pair<size_t, size_t>> excluded;
-    for (size_t came = size_t{1} << names.size(); came-- > 0;) {  // most often all of them may
-      const auto has = [&](size_t i) { return (came >> i & 1) != 0; };
-      const bool opens = Evaluate(*node.join, [&](const std::string& name) {
-        return has(std::lower_bound(names.begin(), names.end(), name) - names.begin());
-      });
-      if (!opens) continue;
-      const auto clash = std::find_if(exclusive.begin(), exclusive.end(),
-                                      [&](const auto& pair) { return has(pair.first) && has(pair.second); });
-      if (clash == exclusive.end()) return;
-      excluded = *clash;
-    }
+    if (possible.any()) return;
     const std::string why = !excluded ? "joinCondition is never true"
                                       : Concat("joinCondition needs ", names[excluded->first], " and ",
                                                names[excluded->second], ", and only one of them comes");
@@ -184,7 +210,7 @@ void CheckOpening(const Node& node, xml::ElementReader* reader) {
   const bool commands = std::any_of(node.invokes.begin(), node.invokes.end(),
                                     [](const Invoke& invoke) { return !invoke.operation.value.empty(); });
   for (const Action& action : node.actions) {
-    if (action.when_done) continue;
+    if (action.when != Action::When::kOpen) continue;
     for (const Constraint& fact : action.facts) {
       const bool releases = action.kind == Action::Kind::kRelease;
       if (releases && commands && fact.subject.name == "robot") {

@@ -175,6 +175,8 @@ class FactView {
   virtual absl::StatusOr<std::vector<TermBinding>> Select(const sparql::Query& query,
                                                           const TermBinding& given,
                                                           const std::vector<std::string>& columns) const = 0;
+  // Whether an ASK holds. RESOURCE_EXHAUSTED: it takes too long.
+  virtual absl::StatusOr<bool> Holds(const sparql::Query& ask) const = 0;
 };
 
 // A fact that a run tells or withdraws; the graph of the quad is its source.
@@ -182,12 +184,14 @@ struct FactWrite {
   bool tells = true;
   TermQuad quad;
   uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
+  std::string by = {};       // RUN/NODE that tells it, of segments
 };
 
 class RobotRanking {
  public:
   virtual ~RobotRanking() = default;
-  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h. `values`: of the query's variables.
+  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h; empty: the default query. `values`: of
+  // the query's variables.
   virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
                                      const TermBinding& values) const = 0;
 };
@@ -207,15 +211,16 @@ struct EngineOutput {
   std::vector<Transition> transitions;
   std::vector<RobotCommand> commands;
   std::vector<CommandId> cancels;
-  std::vector<RunId> started;     // by this turn's RunRequests, in their order
-  std::vector<RunId> undeployed;  // runs that are cancelled with their workflow
-  std::vector<RunId> steered;     // that RunRequests paused or resumed, without those that are nested in them
-  bool asks_again = false;        // runs are left that go on in the next round
-  absl::Status refused;           // an error: the turn cannot be, and the caller rolls it back
+  std::vector<CommandId> recalls;  // commands that are not to begin, where the robot has not begun them
+  std::vector<RunId> started;      // by this turn's RunRequests, in their order
+  std::vector<RunId> undeployed;   // runs that are cancelled with their workflow
+  std::vector<RunId> steered;  // that RunRequests paused or resumed, without those that are nested in them
+  bool asks_again = false;     // runs are left that go on in the next round
+  absl::Status refused;        // an error: the turn cannot be, and the caller rolls it back
 
   bool quiet() const {
     return !asks_again && add.empty() && remove.empty() && writes.empty() && notifications.empty() &&
-           arm.empty() && transitions.empty() && commands.empty() && cancels.empty();
+           arm.empty() && transitions.empty() && commands.empty() && cancels.empty() && recalls.empty();
   }
 };
 

@@ -50,7 +50,7 @@ inline bool IsLive(WorkState state) {
   return state == WorkState::kWaiting || state == WorkState::kRunning || state == WorkState::kIncident;
 }
 
-// Why a command was cancelled though its invocation goes on.
+// Why a command was cancelled, or called back, though its invocation goes on.
 enum class Stopped : uint8_t { kNo, kByPause, kWithRobot };
 
 // A command that went out (or goes out with this turn) and has no final report.
@@ -62,7 +62,10 @@ struct OpenCommand {
   // Its time was over and it was cancelled; until then its end is waited for, then the step fails without another attempt.
   std::optional<TimeMicros> overdue_until_us;
   Stopped stopped = Stopped::kNo;
+  Stopped recalled = Stopped::kNo;  // it is not to begin, where the robot has not begun it
 
+  // Whether its Cancel has been decided: it is told to the adapter until that has heard it, over restarts, too.
+  bool IsEnding() const { return overdue_until_us || stopped != Stopped::kNo; }
   // When something has to be done about it, if it has no final report by then.
   std::optional<TimeMicros> EndsAt() const {
     if (overdue_until_us || command.deadline_us == 0) return overdue_until_us;

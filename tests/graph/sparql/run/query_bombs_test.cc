@@ -331,6 +331,56 @@ TEST_F(TextBombs, SortedAndAggregatedLongTextsEndAtTheTimeLimit) {
   }
 }
 
+// Each comparison of a back-reference reads as much as the group has, and counts so, with and without flag i.
+TEST_F(TextBombs, BackReferencesEndAtTheirLimits) {
+  std::string alternatives;
+  for (int i = 0; i < 3000; ++i)
+    alternatives += (i == 0 ? "\\\\1" : "|\\\\1") + std::string(1, "bcdefghijk"[i % 10]);
+  for (const char* flags : {"i", ""}) {
+    const absl::Status status =
+        Run("SELECT ?n {" + Doubled("aaaaaaaa", 18) + "BIND(CONCAT(?a18,\"x\",?a18,\"x\") AS ?t)" +
+                "BIND(REGEX(?t,\"^(a*x)(" + alternatives + ")$\",\"" + flags + "\") AS ?n) }",
+            200);
+    EXPECT_TRUE(absl::IsDeadlineExceeded(status) || absl::IsResourceExhausted(status)) << status;
+  }
+}
+
+TEST_F(TextBombs, ComparedTextCountsInSteps) {
+  const auto query = g_.Prepare("SELECT ?n {" + Doubled("aaaaaaaa", 14) +
+                                "BIND(REGEX(CONCAT(?a14,\"x\",?a14),\"^(a*)x\\\\1b\",\"i\") AS ?n) }");
+  Cancellation cancellation;
+  cancellation.AllowSteps(1'000'000'000);
+  RunOptions run = g_.Run();
+  run.cancellation = &cancellation;
+  ASSERT_TRUE(query->Select(run, {}, [](absl::Span<const TermId>) { return true; }).ok());
+  EXPECT_LT(cancellation.steps_left(), 1'000'000'000 - 100'000);
+}
+
+// A run of few rows counts, too, and each row as what its expressions cost.
+TEST_F(QueryBombs, ShortRunsCountInSteps) {
+  const auto steps_of = [&](const std::string& text) {
+    const auto query = g_.Prepare(text);
+    Cancellation cancellation;
+    cancellation.AllowSteps(1'000'000'000);
+    RunOptions run = g_.Run();
+    run.cancellation = &cancellation;
+    for (int i = 0; i < 100; ++i) EXPECT_TRUE(query->Ask(run).ok());
+    return 1'000'000'000 - cancellation.steps_left();
+  };
+  const int64_t plain = steps_of("ASK { ?a ex:p ?b FILTER(?b = ex:none) }");
+  const int64_t computed =
+      steps_of("ASK { ?a ex:name ?n FILTER(STRLEN(?n) * 3 + 1 - STRLEN(?n) * 2 < 0 && true) }");
+  EXPECT_GT(plain, 100 * 300);
+  EXPECT_GT(computed, 100 * 300 * 20);
+}
+
+// Each text of a GROUP_CONCAT grows and is given on without a copy that is not counted.
+TEST_F(QueryBombs, LongGroupsAreCountedOnce) {
+  const std::string text = "SELECT (STRLEN(GROUP_CONCAT(?n)) AS ?l) { ?a ex:name ?n . ?b ex:p ?c }";  // 36 MB
+  EXPECT_EQ(Run(text, 30000, 60u << 20).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(Run(text, 30000, 256u << 20).ok());
+}
+
 // Thousands of steps for each byte.
 TEST_F(TextBombs, LargeRegularExpressionsOnLongTextsAreRefused) {
   const std::string text = "SELECT (1 AS ?x) {" + Doubled("abaabbab", 18);

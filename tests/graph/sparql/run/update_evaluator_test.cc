@@ -220,10 +220,10 @@ TEST(Update, WhatCannotBeDoneLeavesEverythingUnlessSilent) {
 
 TEST(Update, LoadTakesTheDocumentsQuads) {
   Store store;
-  store.options.load = [](const std::string& iri) -> absl::StatusOr<std::vector<TermQuad>> {
+  store.options.load = [](const std::string& iri) -> absl::StatusOr<DocumentQuads> {
     if (iri != "http://d/") return absl::NotFoundError(iri + " is not there");
-    return std::vector<TermQuad>{
-        {Term::Blank("b1"), Term::Iri("http://example.org/p"), Term::Blank("b1"), Term{}}};
+    return std::make_shared<const std::vector<TermQuad>>(std::vector<TermQuad>{
+        {Term::Blank("b1"), Term::Iri("http://example.org/p"), Term::Blank("b1"), Term{}}});
   };
   ASSERT_TRUE(store.Update("LOAD <http://d/> INTO GRAPH ex:g ; LOAD <http://d/>").ok());
   EXPECT_THAT(store.Quads(), ElementsAre("_ p _ -", "_ p _ g"));

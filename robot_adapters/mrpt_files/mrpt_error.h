@@ -1,6 +1,6 @@
 // Message of an MRPT exception for people: its first line, without the stack trace. Pure; any thread.
-#ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_MRPT_ERROR_H_
-#define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_MRPT_ERROR_H_
+#ifndef DOCENT_ROBOT_ADAPTERS_MRPT_FILES_MRPT_ERROR_H_
+#define DOCENT_ROBOT_ADAPTERS_MRPT_FILES_MRPT_ERROR_H_
 
 #include <exception>
 #include <string>
@@ -16,4 +16,4 @@ inline std::string MrptMessage(const std::exception& error) {
 
 }  // namespace docent::robot
 
-#endif  // DOCENT_ROBOT_ADAPTERS_LOCALIZATION_MRPT_ERROR_H_
+#endif  // DOCENT_ROBOT_ADAPTERS_MRPT_FILES_MRPT_ERROR_H_

@@ -1,0 +1,16 @@
+// The client of a call: its connection, or whom a bridge of this process calls for.
+#ifndef DOCENT_KB_SERVER_GRPC_CLIENT_OF_H_
+#define DOCENT_KB_SERVER_GRPC_CLIENT_OF_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include "kb_server/door/client.h"
+
+namespace docent::server {
+
+// Null where `clients` is null. What a call over a network says of its client counts for nothing.
+ClientPtr ClientOf(const grpc::CallbackServerContext& context, Clients* clients);
+
+}  // namespace docent::server
+
+#endif  // DOCENT_KB_SERVER_GRPC_CLIENT_OF_H_
