@@ -8,6 +8,8 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/overload.h"
+#include "graph/rdf/term_check.h"
 #include "graph/redland/rasqal_guard.h"
 #include "graph/redland/redland_nodes.h"
 #include "graph/redland/redland_world.h"
@@ -65,6 +67,14 @@ absl::Status TooManyRows(size_t limit) {
   return absl::ResourceExhaustedError(absl::StrCat("evaluation stopped at its limit rasqal_rows = ", limit));
 }
 
+// Rasqal's functions IRI, STRLANG and STRDT make terms of any text.
+absl::Status CheckMade(const Term& term, const Limits& limits) {
+  const absl::Status status = CheckTerm(term, limits.term_bytes);
+  return status.ok() ? status
+                     : WithMessage(status, absl::StrCat("Rasqal's answer holds what is no RDF term: ",
+                                                        status.message()));
+}
+
 absl::Status ReadRows(librdf_query_results* results, const Limits& limits, Brake* brake,
                       RasqalAnswer* answer) {
   const int width = librdf_query_results_get_bindings_count(results);
@@ -77,6 +87,8 @@ absl::Status ReadRows(librdf_query_results* results, const Limits& limits, Brake
     auto& row = answer->rows.emplace_back();
     for (int i = 0; i < width; ++i) {
       row.push_back(FromNode(NodePtr(librdf_query_results_get_binding_value(results, i)).get()));
+      if (!row.back()) continue;
+      if (absl::Status status = CheckMade(*row.back(), limits); !status.ok()) return status;
     }
   }
   return absl::OkStatus();
@@ -91,6 +103,9 @@ absl::Status ReadTriples(librdf_query_results* results, const Limits& limits, Br
     if (brake->Pressed()) return brake->status;
     if (answer->triples.size() == limits.rasqal_rows) return TooManyRows(limits.rasqal_rows);
     TermQuad triple = FromStatement(librdf_stream_get_object(stream.get()), Term::Iri(""));
+    for (const Term* term : {&triple.subject, &triple.predicate, &triple.object}) {
+      if (absl::Status status = CheckMade(*term, limits); !status.ok()) return status;
+    }
     // Rasqal makes a triple once for each solution; a graph has it once.
     if (seen.emplace(triple.subject, triple.predicate, triple.object).second) {
       answer->triples.push_back(std::move(triple));

@@ -117,7 +117,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
   std::optional<sparql::Query> query;
   TermQuad fact;
   if (request.question_case() == v1::ExplainRequest::kWhyFact) {
-    auto given = FromProto(request.why_fact(), "why_fact");
+    auto given = FromProto(request.why_fact(), "why_fact", ports.limits);
     if (!given.ok()) return given.status();
     fact = *std::move(given);
   } else if (request.question_case() == v1::ExplainRequest::QUESTION_NOT_SET) {

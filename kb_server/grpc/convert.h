@@ -30,11 +30,13 @@ void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out);
 
 void ToProto(const BatchOutcome& outcome, v1::AssertReply* out);
 
-// What a client sent. INVALID_ARGUMENT for an unset term or a relative IRI; `what` names the place, e.g.
-// "add[3].subject".
-absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
+// What a client sent. INVALID_ARGUMENT for an unset term or one that RDF does not allow, RESOURCE_EXHAUSTED for one
+// over term_bytes (graph/rdf/term_check.h); `what` names the place, e.g. "add[3].subject".
+absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what, const Limits& limits);
 // As above; an unset graph gives a term with an empty IRI.
-absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
+absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what, const Limits& limits);
+// The same errors for the IRI of a robot.
+absl::Status CheckRobotIri(const std::string& robot, const std::string& what, const Limits& limits);
 // Of the whole message, for WriteBatch::request_digest; 0 where it has no request_id.
 uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message& request);
 // INVALID_ARGUMENT where the base of a text is given and no absolute IRI.

@@ -146,10 +146,9 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   };
   const v1::RobotDescription& description = request->description();
   if (const std::string too_long = TooLong(*request); !too_long.empty()) return refuse(too_long);
-  v1::Term robot;
-  robot.set_iri(description.robot());
-  if (auto term = FromProto(robot, "description.robot"); !term.ok())
-    return refuse(std::string(term.status().message()));
+  if (absl::Status robot = CheckRobotIri(description.robot(), "description.robot", ports_.limits);
+      !robot.ok())
+    return refuse(std::string(robot.message()));
   if (const std::string fault = RobotNameFault(description.robot()); !fault.empty())
     return refuse(absl::StrCat("description.robot: ", fault));
   if (request->address().empty())

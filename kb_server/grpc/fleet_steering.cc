@@ -18,9 +18,8 @@ namespace {
 grpc::ServerUnaryReactor* Set(const WritePorts& ports, grpc::CallbackServerContext* context,
                               const std::string& robot, std::optional<std::string> reason, WriteBatch batch,
                               v1::ServiceStateReply* reply) {
-  v1::Term iri;
-  iri.set_iri(robot);
-  if (auto term = FromProto(iri, "robot"); !term.ok()) return FinishNow(context, ToGrpc(term.status()));
+  if (absl::Status iri = CheckRobotIri(robot, "robot", ports.limits); !iri.ok())
+    return FinishNow(context, ToGrpc(iri));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   ports.inbox->Push(
       std::move(batch),

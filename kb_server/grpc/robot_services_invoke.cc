@@ -264,13 +264,11 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   std::vector<std::pair<std::string, Term>> given;
   if (arguments.ok()) given = *arguments;
   if (arguments.ok() && !request->robot().empty()) {
-    v1::Term robot;
-    robot.set_iri(request->robot());
-    absl::StatusOr<Term> term = FromProto(robot, "robot");
-    if (term.ok()) {
-      arguments->emplace_back("robot", *std::move(term));
+    const absl::Status robot = CheckRobotIri(request->robot(), "robot", ports_.limits);
+    if (robot.ok()) {
+      arguments->emplace_back("robot", Term::Iri(request->robot()));
     } else {
-      arguments = term.status();
+      arguments = robot;
     }
   }
   // Until gRPC is done with the call.

@@ -14,7 +14,7 @@ void FillPlace(const std::string& file, int line, int column, v1::SourcePlace* o
 }
 
 std::string Shown(const v1::Term& term) {
-  return ToDisplay(FromProto(term, "term").value_or(Term::Literal("")));
+  return ToDisplay(FromProto(term).value_or(Term::Literal("")));
 }
 
 }  // namespace

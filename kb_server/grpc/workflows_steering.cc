@@ -110,9 +110,8 @@ grpc::ServerUnaryReactor* WorkflowsService::Settle(grpc::CallbackServerContext* 
   if (!request->values().empty() && request->how() != v1::SettleRequest::SKIP)
     return FinishNow(context, Invalid("values are given, and only SKIP takes them"));
   if (!request->robot().empty()) {
-    v1::Term iri;
-    iri.set_iri(request->robot());
-    if (auto robot = FromProto(iri, "robot"); !robot.ok()) return FinishNow(context, ToGrpc(robot.status()));
+    if (absl::Status robot = CheckRobotIri(request->robot(), "robot", ports_.limits); !robot.ok())
+      return FinishNow(context, ToGrpc(robot));
     const GraphVersionPtr version = ports_.queries->Newest();
     const std::vector<Term> types =
         GraphReader(*ports_.dictionary, *version).Objects(request->robot(), kRdfType);
@@ -137,7 +136,8 @@ grpc::ServerUnaryReactor* WorkflowsService::SetVariable(grpc::CallbackServerCont
                                                         const v1::SetVariableRequest* request,
                                                         v1::Run* reply) {
   if (request->variable().name().empty()) return FinishNow(context, Invalid("variable.name is empty"));
-  auto value = FromProto(request->variable().value(), absl::StrCat("variable ", request->variable().name()));
+  auto value = FromProto(request->variable().value(), absl::StrCat("variable ", request->variable().name()),
+                         ports_.limits);
   if (!value.ok()) return FinishNow(context, ToGrpc(value.status()));
   RunRequest asked;
   asked.kind = RunRequest::Kind::kSetVariable;

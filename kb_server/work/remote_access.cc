@@ -15,6 +15,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
+#include "graph/rdf/vocabulary.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/worker_pool.h"
 #include "kb_server/work/service_answer_xml.h"
@@ -65,20 +66,26 @@ std::string RealPathOf(std::string_view entry) {
   return error ? "" : real.string();
 }
 
-// An RDF term in SPARQL 1.1 Query Results JSON, section 3.2.2.
+// An RDF term in SPARQL 1.1 Query Results JSON, section 3.2.2, as it is written: whoever takes the answer checks its
+// terms.
 std::optional<Term> ToTerm(const nlohmann::json& value) {
-  const auto text = [&value](const char* name) {
+  bool has_form = true;
+  const auto text = [&](const char* name) -> std::string {
     const auto it = value.find(name);
-    return it != value.end() && it->is_string() ? it->get<std::string>() : std::string();
+    if (it == value.end()) return "";
+    has_form = has_form && it->is_string();
+    return it->is_string() ? it->get<std::string>() : "";
   };
-  const std::string type = text("type");
-  if (type == "uri")
-    return IsValidTermIri(text("value")) ? std::optional(Term::Iri(text("value"))) : std::nullopt;
-  if (type == "bnode") return Term::Blank(text("value"));
+  const std::string type = text("type"), lexical = text("value"), language = text("xml:lang");
+  std::string datatype = text("datatype");
+  if (!has_form || !value.contains("value")) return std::nullopt;
+  if (type == "uri") return Term::Iri(lexical);
+  if (type == "bnode") return Term::Blank(lexical);
   if (type != "literal" && type != "typed-literal") return std::nullopt;
-  const std::string language = text("xml:lang");
-  if (!language.empty()) return Term::LangString(text("value"), language);
-  return Term::Literal(text("value"), text("datatype"));
+  if (language.empty()) return Term::Literal(lexical, std::move(datatype));
+  Term literal = Term::LangString(lexical, language);
+  if (datatype != kRdfLangString) literal.datatype = std::move(datatype);
+  return literal;
 }
 
 constexpr size_t kValuesARow = 4;  // on the average, in an answer of as many rows as it may have

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/memory_part.h"
 #include "graph/base/overload.h"
+#include "graph/rdf/term_check.h"
 #include "graph/sparql/syntax/algebra_memory.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/algebra_walk.h"
@@ -17,6 +19,23 @@ using Kind = Algebra::Kind;
 
 bool IsService(const Algebra& a) {
   return a.kind == Kind::kService;
+}
+
+// UNKNOWN for an answer with what is no RDF term, RESOURCE_EXHAUSTED for a term over term_bytes. Blank node labels
+// are of no grammar: they become labels of ours.
+absl::Status CheckAnswer(const ServiceAnswer& answer) {
+  for (size_t i = 0; i < answer.rows.size(); ++i) {
+    const auto& row = answer.rows[i];
+    for (size_t k = 0; k < row.size() && k < answer.variables.size(); ++k) {
+      if (!row[k] || row[k]->IsBlank()) continue;
+      const absl::Status status = CheckTerm(*row[k], Limits{}.term_bytes);
+      if (status.ok()) continue;
+      const std::string place = absl::StrCat("row ", i + 1, " of the answer, ?", answer.variables[k], ": ");
+      return absl::IsResourceExhausted(status) ? WithMessage(status, absl::StrCat(place, status.message()))
+                                               : absl::UnknownError(absl::StrCat(place, status.message()));
+    }
+  }
+  return absl::OkStatus();
 }
 
 class Resolver {
@@ -101,7 +120,10 @@ class Resolver {
 
   absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& text, bool silent) {
     if (client_ == nullptr) return absl::PermissionDeniedError("no other endpoint may be asked here");
-    return client_->Select(endpoint, text, silent, run_.cancellation);
+    absl::StatusOr<ServiceAnswer> answer = client_->Select(endpoint, text, silent, run_.cancellation);
+    if (!answer.ok()) return answer;
+    if (absl::Status status = CheckAnswer(*answer); !status.ok()) return status;
+    return answer;
   }
 
   static absl::Status At(const Algebra& service, const absl::Status& status) {
@@ -120,6 +142,7 @@ class Resolver {
   // False: beyond the memory of the request.
   bool AddRows(const ServiceAnswer& answer, const std::string* endpoint, Algebra* values) {
     ++answers_;
+    absl::flat_hash_map<std::string, size_t> blanks;  // numbers of the labels of this answer
     std::vector<size_t> columns;
     for (const Variable& v : values->variables) {
       const auto it = std::find(answer.variables.begin(), answer.variables.end(), v.name);
@@ -131,9 +154,11 @@ class Resolver {
       for (const size_t column : columns) {
         row.push_back(column < given.size() ? given[column] : std::nullopt);
         std::optional<Term>& term = row.back();
-        // Blank nodes of the endpoint differ from all of ours.
-        if (term && term->IsBlank())
-          term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "_", term->lexical);
+        // Blank nodes of the endpoint differ from all of ours; their labels may be anything.
+        if (term && term->IsBlank()) {
+          const size_t number = blanks.try_emplace(term->lexical, blanks.size()).first->second;
+          term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "b", number);
+        }
       }
       if (endpoint != nullptr) row.back() = Term::Iri(*endpoint);
       size_t bytes = 2 * sizeof(row);

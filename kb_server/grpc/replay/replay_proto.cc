@@ -155,7 +155,7 @@ absl::StatusOr<SimulationRequest> FromProto(const v1::SimulateRequest& request, 
          {std::tuple(&given.remove(), QuadOperation::Kind::kRemove, "remove"),
           std::tuple(&given.add(), QuadOperation::Kind::kAdd, "add")}) {
       for (int q = 0; q < quads->size(); ++q) {
-        auto quad = FromProto(quads->Get(q), absl::StrCat(place, ".", what, "[", q, "]"));
+        auto quad = FromProto(quads->Get(q), absl::StrCat(place, ".", what, "[", q, "]"), limits);
         if (!quad.ok()) return quad.status();
         telling.changes.push_back({kind, *std::move(quad)});
       }

@@ -39,6 +39,21 @@ TEST(RasqalEngineTest, AnswersEachFormOfQuery) {
   EXPECT_EQ(engines.Rasqal("SELECT ?s { ?s <http://example.org/none> ?o }"), "");
 }
 
+TEST(RasqalEngineTest, WhatItsFunctionsMakeIsATermOrAnError) {
+  const TwoEngines engines("ex:a ex:p 1 .");
+  for (const char* made : {"STRLANG(\"x\", \"en . <x> <y> <z>\")", "IRI(\"http://e/a b\")",
+                           "STRDT(\"x\", IRI(\"http://e/a b\"))"}) {
+    for (const char* query : {"SELECT ?x { ?s ex:p ?o BIND(%s AS ?x) }",
+                              "CONSTRUCT { ?s ex:q ?x } WHERE { ?s ex:p ?o BIND(%s AS ?x) }"}) {
+      std::string text = query;
+      text.replace(text.find("%s"), 2, made);
+      const absl::Status status = StatusOf(engines, text, nullptr);
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+      EXPECT_THAT(std::string(status.message()), HasSubstr("no RDF term")) << text;
+    }
+  }
+}
+
 TEST(RasqalEngineTest, RowsAreLimited) {
   const TwoEngines engines(Numbers(5));
   Limits limits;

@@ -38,5 +38,41 @@ TEST(ToGrpcTest, CutsOneLongLineBetweenCodePoints) {
   EXPECT_LT(3 * end, 6010u);
 }
 
+// What comes by gRPC, Connect and /live, and by name: values of runs, facts of a what-if, of why and of a simulation.
+TEST(FromProtoTest, WhatIsNoTermIsRefusedWithItsPlace) {
+  std::vector<v1::Term> terms(7);
+  terms[0].set_iri("here");
+  terms[1].set_iri("http://e/a b");
+  terms[2].set_blank("nodeID://b1");
+  terms[3].set_blank("");
+  terms[4].mutable_literal()->set_language("en . <x> <y> <z>");
+  terms[5].mutable_literal()->set_datatype("http://e/a b");
+  terms[6].mutable_literal()->set_datatype("urn:t");
+  terms[6].mutable_literal()->set_language("en");
+  terms.emplace_back();
+  for (const v1::Term& term : terms) {
+    const absl::Status status = FromProto(term, "value", Limits{}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << term.ShortDebugString();
+    EXPECT_EQ(std::string(status.message()).substr(0, 5), "value");
+    v1::Quad quad;
+    quad.mutable_subject()->set_iri("urn:s");
+    quad.mutable_predicate()->set_iri("urn:p");
+    *quad.mutable_object() = term;
+    EXPECT_EQ(FromProto(quad, "add[3]", Limits{}).status().message(),
+              absl::StrCat("add[3].object", status.message().substr(5)));
+  }
+}
+
+TEST(FromProtoTest, ATermAtTheLimitIsTakenAndOnePastIsNot) {
+  Limits limits;
+  limits.term_bytes = 5;
+  v1::Term term;
+  term.mutable_literal()->set_lexical("12345");
+  EXPECT_TRUE(FromProto(term, "value", limits).ok());
+  term.mutable_literal()->set_lexical("123456");
+  EXPECT_EQ(FromProto(term, "value", limits).status().message(),
+            "value: the literal has 6 bytes, the limit term_bytes is 5");
+}
+
 }  // namespace
 }  // namespace docent::server

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
+#include "graph/rdf/term_check.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "tests/graph/sparql/test_graph.h"
 
@@ -102,6 +104,57 @@ TEST_F(Federation, BlankNodesOfAnAnswerAreNoneOfOurs) {
   graph.Add("_:n ex:own 1 .");
   client.answers["http://one/"] = {{"x"}, {{Term::Blank("n")}, {Term::Blank("b1")}}};
   EXPECT_THAT(*Select("SELECT ?x { ?x ex:own 1 . SERVICE <http://one/> { ?x ex:q 1 } }"), SizeIs(0));
+}
+
+// Endpoints have labels of no grammar of RDF: nodeID://b1.
+TEST_F(Federation, LabelsOfAnAnswerBecomeLabelsOfOursOneForEach) {
+  client.answers["http://one/"] = {{"x", "y"},
+                                   {{Term::Blank("nodeID://b1"), Term::Blank("a b . <x> <y> <z>")},
+                                    {Term::Blank(""), Term::Blank("nodeID://b1")}}};
+  Query query = graph.Parse("SELECT ?x ?y { SERVICE <http://one/> { ?x ex:q ?y } }");
+  ASSERT_TRUE(ResolveServices(&query, &client, graph.dictionary, {}, graph.Run()).ok());
+  auto prepared = PreparedQuery::Prepare(query, graph.dictionary, {});
+  ASSERT_TRUE(prepared.ok());
+  std::vector<Term> terms;
+  ASSERT_TRUE((*prepared)
+                  ->Select(graph.Run(), {},
+                           [&](absl::Span<const TermId> row) {
+                             for (const TermId id : row) terms.push_back((*prepared)->Decode(id));
+                             return true;
+                           })
+                  .ok());
+  ASSERT_THAT(terms, SizeIs(4));
+  for (const Term& term : terms) EXPECT_TRUE(CheckTerm(term, 100).ok()) << term.lexical;
+  EXPECT_EQ(terms[0], terms[3]);
+  EXPECT_EQ(std::set<Term>(terms.begin(), terms.end()).size(), 3u);
+}
+
+TEST_F(Federation, WhatIsNoTermOfAnAnswerIsRefusedByName) {
+  Term both = Term::LangString("z", "en");
+  both.datatype = "urn:t";
+  for (const auto& [term, says] : {std::pair(Term::LangString("z", "en . <x> <y> <z>"), "language tag"),
+                                   {Term::Literal("z", "http://e/a b"), "http://e/a b"},
+                                   {Term::Literal("z", "t"), "relative"},
+                                   {Term::Iri("here"), "relative"},
+                                   {Term::Iri("http://e/\x01"), "percent-encoded"},
+                                   {Term::Literal("a\xFF"), "0xFF"},
+                                   {both, "not both"}}) {
+    client.answers["http://one/"] = {{"n"}, {{Term::Integer(1)}, {term}}};
+    const absl::Status status = Select("SELECT ?n { SERVICE <http://one/> { ?x ex:n ?n } }").status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnknown) << term.lexical;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("SERVICE <http://one/>: row 2 of the answer, ?n: "));
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+    EXPECT_THAT(*Select("SELECT ?n { SERVICE SILENT <http://one/> { ?x ex:n ?n } }"), ElementsAre("-"));
+  }
+}
+
+TEST_F(Federation, ATermOfAnAnswerIsTakenAtItsLimitAndNotOnePast) {
+  const size_t limit = Limits{}.term_bytes;
+  client.answers["http://one/"] = {{"n"}, {{Term::Literal(std::string(limit, 'x'))}}};
+  EXPECT_THAT(*Select("SELECT ?n { SERVICE <http://one/> { ?x ex:n ?n } }"), SizeIs(1));
+  client.answers["http://one/"] = {{"n"}, {{Term::Literal(std::string(limit + 1, 'x'))}}};
+  EXPECT_THAT(std::string(Select("SELECT ?n { SERVICE <http://one/> { ?x ex:n ?n } }").status().message()),
+              HasSubstr("term_bytes"));
 }
 
 TEST_F(Federation, AllAnswersTogetherAreBounded) {
