@@ -79,6 +79,10 @@ RdfName RdfNameOf(const XmlName& name) {
   return name.iri == kRdfNs ? NameOfRdf(name.local) : RdfName::kForeign;
 }
 
+bool IsLongerThanRdfNs(std::string_view name_space) {
+  return name_space.size() > kRdfNs.size() && name_space.starts_with(kRdfNs);
+}
+
 bool MayBeNode(RdfName name) {
   return name == RdfName::kForeign || name == RdfName::kOther || name == RdfName::kDescription ||
          name == RdfName::kType || name >= RdfName::kVersion;

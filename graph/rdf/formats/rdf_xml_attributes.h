@@ -35,6 +35,9 @@ enum class RdfName {
 };
 RdfName RdfNameOf(const XmlName& name);
 
+// RDF/XML section 5.1: a namespace that is RDF's own with more behind it is not permitted.
+bool IsLongerThanRdfNs(std::string_view name_space);
+
 // RDF/XML section 7.2.2 and following: whether a node element or a property element may have this name.
 bool MayBeNode(RdfName name);
 bool MayBeProperty(RdfName name);

@@ -63,6 +63,10 @@ void RdfXmlReader::OnStart(const XmlElement& element) {
   for (const XmlNamespace& declared : element.declarations) {
     if (!declared.iri.empty()) prefixes_.Declare(declared.prefix, std::string(declared.iri));
     rdf_declared_ = rdf_declared_ || declared.iri == kRdfNs;
+    if (IsLongerThanRdfNs(declared.iri)) {
+      Error(xml_.EventOffset(), Concat("the namespace <", declared.iri, "> only begins like that of RDF"),
+            Concat("RDF/XML does not permit it; RDF's own is ", kRdfNs));
+    }
   }
   if (!frames_.empty() && frames_.back().kind == Kind::kLiteral) {
     literal_.Start(element);

@@ -151,9 +151,9 @@ class RdfXmlWriter {
     if (at == 0) return refused("it is an XML name without a namespace");
     const std::string name_space = predicate.substr(0, at), local = predicate.substr(at);
     if (name_space == kXmlNs || name_space == kXmlnsNs) return refused("XML keeps its namespace for itself");
-    if (absl::StartsWith(predicate, ToAbsl(kRdfNs)) &&
-        std::find(kSyntaxNames.begin(), kSyntaxNames.end(), predicate.substr(kRdfNs.size())) !=
-            kSyntaxNames.end()) {
+    if (IsLongerThanRdfNs(name_space)) return refused("its namespace only begins like that of RDF");
+    if (name_space == kRdfNs &&
+        std::find(kSyntaxNames.begin(), kSyntaxNames.end(), local) != kSyntaxNames.end()) {
       return refused("it is a word of RDF/XML's own syntax");
     }
     while (!names_.contains(name_space)) Declare(absl::StrCat("ns", next_++), name_space);

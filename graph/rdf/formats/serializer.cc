@@ -65,17 +65,26 @@ bool ByText(const TermQuad& a, const TermQuad& b) {
 class TurtleWriter {
  public:
   TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes) : quads_(std::move(quads)) {
+    // The first declaration of a name counts.
     for (const auto& prefix : prefixes) {
-      if (IsPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
+      const bool taken = std::any_of(prefixes_.begin(), prefixes_.end(),
+                                     [&](const auto& other) { return other.first == prefix.first; });
+      if (!taken && IsPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
     }
     std::sort(quads_.begin(), quads_.end(), ByText);
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
   }
 
-  std::string Write() {
-    for (const auto& [name, iri] : prefixes_) {
-      out_ += Concat("@prefix ", name, ": ", ToNTriples(Term::Iri(iri)), " .\n");
-    }
+  std::string Declarations() const {
+    std::string out;
+    for (const auto& [name, iri] : prefixes_)
+      out += Concat("@prefix ", name, ": ", ToNTriples(Term::Iri(iri)), " .\n");
+    return out;
+  }
+
+  // Behind the declarations, if they are to be there.
+  std::string Write(bool declare) {
+    if (declare) out_ = Declarations();
     for (size_t i = 0; i < quads_.size();) {
       if (!out_.empty()) out_ += '\n';
       if (quads_[i].graph.lexical.empty())
@@ -171,7 +180,16 @@ absl::StatusOr<std::string> SerializeRdf(std::vector<TermQuad> quads, RdfFormat 
     case RdfFormat::kTriG:
       break;
   }
-  return TurtleWriter(std::move(quads), prefixes).Write();
+  return TurtleWriter(std::move(quads), prefixes).Write(/*declare=*/true);
+}
+
+std::string DeclarePrefixesInTurtle(const std::vector<std::pair<std::string, std::string>>& prefixes) {
+  return TurtleWriter({}, prefixes).Declarations();
+}
+
+std::string SerializeTurtlePiece(std::vector<TermQuad> quads,
+                                 const std::vector<std::pair<std::string, std::string>>& prefixes) {
+  return TurtleWriter(std::move(quads), prefixes).Write(/*declare=*/false);
 }
 
 }  // namespace docent

@@ -1,5 +1,4 @@
-// RDF serializer: term quads → text. RDF/XML by Raptor2, the Turtle family by our own writer (Raptor's pretty
-// Turtle writer silently drops blank-node cycles). Any thread.
+// RDF serializer: term quads → text. Any thread.
 #ifndef DOCENT_GRAPH_RDF_FORMATS_SERIALIZER_H_
 #define DOCENT_GRAPH_RDF_FORMATS_SERIALIZER_H_
 
@@ -18,6 +17,13 @@ namespace docent {
 absl::StatusOr<std::string> SerializeRdf(
     std::vector<TermQuad> quads, RdfFormat format,
     const std::vector<std::pair<std::string, std::string>>& prefixes = {});
+
+// Turtle's declarations of those of the prefixes that it can name.
+std::string DeclarePrefixesInTurtle(const std::vector<std::pair<std::string, std::string>>& prefixes);
+
+// Turtle or TriG without the declarations, for a text that is written in pieces.
+std::string SerializeTurtlePiece(std::vector<TermQuad> quads,
+                                 const std::vector<std::pair<std::string, std::string>>& prefixes);
 
 }  // namespace docent
 

@@ -47,6 +47,14 @@ TEST(SerializerTest, PrefixesThatTurtleCannotNameAreLeftOut) {
             "@prefix \xC3\xA9: <http://e/> .\n\n\xC3\xA9:s \xC3\xA9:p \xC3\xA9:o .\n");
 }
 
+TEST(SerializerTest, APrefixThatIsGivenTwiceMeansTheFirst) {
+  const std::vector<TermQuad> quads = {{E("s"), E("p"), Term::Iri("http://f/o"), {}}};
+  for (RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kRdfXml}) {
+    const auto text = SerializeRdf(quads, format, {{"e", "http://e/"}, {"e", "http://f/"}});
+    EXPECT_EQ(ParseRdf(*text, format).quads, quads) << *text;
+  }
+}
+
 TEST(SerializerTest, CyclesOfBlankNodesSurvive) {
   std::vector<TermQuad> quads = {{Term::Blank("x"), E("p"), Term::Blank("y"), {}},
                                  {Term::Blank("y"), E("p"), Term::Blank("x"), {}}};
@@ -93,6 +101,7 @@ TEST(SerializerTest, WhatRdfXmlCannotSay) {
 TEST(SerializerTest, RdfXmlDoesNotSayWordsOfItsSyntaxAsProperties) {
   for (const std::string& predicate :
        {Concat(kRdfNs, "li"), Concat(kRdfNs, "Description"), Concat(kRdfNs, "about"), Concat(kRdfNs, "bagID"),
+        Concat(kRdfNs, "a#b"), Concat(kRdfNs, "a/b"), Concat(kRdfNs, "1a"), Concat(kRdfNs, "a:li"),
         std::string("http://www.w3.org/2000/xmlns/foo"), std::string("http://e/"), std::string("tag")}) {
     const auto written = SerializeRdf({{E("s"), Term::Iri(predicate), E("o"), {}}}, RdfFormat::kRdfXml);
     EXPECT_THAT(std::string(written.status().message()), HasSubstr(Concat("<", predicate, ">")));
