@@ -30,6 +30,7 @@ constexpr size_t kTopicBytes = 65535;
 // Types of packets with their flags (MQTT 3.1.1, section 2.2).
 constexpr char kConnect = 0x10, kPublishQos1 = 0x32;
 constexpr unsigned char kConnack = 0x20, kPuback = 0x40;
+constexpr char kPacketId[] = {0, 1};
 constexpr char kDisconnect[] = {static_cast<char>(0xE0), 0};
 
 // A text with its length in front (section 1.5.3).
@@ -83,19 +84,20 @@ net::awaitable<absl::Status> Run(net::io_context& context, const Message& messag
   if (!error)
     co_await net::async_read(stream, net::buffer(answer), net::redirect_error(net::use_awaitable, error));
   if (error) co_return Failed(message, "greeting it", error);
-  if (answer[0] != kConnack || answer[3] != 0) {
+  if (answer[0] != kConnack || answer[1] != 2 || answer[3] != 0) {
     co_return absl::UnavailableError(absl::StrCat("the MQTT broker at ", message.broker,
                                                   " refuses the connection, code ",
                                                   static_cast<int>(answer[3])));
   }
-  std::string content = Prefixed(message.topic) + std::string("\x00\x01", 2);
+  std::string content = Prefixed(message.topic) + std::string(kPacketId, 2);
   content.append(message.payload);
   const std::string publish = Packet(kPublishQos1, content);
   co_await net::async_write(stream, net::buffer(publish), net::redirect_error(net::use_awaitable, error));
   if (!error)
     co_await net::async_read(stream, net::buffer(answer), net::redirect_error(net::use_awaitable, error));
   if (error) co_return Failed(message, "publishing", error);
-  if (answer[0] != kPuback)
+  // Section 3.4: of this packet and of no other.
+  if (answer[0] != kPuback || answer[1] != 2 || answer[2] != kPacketId[0] || answer[3] != kPacketId[1])
     co_return absl::UnavailableError(
         absl::StrCat("the MQTT broker at ", message.broker, " does not acknowledge the message"));
   co_await net::async_write(stream, net::buffer(kDisconnect), net::redirect_error(net::use_awaitable, error));

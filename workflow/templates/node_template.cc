@@ -35,8 +35,47 @@ std::string MessageText(const std::string& name, const std::vector<TemplatePart>
   return out + "</message>\n";
 }
 
+bool IsCalledOtherwise(const TemplatePart& part) {
+  return !part.called.empty();
+}
+
+// Where a result is named, only those that are become variables.
+std::vector<TemplatePart> NamedOutputs(const NodeTemplate& of) {
+  const bool any = std::any_of(of.outputs.begin(), of.outputs.end(), IsCalledOtherwise);
+  return any ? of.outputs : std::vector<TemplatePart>();
+}
+
+std::string InvokeText(const NodeTemplate& of) {
+  std::string parts;
+  for (const TemplatePart& part : of.inputs) {
+    if (IsCalledOtherwise(part))
+      parts += Concat("<ext:input part=\"", Escaped(part.called), "\" variable=\"", part.name, "\"/>\n");
+  }
+  for (const TemplatePart& part : NamedOutputs(of)) {
+    parts += Concat("<ext:output part=\"", Escaped(IsCalledOtherwise(part) ? part.called : part.name),
+                    "\" variable=\"", part.name, "\"/>\n");
+  }
+  const std::string start = Concat("<invoke operation=\"", Escaped(of.operation), "\"");
+  return parts.empty() ? start + "/>\n" : Concat(start, ">\n", parts, "</invoke>\n");
+}
+
+// Those that ext:input and ext:output name.
+std::string VariablesText(const NodeTemplate& of) {
+  std::set<std::string> names;
+  for (const TemplatePart& part : of.inputs) {
+    if (IsCalledOtherwise(part)) names.insert(part.name);
+  }
+  for (const TemplatePart& part : NamedOutputs(of)) names.insert(part.name);
+  std::string out;
+  for (const std::string& name : names) out += Concat("<variable name=\"", name, "\"/>\n");
+  return out;
+}
+
 std::string NodeText(const NodeTemplate& of, const std::string& name) {
-  std::string out = Concat("<node name=\"", Escaped(name), "\">\n");
+  const std::string variables = VariablesText(of);
+  std::string out =
+      Concat("<node name=\"", Escaped(name), "\"",
+             variables.empty() ? "" : " xmlns:ext=\"https://w3id.org/docent/cawl-ext#\"", ">\n");
   std::string about = of.documentation;
   if (!of.service.empty())
     about += Concat(about.empty() ? "" : " ", "Of ", of.service, of.endpoint.empty() ? "." : "");
@@ -44,7 +83,7 @@ std::string NodeText(const NodeTemplate& of, const std::string& name) {
   if (!about.empty()) out += Concat("<documentation>", Escaped(about), "</documentation>\n");
   if (!of.inputs.empty()) out += MessageText(name + "Request", of.inputs);
   if (!of.outputs.empty()) out += MessageText(name + "Reply", of.outputs);
-  out += Concat("<invoke operation=\"", Escaped(of.operation), "\"/>\n</node>");
+  out += Concat(variables, InvokeText(of), "</node>");
   const xml::FormattedXml formatted = xml::FormatXml(out, "node");
   return formatted.ok() ? formatted.text : out + "\n";
 }
@@ -54,8 +93,11 @@ std::string NodeText(const NodeTemplate& of, const std::string& name) {
 bool AddPart(std::string_view name, std::string type, std::vector<TemplatePart>* parts) {
   if (parts->size() >= kWorkflowLimits.import_parts) return false;
   std::string plain;
-  for (const char c : name.substr(0, kWorkflowLimits.name_bytes / 2))
-    plain += absl::ascii_isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  for (const char c : name.substr(0, kWorkflowLimits.name_bytes / 2)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0) == 0x80) continue;  // of a character that began before
+    plain += absl::ascii_isalnum(byte) ? c : '_';
+  }
   if (plain.empty() || !absl::ascii_isalpha(static_cast<unsigned char>(plain[0]))) plain = "p" + plain;
   const auto taken = [parts](const std::string& wanted) {
     return std::any_of(parts->begin(), parts->end(),
@@ -63,7 +105,8 @@ bool AddPart(std::string_view name, std::string type, std::vector<TemplatePart>*
   };
   std::string own = plain;
   for (int number = 2; taken(own); ++number) own = absl::StrCat(plain, "_", number);
-  parts->push_back({std::move(own), std::move(type)});
+  const bool sayable = !name.empty() && name != own && !NameFault(name);
+  parts->push_back({std::move(own), std::move(type), sayable ? std::string(name) : ""});
   return true;
 }
 

@@ -14,6 +14,8 @@ namespace docent::templates {
 struct TemplatePart {
   std::string name;
   std::string type;  // IRI of a class or datatype; empty: anything
+  std::string called =
+      {};  // what the service calls it, where that cannot be the name of a part; empty: as `name`
 
   friend bool operator==(const TemplatePart&, const TemplatePart&) = default;
 };
@@ -32,7 +34,8 @@ struct ImportedTemplates {
   Diagnostics diagnostics;  // errors: nothing was read
 };
 
-// Adds a part: its name without what a part's name may not hold ("user-name" becomes user_name), unlike those that are there.
+// Adds a part: its name without what a part's name may not hold ("user-name" becomes user_name), unlike those that are there. What
+// the service calls it is kept.
 // False, and nothing is added, where there are import_parts.
 bool AddPart(std::string_view name, std::string type, std::vector<TemplatePart>* parts);
 
@@ -40,7 +43,8 @@ bool AddPart(std::string_view name, std::string type, std::vector<TemplatePart>*
 bool IsOperationName(std::string_view name);
 
 // Writes `cawl` of each: a node named as the operation (operation_2 where there is one of this name), with the messages
-// OPERATIONRequest and OPERATIONReply.
+// OPERATIONRequest and OPERATIONReply. A part that the service calls otherwise is a variable of the node, and ext:input or
+// ext:output says which.
 void WriteCawl(std::vector<NodeTemplate>* templates);
 
 }  // namespace docent::templates

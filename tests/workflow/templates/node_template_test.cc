@@ -21,6 +21,31 @@ TEST(NodeTemplate, NamesOfPartsAreMadePlainAndUnlike) {
   EXPECT_THAT(names, ::testing::ElementsAre("user_name", "user_name_2", "p7", "p", "ok"));
 }
 
+// The robot knows its input by its own name alone.
+TEST(NodeTemplate, APartThatTheServiceCallsOtherwiseIsSentUnderItsName) {
+  std::vector<NodeTemplate> all(1);
+  NodeTemplate& one = all[0];
+  one.operation = "measure";
+  for (const char* name : {"größe", "a b", "p-1", "ok"}) AddPart(name, "", &one.inputs);
+  for (const char* name : {"länge", "ok2"}) AddPart(name, "", &one.outputs);
+  EXPECT_EQ(one.inputs[0].name, "gr__e");
+  EXPECT_EQ(one.inputs[0].called, "größe");
+  EXPECT_EQ(one.inputs[3].called, "");
+  WriteCawl(&all);
+  for (const char* line :
+       {"<ext:input part=\"größe\" variable=\"gr__e\"/>", "<ext:input part=\"a b\" variable=\"a_b\"/>",
+        "<ext:input part=\"p-1\" variable=\"p_1\"/>", "<ext:output part=\"länge\" variable=\"l_nge\"/>",
+        "<ext:output part=\"ok2\" variable=\"ok2\"/>", "<variable name=\"gr__e\"/>"}) {
+    EXPECT_THAT(one.cawl, HasSubstr(line));
+  }
+  EXPECT_THAT(one.cawl, ::testing::Not(HasSubstr("part=\"ok\"")));
+  const std::string flow = absl::StrCat(
+      "<CAWL name=\"c\"><flow name=\"f\"><source name=\"a\"/>", one.cawl,
+      "<sink name=\"z\"/><link from=\"a\" to=\"measure\"/><link from=\"measure\" to=\"z\"/></flow></CAWL>");
+  const cawl::ParsedCawl parsed = cawl::ParseCawl(flow, "f");
+  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, flow);
+}
+
 TEST(NodeTemplate, PartsEndAtTheLimit) {
   std::vector<TemplatePart> parts;
   for (size_t i = 0; i < kWorkflowLimits.import_parts; ++i)
