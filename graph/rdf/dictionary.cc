@@ -7,13 +7,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <new>
-#include <type_traits>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "absl/hash/hash.h"
 #include "graph/base/text.h"
+#include "graph/rdf/term_table.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
@@ -52,16 +52,6 @@ struct EntryKey {
     return static_cast<uint32_t>(hash >> 16);
   }
 };
-
-// Zeroed memory that the system provides only when it is written, so that no caller waits for megabytes at
-// once. To be freed with std::free.
-template <typename T>
-T* Zeroed(uint64_t count) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  void* const memory = std::calloc(count, sizeof(T));
-  if (memory == nullptr) throw std::bad_alloc();
-  return static_cast<T*>(memory);
-}
 
 // Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a
 // reader may read any index that it got through a synchronising operation (a published version, the hash
@@ -105,90 +95,6 @@ class EntryArray {
   std::array<std::atomic<Entry*>, 24> chunks_ = {};
 };
 
-// Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a
-// slot also give its place, so growing reads no entry. The writer publishes a slot after its entry.
-//
-// A full table is followed by one twice as large, and each insert then moves a few slots over: no caller
-// waits for a copy of the whole table. Meanwhile readers look into both. Old tables are kept, since a reader
-// may still use them (together they are no larger than the newest).
-class HashTable {
- public:
-  HashTable() { current_.store(NewTable(kFirstSlots, nullptr), std::memory_order_release); }
-
-  template <typename Matches>  // bool Matches(index)
-  std::optional<uint64_t> Find(uint32_t hash, Matches matches) const {
-    const Table* table = current_.load(std::memory_order_acquire);
-    while (table != nullptr) {
-      // Loaded before the search of this table: if the move is complete by then, the search sees all slots.
-      const Table* older = table->older.load(std::memory_order_acquire);
-      for (uint64_t i = hash & table->mask;; i = (i + 1) & table->mask) {
-        const uint64_t slot = table->Slot(i).load(std::memory_order_acquire);
-        if (slot == 0) break;
-        if (slot >> 32 == hash && matches((slot & kIndexMask) - 1)) return (slot & kIndexMask) - 1;
-      }
-      table = older;
-    }
-    return std::nullopt;
-  }
-
-  // Writer thread only.
-  void Insert(uint32_t hash, uint64_t index) {
-    Table* table = tables_.back().get();
-    if ((count_ + 1) * 3 > (table->mask + 1) * 2) {
-      table = NewTable((table->mask + 1) * 2, table);
-      current_.store(table, std::memory_order_release);
-      moved_ = 0;
-    }
-    MoveSome(table);
-    ++count_;
-    Place(*table, static_cast<uint64_t>(hash) << 32 | (index + 1));
-  }
-
-  size_t bytes() const { return 2 * sizeof(uint64_t) * (current_.load(std::memory_order_acquire)->mask + 1); }
-
- private:
-  static constexpr uint64_t kFirstSlots = 4096;
-  static constexpr uint64_t kIndexMask = 0xFFFFFFFF;
-  // Slots moved by one insert. Two would be enough to finish the move before the larger table is full.
-  static constexpr uint64_t kStep = 16;
-
-  struct Table {
-    Table(uint64_t slot_count, const Table* before)
-        : mask(slot_count - 1), slots(Zeroed<uint64_t>(slot_count), std::free), older(before) {}
-    std::atomic_ref<uint64_t> Slot(uint64_t i) const { return std::atomic_ref(slots.get()[i]); }
-
-    const uint64_t mask;
-    const std::unique_ptr<uint64_t, decltype(&std::free)> slots;
-    std::atomic<const Table*> older;  // table whose slots are still being moved; null: none
-  };
-
-  Table* NewTable(uint64_t slot_count, const Table* older) {
-    tables_.push_back(std::make_unique<Table>(slot_count, older));
-    return tables_.back().get();
-  }
-
-  void MoveSome(Table* to) {
-    const Table* from = to->older.load(std::memory_order_relaxed);
-    if (from == nullptr) return;
-    for (const uint64_t end = moved_ + kStep; moved_ < end; ++moved_) {
-      const uint64_t slot = from->Slot(moved_).load(std::memory_order_relaxed);
-      if (slot != 0) Place(*to, slot);
-    }
-    if (moved_ > from->mask) to->older.store(nullptr, std::memory_order_release);
-  }
-
-  static void Place(const Table& table, uint64_t slot) {
-    uint64_t i = (slot >> 32) & table.mask;
-    while (table.Slot(i).load(std::memory_order_relaxed) != 0) i = (i + 1) & table.mask;
-    table.Slot(i).store(slot, std::memory_order_release);
-  }
-
-  std::atomic<const Table*> current_{nullptr};
-  std::vector<std::unique_ptr<Table>> tables_;  // writer; the last is the current one
-  uint64_t count_ = 0;                          // writer
-  uint64_t moved_ = 0;                          // writer: slots of the table before the current one
-};
-
 // Text in blocks that never move.
 class TextArena {
  public:
@@ -196,13 +102,13 @@ class TextArena {
   const char* Put(std::string_view text, size_t* allocated) {
     if (text.size() > left_) {
       size_t block = text.size() > kBlock / 4 ? text.size() : kBlock;
-      blocks_.push_back(std::make_unique<char[]>(block));
+      blocks_.push_back({std::make_unique<char[]>(block), block});
       *allocated += block;
       if (block != kBlock) {  // a long text gets its own block; the current block stays current
-        std::memcpy(blocks_.back().get(), text.data(), text.size());
-        return blocks_.back().get();
+        std::memcpy(blocks_.back().text.get(), text.data(), text.size());
+        return blocks_.back().text.get();
       }
-      next_ = blocks_.back().get();
+      next_ = blocks_.back().text.get();
       left_ = kBlock;
     }
     char* place = next_;
@@ -212,9 +118,28 @@ class TextArena {
     return place;
   }
 
+  // What was put since Mark is gone. Returns the bytes freed.
+  struct Place {
+    size_t blocks = 0;
+    char* next = nullptr;
+    size_t left = 0;
+  };
+  Place Mark() const { return {blocks_.size(), next_, left_}; }
+  size_t Rewind(const Place& to) {
+    size_t freed = 0;
+    for (; blocks_.size() > to.blocks; blocks_.pop_back()) freed += blocks_.back().size;
+    next_ = to.next;
+    left_ = to.left;
+    return freed;
+  }
+
  private:
   static constexpr size_t kBlock = 64 << 10;
-  std::vector<std::unique_ptr<char[]>> blocks_;
+  struct Block {
+    std::unique_ptr<char[]> text;
+    size_t size;
+  };
+  std::vector<Block> blocks_;
   char* next_ = nullptr;
   size_t left_ = 0;
 };
@@ -229,10 +154,18 @@ struct Dictionary::Impl {
   uint64_t base_size = 0;  // number of entries that `base` had; later ones do not count
   uint64_t first = 0;      // the id of entry 0
   EntryArray entries;
-  HashTable table;
+  TermTable table;
   TextArena arena;
-  std::atomic<uint64_t> count{0};
+  uint64_t count = 0;                 // writer: entries, those of the running turn included
+  std::atomic<uint64_t> kept{0};      // entries that every thread sees
+  std::atomic<std::thread::id> turn;  // the thread of the running turn; none: no turn
+  TextArena::Place before_turn;
   std::atomic<size_t> allocated{0};
+
+  bool IsOwnTurn() const { return turn.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
+  // Read after the number was: an entry that is kept is never written again.
+  bool IsSeen(uint64_t index) const { return index < kept.load(std::memory_order_acquire) || IsOwnTurn(); }
+  uint64_t Size() const { return IsOwnTurn() ? count : kept.load(std::memory_order_acquire); }
 
   // The dictionary that owns the entry of `id`.
   const Impl& OwnerOf(uint64_t id) const { return id < first ? *base->impl_ : *this; }
@@ -240,6 +173,7 @@ struct Dictionary::Impl {
 
   std::optional<uint64_t> Find(const EntryKey& key) const {
     return table.Find(key.Hash(), [&](uint64_t index) {
+      if (!IsSeen(index)) return false;
       const Entry& entry = entries[index];
       return key.IsButForLanguage(entry) &&
              (key.language.empty() || SameLanguage(entries[entry.qualifier - 1].view(), key.language));
@@ -254,16 +188,27 @@ struct Dictionary::Impl {
       entry.qualifier = static_cast<uint32_t>(Intern(EntryKey{Tag::kLiteral, key.language}) + 1);
       entry.is_language = 1;
     }
-    uint64_t index = count.load(std::memory_order_relaxed);
+    const uint64_t index = count;
     size_t grown = 0;
     entry.text = arena.Put(key.text, &grown);
     entry.length = static_cast<uint32_t>(key.text.size());
     entry.tag = static_cast<uint32_t>(key.tag);
     grown += entries.Put(index, entry);
     table.Insert(key.Hash(), index);
-    count.store(index + 1, std::memory_order_release);
+    count = index + 1;
+    if (!IsOwnTurn()) kept.store(count, std::memory_order_release);
     allocated.fetch_add(grown, std::memory_order_relaxed);
     return index;
+  }
+
+  EntryKey KeyOf(const Entry& entry) const {
+    EntryKey key{static_cast<Tag>(entry.tag), entry.view()};
+    if (entry.is_language != 0) {
+      key.language = entries[entry.qualifier - 1].view();
+    } else {
+      key.qualifier = entry.qualifier;
+    }
+    return key;
   }
 
   // The key of `term` when its datatype is known; `qualify(key)` finds or makes its entry.
@@ -296,7 +241,32 @@ Dictionary::Dictionary(const Dictionary* base) : Dictionary() {
 Dictionary::~Dictionary() = default;
 
 void Dictionary::FollowBase() {
-  if (impl_->count.load(std::memory_order_relaxed) == 0) impl_->base_size = impl_->base->size();
+  if (impl_->count == 0) impl_->base_size = impl_->base->size();
+}
+
+void Dictionary::BeginTurn() {
+  if (impl_->IsOwnTurn()) return;
+  impl_->before_turn = impl_->arena.Mark();
+  impl_->turn.store(std::this_thread::get_id(), std::memory_order_relaxed);
+}
+
+void Dictionary::KeepTurn() {
+  if (!impl_->IsOwnTurn()) return;
+  impl_->kept.store(impl_->count, std::memory_order_release);
+  impl_->turn.store(std::thread::id(), std::memory_order_relaxed);
+}
+
+// The newest entry first: a literal before its language.
+void Dictionary::DropTurn() {
+  Impl& impl = *impl_;
+  if (!impl.IsOwnTurn()) return;
+  const uint64_t kept = impl.kept.load(std::memory_order_relaxed);
+  for (; impl.count > kept; --impl.count) {
+    const uint64_t index = impl.count - 1;
+    impl.table.Remove(impl.KeyOf(impl.entries[index]).Hash(), index);
+  }
+  impl.allocated.fetch_sub(impl.arena.Rewind(impl.before_turn), std::memory_order_relaxed);
+  impl.turn.store(std::thread::id(), std::memory_order_relaxed);
 }
 
 std::optional<TermId> Dictionary::FindInBase(const Term& term) const {
@@ -397,7 +367,7 @@ TermId Dictionary::InternEntry(const EntryView& entry) {
 }
 
 size_t Dictionary::size() const {
-  return impl_->count.load(std::memory_order_acquire);
+  return impl_->Size();
 }
 
 size_t Dictionary::bytes() const {

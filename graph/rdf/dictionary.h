@@ -1,9 +1,12 @@
 // The dictionary: IRIs, blank nodes and literals that do not fit into an id ↔ TermId.
 //
-// Append-only. One thread (the writer) interns; any number of threads decode and find at the same time,
+// Append-only but for refused turns. One thread (the writer) interns; any number of threads decode and find at the same time,
 // without locks: entries, text and hash slots never move once they are published. Ids are given in order of
 // first interning (a literal's datatype or language before the literal), so replaying the same log gives the
 // same ids. At most 2^29 entries.
+//
+// The terms of a turn are seen by other threads once it is kept. Those of a turn that is refused are gone, and
+// their ids are given again: whoever is told to roll back must forget them.
 //
 // Language tags count without case, and a literal keeps the tag that it was first interned with: "a"@en-GB, then
 // "a"@en-gb, are one entry that says en-GB.
@@ -33,6 +36,12 @@ class Dictionary {
   ~Dictionary();
   Dictionary(const Dictionary&) = delete;
   Dictionary& operator=(const Dictionary&) = delete;
+
+  // A turn, on the writer's thread. Between BeginTurn and one of the others only that thread sees the terms
+  // that are interned. KeepTurn and DropTurn do nothing without a turn.
+  void BeginTurn();
+  void KeepTurn();
+  void DropTurn();
 
   // The id of `term`, made if new. Writer thread only. Inline literals make no entry.
   TermId Intern(const Term& term);

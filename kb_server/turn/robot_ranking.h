@@ -27,6 +27,8 @@ class GraphRobotRanking final : public engine::RobotRanking {
 
   // Orders by this version from now on. `cancellation`: null: none.
   void BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation);
+  // The turn is refused: queries that were prepared in it may name terms that are gone.
+  void Rollback() { prepared_.clear(); }
 
   std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
                              const engine::TermBinding& values) const override;

@@ -208,6 +208,7 @@ void Stages::Commit() {
   conditions.Commit();
   engine.Commit();
   documents.Commit();
+  dictionary.KeepTurn();
 }
 
 void Stages::Rollback() {
@@ -220,6 +221,8 @@ void Stages::Rollback() {
   standing_conditions.Rollback();
   engine.Rollback();
   documents.Rollback();
+  ranking.Rollback();
+  dictionary.DropTurn();  // last: no stage has ids of its terms any more
 }
 
 std::optional<TimeMicros> Stages::NextDeadline() const {
@@ -234,6 +237,7 @@ std::optional<TimeMicros> Stages::NextDeadline() const {
 absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
                                    std::string* record_bytes) {
   TurnResult result;
+  stages->dictionary.BeginTurn();
   absl::Status status = Decide(stages, batch, offset, &result);
   if (status.ok()) {
     result.documents_changed = !batch.documents.empty();

@@ -47,6 +47,11 @@ class InconsistencyFacts {
   }
   // Interns the words.
   void InternWords();
+  // The turn is refused: what it interned is gone.
+  void ForgetWords() {
+    type_ = inconsistency_ = TermId();
+    words_.fill(TermId());
+  }
   // All such facts of `graph`.
   std::vector<Triple> FactsIn(const GraphVersion& graph) const;
 

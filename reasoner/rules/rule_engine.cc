@@ -120,9 +120,9 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
     if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok())
       return status;
     impl.BuildClasses(before, program, writer.current(), told);
-    impl.inconsistencies.InternWords();
     impl.schema_of = &program;
   }
+  impl.inconsistencies.InternWords();
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
   Materialiser materialiser(
@@ -152,7 +152,11 @@ void RuleEngine::Rollback() {
   impl_->state = impl_->committed;
   impl_->inferred_since_commit = 0;
   impl_->computed.Reset();
-  if (impl_->changed_since_commit) impl_->schema_of = nullptr;
+  impl_->inconsistencies.ForgetWords();
+  if (impl_->changed_since_commit) {
+    impl_->schema_of = nullptr;
+    if (impl_->state.applied != nullptr) impl_->state.applied->placed_for = 0;  // by terms that may be gone
+  }
   impl_->changed_since_commit = false;
 }
 

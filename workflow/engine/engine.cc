@@ -447,6 +447,7 @@ void Engine::Commit() {
 }
 
 void Engine::Rollback() {
+  core_->run_terms.Forget();
   bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
                    core_->undo_active.empty() && !core_->undo_services && !core_->ledger.changed() &&
                    core_->undo_robot_facts.empty() && !core_->event_waits.changed() &&

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
@@ -213,6 +214,84 @@ TEST(DictionaryTest, ADictionaryOverAnotherKeepsNewTermsToItself) {
   EXPECT_EQ(over.Decode(known_id), known);
   EXPECT_EQ(over.FindIri("http://e/type"), base.FindIri("http://e/type"));
   EXPECT_EQ(base.Find(fresh[1]), std::nullopt);
+}
+
+TEST(DictionaryTest, TheTermsOfARefusedTurnAreGone) {
+  Dictionary dictionary;
+  dictionary.InternIri("http://e/before");
+  const size_t bytes = dictionary.bytes();
+  const std::string text(100000, 'x');
+  const Term terms[] = {Term::Literal(text), Term::LangString("n", "fr"), Term::Literal("y", "http://e/type"),
+                        Term::Iri("http://e/new"), Term::Blank("b")};
+  for (int turn = 0; turn < 3; ++turn) {
+    dictionary.BeginTurn();
+    std::vector<TermId> ids;
+    for (const Term& term : terms) ids.push_back(dictionary.Intern(term));
+    for (size_t i = 0; i < ids.size(); ++i) {
+      EXPECT_EQ(dictionary.Find(terms[i]), ids[i]);
+      EXPECT_EQ(dictionary.Decode(ids[i]), terms[i]);
+    }
+    EXPECT_EQ(dictionary.size(), 1u + 7u) << "with the datatype and the language";
+    std::thread([&] {
+      EXPECT_EQ(dictionary.size(), 1u);
+      for (const Term& term : terms) EXPECT_EQ(dictionary.Find(term), std::nullopt);
+      EXPECT_TRUE(dictionary.FindIri("http://e/before").has_value());
+      Dictionary over(&dictionary);
+      EXPECT_EQ(over.Find(terms[3]), std::nullopt);
+    }).join();
+    dictionary.DropTurn();
+    EXPECT_EQ(dictionary.size(), 1u);
+    EXPECT_EQ(dictionary.bytes(), bytes);
+    for (const Term& term : terms) EXPECT_EQ(dictionary.Find(term), std::nullopt);
+  }
+  dictionary.BeginTurn();
+  const TermId kept = dictionary.Intern(terms[3]);
+  dictionary.KeepTurn();
+  dictionary.DropTurn();
+  std::thread([&] { EXPECT_EQ(dictionary.Find(terms[3]), kept); }).join();
+}
+
+// Turns of random terms, some refused, against a dictionary that never saw those; and readers beside.
+TEST(DictionaryTest, RefusedTurnsLeaveNoTrace) {
+  Dictionary dictionary, without;
+  std::atomic<bool> done = false, wrong = false;
+  std::atomic<size_t> kept_terms = 0;  // "t0" to this number are in both
+  const auto name = [](size_t i) { return absl::StrCat("http://e/t", i); };
+  std::thread reader([&] {
+    for (size_t i = 0; !done; i = i * 7 + 1) {
+      const size_t known = kept_terms.load();
+      if (known == 0) continue;
+      const auto id = dictionary.FindIri(name(i % known));
+      if (!id || dictionary.Decode(*id).lexical != name(i % known)) wrong = true;
+      if (dictionary.FindIri(absl::StrCat("http://e/refused", i % 5000))) wrong = true;
+    }
+  });
+  uint32_t dice = 1;
+  const auto roll = [&dice](uint32_t sides) { return (dice = dice * 1664525 + 1013904223) / 65536 % sides; };
+  for (int turn = 0; turn < 400; ++turn) {
+    const bool refused = roll(2) == 0;
+    dictionary.BeginTurn();
+    const uint32_t count = roll(roll(10) == 0 ? 5000 : 50);
+    for (uint32_t i = 0; i < count; ++i) {
+      if (refused) {
+        dictionary.InternIri(absl::StrCat("http://e/refused", roll(5000)));
+        continue;
+      }
+      const size_t number = kept_terms.load() + i;
+      if (dictionary.InternIri(name(number)) != without.InternIri(name(number))) wrong = true;
+    }
+    if (refused) {
+      dictionary.DropTurn();
+    } else {
+      dictionary.KeepTurn();
+      kept_terms += count;
+    }
+    if (dictionary.size() != without.size()) wrong = true;
+  }
+  done = true;
+  reader.join();
+  EXPECT_FALSE(wrong);
+  for (size_t i = 0; i < kept_terms; ++i) ASSERT_EQ(dictionary.FindIri(name(i)), without.FindIri(name(i)));
 }
 
 }  // namespace

@@ -72,6 +72,11 @@ class RunTerms {
   // Interned when first asked for, so that ids are given in the order in which facts need them.
   TermId Of(RunTerm term);
   TermId Of(WorkState state);
+  // The turn is refused: what it interned is gone.
+  void Forget() {
+    terms_.fill(TermId());
+    states_.fill(TermId());
+  }
 
  private:
   Dictionary& dictionary_;
