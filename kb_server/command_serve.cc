@@ -113,11 +113,14 @@ void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments
       ->type_name("RULES");
   command
       ->add_option("--on-violation", arguments->on_violation,
-                   "What to do with a load after which the graph violates SHACL shapes of its ontologies "
-                   "that it did not "
-                   "violate before")
+                   "What to do with what a client writes after which the graph violates SHACL shapes of its "
+                   "ontologies that it did not violate before")
       ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
       ->capture_default_str();
+  command->add_flag(
+      "--warn-unknown", settings->warn_unknown,
+      "Warn of properties and classes that are in a namespace of the loaded ontologies and that "
+      "none of them declares");
   command
       ->add_option("--allow", settings->allow,
                    "Addresses that SERVICE, LOAD and imports of services may reach, with all below them: "

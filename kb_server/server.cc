@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -190,6 +191,7 @@ void Server::MakeWorkers() {
   ports_.updates = &updates_;
   ports_.loads = &loads_;
   ports_.on_violation = settings_.on_violation;
+  ports_.warn_unknown = settings_.warn_unknown;
   ports_.catalog = &catalog_;
   ports_.feed = &feed_;
   ports_.send_budget = &send_budget_;
@@ -197,6 +199,21 @@ void Server::MakeWorkers() {
   ports_.subscriptions = subscriptions_.get();
   ports_.what_if = what_if_.get();
   ports_.explain_limits = settings_.explain_limits;
+  ports_.process = [this] { return Process(); };
+}
+
+ProcessStatus Server::Process() const {
+  ProcessStatus process;
+  process.grpc_address = grpc_address_;
+  process.http_address = http_address_;
+  std::error_code error;
+  process.data_folder = std::filesystem::absolute(settings_.data_folder, error).lexically_normal().string();
+  process.uptime_s = static_cast<uint64_t>(
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - started_).count());
+  process.log_bytes = log_->Bytes().value_or(0);
+  process.live_runs = writer_->counters().live_runs;
+  process.health = Health();
+  return process;
 }
 
 void Server::StartWriter() {

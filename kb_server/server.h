@@ -2,6 +2,7 @@
 #ifndef DOCENT_KB_SERVER_SERVER_H_
 #define DOCENT_KB_SERVER_SERVER_H_
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -51,7 +52,9 @@ struct ServerSettings {
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
-  OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
+  OnViolation on_violation =
+      OnViolation::kIgnore;         // of the shapes in ontology modules, by what a client writes
+  bool warn_unknown = false;        // of words that a loaded ontology does not have
   std::vector<std::string> allow;   // addresses that SERVICE and LOAD may reach: see RemoteAccess
   std::vector<std::string> notify;  // webhooks that workflows may notify: likewise
   std::string mqtt;                 // HOST:PORT of the broker to whose topics workflows publish; empty: none
@@ -98,6 +101,7 @@ class Server {
   absl::Status StartHttp(size_t connections);
   void AddGateMetrics();
   absl::Status ReadApp();
+  ProcessStatus Process() const;
   // The time at which something falls due without input; none: nothing does. Where something is under way it is now.
   std::optional<TimeMicros> NextDue() const;
 
@@ -106,6 +110,8 @@ class Server {
   const SteadyClock real_clock_;
   DoorClock clock_;
   const SystemClock system_clock_;
+  const std::chrono::steady_clock::time_point started_ =
+      std::chrono::steady_clock::now();  // for people alone
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   std::unique_ptr<log::ContextLog> log_;
@@ -132,7 +138,7 @@ class Server {
   SendBudget send_budget_;
   ServicePorts ports_;
   UpdateRunner updates_{&ports_};
-  LoadRunner loads_{&ports_};
+  LoadRunner loads_{&ports_, &catalog_};
   std::unique_ptr<RemoteAccess> remote_;
   std::unique_ptr<Notifier> notifier_;
   std::unique_ptr<RunReplays> replays_;

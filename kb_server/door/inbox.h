@@ -18,6 +18,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "graph/base/clock.h"
+#include "graph/base/diagnostic.h"
 #include "graph/base/ids.h"
 #include "graph/base/limits.h"
 #include "graph/store/graph_version.h"
@@ -36,6 +37,7 @@ struct BatchOutcome {
   std::vector<RunId> started;   // runs that its requests started
   uint64_t cancelled_runs = 0;  // with workflows that it undeployed; not kept for a repeated request
   std::vector<RunId> steered;   // that they paused or resumed; not kept for a repeated request
+  Diagnostics warnings;  // of shapes and unknown words (kb_server/work/load_runner.h); not kept likewise
 };
 
 // The graph that a batch is about to be applied to, on the writer's turn.

@@ -3,6 +3,11 @@
 #ifndef DOCENT_KB_SERVER_DOOR_PORTS_H_
 #define DOCENT_KB_SERVER_DOOR_PORTS_H_
 
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
 #include "graph/base/clock.h"
 #include "graph/base/explain_limits.h"
 #include "graph/base/limits.h"
@@ -34,7 +39,8 @@ class Subscriptions;
 class UpdateRunner;
 class WhatIfPort;
 
-// What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
+// What is done about a write of a client after which the graph violates the shapes of the ontology modules, as it did not
+// before.
 enum class OnViolation { kIgnore, kWarn, kRefuse };
 // Handlers of requests take the smallest of these groups that has what they need, so that a test fills that much. A null
 // pointer, where it is allowed, says so.
@@ -61,6 +67,7 @@ struct WritePorts : ReadPorts {
   UpdateRunner* updates = nullptr;
   LoadRunner* loads = nullptr;
   OnViolation on_violation = OnViolation::kIgnore;
+  bool warn_unknown = false;  // of words that a loaded ontology does not have
 };
 
 // And to tell clients of documents and runs.
@@ -70,8 +77,19 @@ struct RunPorts : WritePorts {
   SendBudget* send_budget = nullptr;  // of all streams; null: each is bounded alone
 };
 
+// The process and its disk, as it is when it is asked.
+struct ProcessStatus {
+  std::string grpc_address, http_address;  // HOST:PORT, with the port that was taken
+  std::string data_folder;                 // absolute path
+  uint64_t uptime_s = 0;
+  uint64_t log_bytes = 0;
+  uint64_t live_runs = 0;
+  absl::Status health;
+};
+
 // All of them.
 struct ServicePorts : RunPorts {
+  std::function<ProcessStatus()> process;        // null: not known
   explain::FactHistory* fact_history = nullptr;  // null: explanations name no log offsets
   Subscriptions* subscriptions = nullptr;
   WhatIfPort* what_if = nullptr;

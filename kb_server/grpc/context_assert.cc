@@ -6,6 +6,7 @@
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/write_pump.h"
+#include "kb_server/work/load_runner.h"
 
 namespace docent::server {
 namespace {
@@ -46,21 +47,24 @@ class AssertStreamReactor final : public AssertStreamPump {
       slots_.back().reply.set_request_id(request_.request_id());
     }
     if (!IsLarge(request_)) {
-      Push(link(), this, ports_, slot, request_);
-      return ReadOn(link(), this);
+      const LinkPtr stream = link();  // this may end with the answer
+      const bool waits = WaitsForAnswers(ports_);
+      Push(stream, this, ports_, client_, slot, request_);
+      return waits ? void() : ReadOn(stream, this);
     }
     auto request = std::make_shared<v1::AssertRequest>(std::move(request_));
-    ports_.workers->Submit({.run =
-                                [stream = link(), self = this, &ports = ports_, slot, request] {
-                                  Push(stream, self, ports, slot, *request);
-                                  ReadOn(stream, self);  // the next one is read after it
-                                },
-                            .refuse =
-                                [stream = link(), self = this, slot](const absl::Status& why) {
-                                  Answer(stream, self, slot, why);
-                                  ReadOn(stream, self);
-                                },
-                            .client = client_});
+    ports_.workers->Submit(
+        {.run =
+             [stream = link(), self = this, &ports = ports_, client = client_, slot, request] {
+               Push(stream, self, ports, client, slot, *request);
+               if (!WaitsForAnswers(ports)) ReadOn(stream, self);  // the next one is read after it
+             },
+         .refuse =
+             [stream = link(), self = this, slot](const absl::Status& why) {
+               Answer(stream, self, slot, why);
+               ReadOn(stream, self);
+             },
+         .client = client_});
   }
 
  private:
@@ -72,14 +76,22 @@ class AssertStreamReactor final : public AssertStreamPump {
   using LinkPtr = std::shared_ptr<Link>;
 
   // The stream `self` may have ended when these are called, and then they do nothing for it; a batch is pushed all the same.
-  static void Push(const LinkPtr& stream, AssertStreamReactor* self, const RunPorts& ports, uint64_t slot,
-                   const v1::AssertRequest& request) {
+  static void Push(const LinkPtr& stream, AssertStreamReactor* self, const RunPorts& ports,
+                   const ClientPtr& client, uint64_t slot, const v1::AssertRequest& request) {
     Cancellation cancellation{std::chrono::milliseconds(ports.limits.query_timeout_ms)};
     absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation);
-    if (!batch.ok()) return Answer(stream, self, slot, batch.status());
-    ports.inbox->Push(*std::move(batch), [stream, self, slot](const absl::StatusOr<BatchOutcome>& outcome) {
-      Answer(stream, self, slot, outcome);
-    });
+    if (!batch.ok()) return AnswerAndReadOn(stream, self, ports, slot, batch.status());
+    BringJudged(ports, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
+                [stream, self, &ports, slot](const absl::StatusOr<BatchOutcome>& outcome) {
+                  AnswerAndReadOn(stream, self, ports, slot, outcome);
+                });
+  }
+  // What is judged beside the writer would overtake: then one batch is under way at a time.
+  static bool WaitsForAnswers(const RunPorts& ports) { return ports.on_violation != OnViolation::kIgnore; }
+  static void AnswerAndReadOn(const LinkPtr& stream, AssertStreamReactor* self, const RunPorts& ports,
+                              uint64_t slot, const absl::StatusOr<BatchOutcome>& outcome) {
+    Answer(stream, self, slot, outcome);
+    if (WaitsForAnswers(ports)) ReadOn(stream, self);
   }
   static void ReadOn(const LinkPtr& stream, AssertStreamReactor* self) {
     absl::MutexLock lock(&stream->mutex);
@@ -136,13 +148,15 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
   if (IsLarge(*request)) {
     cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   }
-  const auto push = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+  const ClientPtr client = ClientOf(*context, ports_.clients);
+  const auto push = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits, cancellation.get());
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    ports_.inbox->Push(*std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (outcome.ok()) ToProto(*outcome, reply);
-      reactor->Finish(ToGrpc(outcome.status()));
-    });
+    BringJudged(ports_, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
+                [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+                  if (outcome.ok()) ToProto(*outcome, reply);
+                  reactor->Finish(ToGrpc(outcome.status()));
+                });
   };
   if (cancellation) return OnWorker(ports_, context, cancellation, push);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

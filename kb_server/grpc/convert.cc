@@ -5,9 +5,11 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
+#include "graph/rdf/iri.h"
 #include "graph/rdf/term_check.h"
 #include "graph/store/server_graphs.h"
 #include "graph/wire/message_bytes.h"
@@ -16,23 +18,9 @@
 namespace docent::server {
 namespace {
 
-// Terms of a message are absolute: a scheme, a colon, and nothing that an IRI may not hold (RFC 3987, 2.2).
-bool IsAbsoluteIri(std::string_view iri) {
-  size_t colon = iri.find(':');
-  if (colon == std::string_view::npos || colon == 0) return false;
-  for (char c : iri) {
-    if (static_cast<unsigned char>(c) <= 0x20 ||
-        std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
-      return false;
-    }
-  }
-  return true;
-}
-
-absl::Status CheckSize(size_t bytes, const Limits& limits, const std::string& what) {
-  if (bytes <= limits.term_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrCat(what, " has ", bytes, " bytes; the limit term_bytes is ", limits.term_bytes));
+absl::Status CheckIri(std::string_view iri, const std::string& what) {
+  if (IsValidTermIri(iri)) return absl::OkStatus();
+  return absl::InvalidArgumentError(Concat(what, ": \"", iri, "\" is not an absolute IRI"));
 }
 
 }  // namespace
@@ -59,33 +47,40 @@ void ToProto(const BatchOutcome& outcome, v1::AssertReply* out) {
   out->set_removed(outcome.removed);
   out->set_inferred(outcome.inferred);
   out->set_repeated(outcome.repeated);
+  for (const Diagnostic& warning : outcome.warnings) ToProto(warning, out->add_warnings());
 }
 
-absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
-  if (term.kind_case() == v1::Term::kIri && !IsAbsoluteIri(term.iri())) {
-    return absl::InvalidArgumentError(absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
-  }
-  if (std::optional<Term> out = FromProto(term)) return *std::move(out);
-  return absl::InvalidArgumentError(absl::StrCat(what, " is not set; give iri, blank or literal"));
+absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what, const Limits& limits) {
+  std::optional<Term> out = FromProto(term);
+  if (!out) return absl::InvalidArgumentError(absl::StrCat(what, " is not set; give iri, blank or literal"));
+  if (absl::Status status = CheckTerm(*out, limits.term_bytes); !status.ok())
+    return WithMessage(status, absl::StrCat(what, ": ", status.message()));
+  return *std::move(out);
 }
 
-absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what) {
+absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what, const Limits& limits) {
   TermQuad out;
-  auto subject = FromProto(quad.subject(), what + ".subject");
+  auto subject = FromProto(quad.subject(), what + ".subject", limits);
   if (!subject.ok()) return subject.status();
-  auto predicate = FromProto(quad.predicate(), what + ".predicate");
+  auto predicate = FromProto(quad.predicate(), what + ".predicate", limits);
   if (!predicate.ok()) return predicate.status();
-  auto object = FromProto(quad.object(), what + ".object");
+  auto object = FromProto(quad.object(), what + ".object", limits);
   if (!object.ok()) return object.status();
   out.subject = *std::move(subject);
   out.predicate = *std::move(predicate);
   out.object = *std::move(object);
   if (quad.has_graph() && quad.graph().kind_case() != v1::Term::KIND_NOT_SET) {
-    auto graph = FromProto(quad.graph(), what + ".graph");
+    auto graph = FromProto(quad.graph(), what + ".graph", limits);
     if (!graph.ok()) return graph.status();
     out.graph = *std::move(graph);
   }
   return out;
+}
+
+absl::Status CheckRobotIri(const std::string& robot, const std::string& what, const Limits& limits) {
+  v1::Term term;
+  term.set_iri(robot);
+  return FromProto(term, what, limits).status();
 }
 
 uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message& request) {
@@ -94,16 +89,14 @@ uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message
 }
 
 absl::Status CheckBase(const std::string& base_iri) {
-  if (base_iri.empty() || IsAbsoluteIri(base_iri)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("base_iri: \"", base_iri, "\" is not an absolute IRI"));
+  return base_iri.empty() ? absl::OkStatus() : CheckIri(base_iri, "base_iri");
 }
 
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
                                      Cancellation* cancellation) {
   if (absl::Status id = CheckRequestId(request.request_id()); !id.ok()) return id;
-  if (!request.source().empty() && !IsAbsoluteIri(request.source())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
+  if (!request.source().empty()) {
+    if (absl::Status source = CheckIri(request.source(), "source"); !source.ok()) return source;
   }
   if (const std::string why = RefuseGraph(Term::Iri(request.source())); !why.empty())
     return absl::InvalidArgumentError(absl::StrCat("source: ", why));
@@ -127,13 +120,10 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     return CheckMeasure(quad.predicate.lexical, quad.object, what);
   };
   auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
-    absl::StatusOr<TermQuad> out = FromProto(quad, what);
+    absl::StatusOr<TermQuad> out = FromProto(quad, what, limits);
     if (!out.ok()) return out.status();
     if (const std::string why = RefuseGraph(out->graph); !why.empty())
       return absl::InvalidArgumentError(absl::StrCat(what, ".graph: ", why));
-    for (const Term* term : {&out->subject, &out->predicate, &out->object}) {
-      if (absl::Status size = CheckSize(term->lexical.size(), limits, what); !size.ok()) return size;
-    }
     if (kind == QuadOperation::Kind::kAdd) {
       if (absl::Status status = measured(*out, what); !status.ok()) return status;
     }
@@ -174,11 +164,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   for (int i = 0; i < request.readings_size(); ++i) {
     const v1::SensorReading& in = request.readings(i);
     std::string what = absl::StrCat("readings[", i, "]");
-    if (!IsAbsoluteIri(in.sensor())) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(what, ".sensor: \"", in.sensor(), "\" is not an absolute IRI"));
-    }
-    auto value = FromProto(in.value(), what + ".value");
+    if (absl::Status sensor = CheckIri(in.sensor(), what + ".sensor"); !sensor.ok()) return sensor;
+    auto value = FromProto(in.value(), what + ".value", limits);
     if (!value.ok()) return value.status();
     if (absl::Status status = CheckMeasure("", *value, what + ".value"); !status.ok()) return status;
     if (in.time_us() < 0) {
@@ -221,11 +208,8 @@ absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(
     const std::string place = absl::StrCat(what, ".", named.name());
     if (!names.insert(named.name()).second)
       return absl::InvalidArgumentError(absl::StrCat(place, " is given twice; give it one value"));
-    auto term = FromProto(named.value(), place);
+    auto term = FromProto(named.value(), place, limits);
     if (!term.ok()) return term.status();
-    if (absl::Status status = CheckTerm(*term, limits.term_bytes); !status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
-    }
     out.emplace_back(named.name(), *std::move(term));
   }
   return out;

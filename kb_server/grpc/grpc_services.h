@@ -42,6 +42,8 @@ class ContextService final : public v1::Context::CallbackService {
                                                           const v1::SubscribeRequest* request) override;
   grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* SubscribeStream(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* Status(grpc::CallbackServerContext* context, const v1::StatusRequest* request,
+                                   v1::StatusReply* reply) override;
 
  private:
   const ServicePorts& ports_;

@@ -91,6 +91,10 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
 
 }  // namespace
 
+bool ReplacesGraph(const v1::LoadRequest& request) {
+  return request.kind() == v1::LoadRequest::DATA && request.mode() == v1::LoadRequest::REPLACE;
+}
+
 LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
   if (!request.document().empty() || request.kind() == v1::LoadRequest::RULES) return {};
   return {request.name().empty() ? "text" : request.name(), [&request, limits] {
@@ -111,9 +115,12 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
           absl::StrCat("the name ", *fault, "; an ontology or rule set is replaced and removed by its name"));
     }
   }
-  if (request.kind() == v1::LoadRequest::DATA && request.mode() != v1::LoadRequest::PUT) {
-    return absl::InvalidArgumentError("data has no name to add or replace; leave mode out");
-  }
+  if (request.kind() == v1::LoadRequest::DATA && request.mode() == v1::LoadRequest::ADD)
+    return absl::InvalidArgumentError("data has no name that could be new; leave mode out");
+  if (ReplacesGraph(request) && request.graph().empty())
+    return absl::InvalidArgumentError("data replaces what one graph holds; name it: graph (--graph)");
+  if (ReplacesGraph(request) && !request.document().empty())
+    return absl::InvalidArgumentError("a part of a document replaces no graph; leave mode or document out");
   if (std::string why = request.graph().empty() ? "" : RefuseGraph(Term::Iri(request.graph())); !why.empty())
     return absl::InvalidArgumentError(why);
   WriteBatch batch;

@@ -20,6 +20,9 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
                                        Cancellation* cancellation = nullptr, Diagnostics* warnings = nullptr,
                                        MemoryUse* memory = nullptr);
 
+// Whether the data takes the place of what its graph holds, which that batch does not say.
+bool ReplacesGraph(const v1::LoadRequest& request);
+
 // Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
 // are not the document's) and rules have no places.
 LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits);

@@ -15,6 +15,7 @@
 #include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_runner.h"
 #include "kb_server/work/rule_change.h"
+#include "kb_server/work/update_runner.h"
 
 namespace docent::server {
 namespace {
@@ -26,12 +27,34 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
   reply->set_added(outcome.added);
   reply->set_removed(outcome.removed);
   reply->set_inferred(outcome.inferred);
+  for (const Diagnostic& warning : outcome.warnings) ToProto(warning, reply->add_diagnostics());
+}
+
+// DROP of the graph, then LOAD of the batch's quads: evaluated beside the writer, and one turn.
+UpdateRequest ReplaceGraph(const Term& graph, WriteBatch batch) {
+  UpdateRequest request;
+  std::vector<sparql::UpdateOperation>& operations = request.update.operations;
+  for (const auto kind : {sparql::UpdateOperation::Kind::kDrop, sparql::UpdateOperation::Kind::kLoad}) {
+    sparql::UpdateOperation& operation = operations.emplace_back();
+    operation.kind = kind;
+    operation.silent = kind == sparql::UpdateOperation::Kind::kDrop;
+    const bool is_default = graph.lexical == kDefaultGraph;
+    operation.target = {is_default ? sparql::GraphTarget::Kind::kDefault : sparql::GraphTarget::Kind::kGraph,
+                        graph};
+  }
+  auto quads = std::make_shared<std::vector<TermQuad>>();
+  for (QuadOperation& operation : batch.operations) {
+    operation.quad.graph = Term();
+    quads->push_back(std::move(operation.quad));
+  }
+  request.load = [quads](const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *quads; };
+  return request;
 }
 
 // Whether there is a module of that name, on the writer's turn, when that is exact. A graph that was filled otherwise
 // counts, too.
 BatchPreparation CheckMode(const v1::LoadRequest& request, const ReadPorts& ports) {
-  if (request.mode() == v1::LoadRequest::PUT) return nullptr;
+  if (request.mode() == v1::LoadRequest::PUT || request.kind() == v1::LoadRequest::DATA) return nullptr;
   return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](
              const TurnView& view, WriteBatch*) -> absl::Status {
     const bool rules = kind == v1::LoadRequest::RULES;
@@ -98,19 +121,27 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
     absl::StatusOr<WriteBatch> batch =
         ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text, memory.get());
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    LoadJob job;
-    job.batch = *std::move(batch);
-    job.text = TextOf(*request, ports_.limits);
-    job.prepare = CheckMode(*request, ports_);
-    job.cancellation = cancellation;
-    job.client = client;
-    job.done = [reactor, reply, memory, of_text = std::move(of_text)](
-                   const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+    LoadCallback done = [reactor, reply, memory, of_text = std::move(of_text)](
+                            const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
       if (outcome.ok()) Fill(*outcome, reply);
       for (const Diagnostic& warning : of_text) ToProto(warning, reply->add_diagnostics());
       for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
       reactor->Finish(ToGrpc(outcome.status()));
     };
+    if (ReplacesGraph(*request)) {
+      UpdateRequest update = ReplaceGraph(Term::Iri(request->graph()), *std::move(batch));
+      update.cancellation = cancellation;
+      update.client = client;
+      update.timeout = absl::Milliseconds(ports_.limits.query_timeout_ms);
+      return ports_.updates->Submit(
+          std::move(update), [done](const absl::StatusOr<BatchOutcome>& outcome) { done(outcome, {}); });
+    }
+    LoadJob job;
+    job.batch = *std::move(batch);
+    job.text = TextOf(*request, ports_.limits);
+    job.prepare = CheckMode(*request, ports_);
+    job.cancellation = cancellation;
+    job.done = std::move(done);
     ports_.loads->Run(std::move(job));
   };
   return OnWorker(ports_, context, cancellation, work);
@@ -161,10 +192,11 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
   batch.mode = WriteBatch::Mode::kLoad;
   batch.documents.push_back({kind, Document::Action::kRemove, request->name(), ""});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (outcome.ok()) Fill(*outcome, reply);
-    reactor->Finish(ToGrpc(outcome.status()));
-  });
+  BringJudged(ports_, std::move(batch), nullptr, /*made_on_turn=*/false, ClientOf(*context, ports_.clients),
+              [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+                if (outcome.ok()) Fill(*outcome, reply);
+                reactor->Finish(ToGrpc(outcome.status()));
+              });
   return reactor;
 }
 

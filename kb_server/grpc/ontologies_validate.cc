@@ -129,14 +129,20 @@ absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request,
   return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
 }
 
-absl::Status Check(const ReadPorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
+absl::Status Check(const RunPorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
                    v1::CheckModuleReply* reply) {
   const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
   absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation, nullptr, memory.get());
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
   const WorkerPool::SharedWork shared(ports.workers, cancellation);
-  auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);
+  RuleTexts rules;
+  const auto catalog = ports.catalog->Get();
+  for (const ModuleEntry& module : catalog->modules) {
+    if (module.kind == Document::Kind::kRules && module.text != nullptr)
+      rules.push_back({module.name, *module.text});
+  }
+  auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), rules, cancellation);
   if (!verdict.ok()) return verdict.status();
   reply->set_revision(version->revision().value());
   reply->set_conforms(!verdict->HasViolations());

@@ -18,6 +18,7 @@
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
 #include "kb_server/work/known_prefixes.h"
+#include "kb_server/work/outcome_json.h"
 #include "kb_server/work/update_runner.h"
 
 namespace docent::server {
@@ -196,9 +197,7 @@ HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome) {
   HttpResponse response;
   response.status = status;
   response.content_type = "application/json";
-  response.body = absl::StrCat("{\"revision\":", outcome.offset, ",\"added\":", outcome.added,
-                               ",\"removed\":", outcome.removed, ",\"inferred\":", outcome.inferred,
-                               ",\"repeated\":", outcome.repeated ? "true" : "false", "}\n");
+  response.body = OutcomeJson(outcome);
   response.headers.emplace_back("Docent-Revision", absl::StrCat(outcome.offset));
   return response;
 }

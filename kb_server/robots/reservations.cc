@@ -28,8 +28,9 @@ bool IsOneOf(const GraphReader& graph, const std::string& iri, std::string_view 
 absl::StatusOr<std::string> BeneficiaryIri(const std::string& name, const GraphReader& graph) {
   if (name.empty()) return std::string();
   const std::string workflow = WorkflowIri(name);
-  std::string run = RunIri(RunId(name));
-  if (IsOneOf(graph, run, DocentIri("runState"), Term::Literal("running"))) {
+  for (const std::string& id : {name, IriSegment(name)}) {  // as it is shown, and as it is meant
+    std::string run = RunIri(RunId(id));
+    if (!IsOneOf(graph, run, DocentIri("runState"), Term::Literal("running"))) continue;
     for (std::string parent; !(parent = graph.Object(run, DocentIri("parentRun"))).empty();) run = parent;
     return run;  // the outermost: it is the one that robots are given to
   }

@@ -7,8 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/batch_applier.h"
 #include "graph/store/graph_writer.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/door/catalog.h"
+#include "reasoner/rules/rule_engine.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
@@ -16,30 +19,56 @@
 namespace docent::server {
 namespace {
 
-// The batch as the server's stages would apply it, rules aside.
-void Apply(const WriteBatch& batch, Dictionary& dictionary, GraphWriter& writer) {
+// The quads of modules that the batch replaces or removes go.
+std::vector<QuadOperation> ModulesThatGo(const WriteBatch& batch, const Dictionary& dictionary,
+                                         const GraphVersion& version) {
+  std::vector<QuadOperation> operations;
   for (const Document& document : batch.documents) {
     if (document.kind != Document::Kind::kOntology) continue;
     const std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name));
     if (!graph) continue;
-    std::vector<Quad> old;
-    writer.current().ForEach({{}, {}, {}, *graph}, [&old](const Quad& quad) {
-      old.push_back(quad);
+    version.ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
+      operations.push_back({QuadOperation::Kind::kRemove,
+                            {dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
+                             dictionary.Decode(quad.object), dictionary.Decode(quad.graph)}});
       return true;
     });
-    for (const Quad& quad : old) writer.Remove(quad);
   }
-  const Term default_graph = Term::Iri(batch.source.empty() ? std::string(kDefaultGraph) : batch.source);
-  for (const QuadOperation& operation : batch.operations) {
-    const TermQuad& q = operation.quad;
-    const Quad quad{dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object),
-                    dictionary.Intern(q.graph.lexical.empty() ? default_graph : q.graph)};
-    if (operation.kind == QuadOperation::Kind::kAdd) {
-      writer.Add(quad);
-    } else {
-      writer.Remove(quad);
+  return operations;
+}
+
+// What the rules in use derive of a change, and those that the batch brings or takes away.
+absl::StatusOr<Delta> Derive(const ReadPorts& ports, const RuleTexts& rules, const WriteBatch& batch,
+                             const Delta& told, Dictionary& dictionary, GraphWriter& writer,
+                             Cancellation* cancellation) {
+  const bool changes = std::any_of(batch.documents.begin(), batch.documents.end(),
+                                   [](const Document& d) { return d.kind == Document::Kind::kRules; });
+  if (rules.empty() && !changes) return told;
+  rules::RuleEngine engine(dictionary, ports.limits, ports.functions);
+  for (const rules::RuleSetText& set : rules) {
+    const Diagnostics wrong = engine.PutRules(set.name, set.text, rules::RuleTextOrigin::kAccepted);
+    if (HasErrors(wrong)) return ToStatus(wrong, set.text);
+  }
+  engine.Adopt();
+  for (const Document& document : batch.documents) {
+    if (document.kind != Document::Kind::kRules) continue;
+    if (document.action == Document::Action::kRemove) {
+      engine.RemoveRules(document.name);
+    } else if (const Diagnostics wrong = engine.PutRules(document.name, document.text); HasErrors(wrong)) {
+      return ToStatus(wrong, document.text);
     }
   }
+  return engine.Update(writer, told, cancellation);
+}
+
+// The batch as the server's stages would apply it, runs aside: what it changes.
+absl::StatusOr<Delta> Apply(const ReadPorts& ports, const RuleTexts& rules, const WriteBatch& batch,
+                            Dictionary& dictionary, GraphWriter& writer, Cancellation* cancellation) {
+  BatchApplier applier(dictionary, ports.limits);
+  applier.Announce(batch, writer.current());
+  const auto told = applier.Apply(batch, writer, ModulesThatGo(batch, dictionary, writer.current()));
+  if (!told.ok()) return told.status();
+  return Derive(ports, rules, batch, *told, dictionary, writer, cancellation);
 }
 
 // Whether a module is loaded that has words of SHACL.
@@ -59,17 +88,35 @@ Diagnostics OfText(Diagnostics diagnostics, const LoadedText& text) {
   return diagnostics;
 }
 
+// Whether a validation by the shapes can see the change.
+bool Reads(const shapes::ShapeSet& shapes, const Delta& delta, const Dictionary& dictionary) {
+  const auto read = [&](const Quad& quad) {
+    return shapes.any_property || IsModuleGraph(dictionary.Lexical(quad.graph)) ||
+           std::binary_search(shapes.properties.begin(), shapes.properties.end(), quad.predicate);
+  };
+  return std::any_of(delta.added.begin(), delta.added.end(), read) ||
+         std::any_of(delta.removed.begin(), delta.removed.end(), read);
+}
+
 struct Outcome {
   shapes::ParsedShapes shapes;
   shapes::ValidationReport report;
+  bool sees = true;  // the change
 };
 
+// `delta`: a version of which this is known to be one step away, and that need not be looked at where the shapes do not see the
+// step; null: it is looked at.
 absl::StatusOr<Outcome> Validate(const ReadPorts& ports, const GraphVersion& version, Dictionary& dictionary,
-                                 const shapes::SourceMap* places, Cancellation* cancellation) {
+                                 const shapes::SourceMap* places, Cancellation* cancellation,
+                                 const Delta* delta = nullptr) {
   Outcome outcome;
   outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)),
                                       dictionary, {}, places, ports.functions);
   if (!outcome.shapes.ok() || !outcome.shapes.shapes.HasTargets()) return outcome;
+  if (delta != nullptr && !Reads(outcome.shapes.shapes, *delta, dictionary)) {
+    outcome.sees = false;
+    return outcome;
+  }
   const shapes::ValidateOptions options = ValidateOptionsOf(ports, cancellation);
   auto report = shapes::Validate(outcome.shapes.shapes, shapes::GraphView(version), dictionary, options);
   if (!report.ok()) return report.status();
@@ -141,7 +188,7 @@ Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, c
   if (!SpeaksOfShapes(batch)) return {};
   Dictionary dictionary(ports.dictionary);
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
-  Apply(batch, dictionary, writer);
+  if (!Apply(ports, {}, batch, dictionary, writer, nullptr).ok()) return {};  // the turn says what is wrong
   const shapes::SourceMap places = PlacesOf(text, dictionary);
   const GraphVersion& after = writer.current();
   return OfText(shapes::ReadShapes(shapes::GraphView(after, ModuleGraphs(after, dictionary)), dictionary, {},
@@ -166,14 +213,15 @@ std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& 
 
 absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& batch,
                                       const GraphVersion& version, const LoadedText& text,
-                                      Cancellation* cancellation) {
+                                      const RuleTexts& rules, Cancellation* cancellation) {
   Dictionary dictionary(ports.dictionary);
   // a version without owner: it outlives the writer, which only shares its nodes
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
-  Apply(batch, dictionary, writer);
+  const auto delta = Apply(ports, rules, batch, dictionary, writer, cancellation);
+  if (!delta.ok()) return delta.status();
   shapes::SourceMap places;
   if (SpeaksOfShapes(batch)) places = PlacesOf(text, dictionary);
-  auto after = Validate(ports, writer.current(), dictionary, &places, cancellation);
+  auto after = Validate(ports, writer.current(), dictionary, &places, cancellation, &*delta);
   if (!after.ok()) return after.status();
   LoadVerdict verdict;
   verdict.diagnostics = OfText(std::move(after->shapes.diagnostics), text);
@@ -185,9 +233,9 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& 
     verdict.reads.push_back(
         {std::nullopt, Term::Iri(std::string(kRdfType)), Term::Iri(shapes::Shacl(word)), std::nullopt});
   }
-  if (after->shapes.shapes.any_property) {
-    verdict.reads.push_back({});
-  } else if (after->shapes.shapes.HasTargets()) {
+  if (after->shapes.shapes.any_property || (!rules.empty() && after->shapes.shapes.HasTargets())) {
+    verdict.reads.push_back({});  // with rules: what they derive may depend on any fact
+  } else if (after->shapes.shapes.HasTargets() && after->sees) {
     for (const TermId property : after->shapes.shapes.properties) {
       verdict.reads.push_back({std::nullopt, dictionary.Decode(property), std::nullopt, std::nullopt});
     }

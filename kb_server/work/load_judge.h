@@ -1,5 +1,5 @@
-// Would the graph violate its shapes after a load? The batch is applied to a private copy of a version, beside the writer;
-// rules are not: what they would derive of the load is not seen. Any thread.
+// Would the graph violate its shapes after a write? The batch is applied to a private copy of a version, beside the writer, and the
+// rules derive there what they would. Any thread.
 #ifndef DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_
 #define DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_
 
@@ -14,10 +14,13 @@
 #include "graph/store/recent_changes.h"
 #include "graph/store/write_batch.h"
 #include "kb_server/door/ports.h"
+#include "reasoner/rules/rule_preview.h"
 #include "reasoner/shapes/report.h"
 #include "reasoner/shapes/validator.h"
 
 namespace docent::server {
+
+using RuleTexts = std::vector<rules::RuleSetText>;
 
 // A result with terms in the place of ids, which a private copy's dictionary gave.
 struct JudgedResult {
@@ -39,11 +42,11 @@ struct LoadedText {
   std::function<LocatedRdf()> parse;  // only where there are results
 };
 
-// The batch of a Load on `version`: its documents are ontologies (replaced or removed), its operations quads. CANCELLED,
-// DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED: there is no verdict.
+// The batch of a client on `version`, with the rule sets that are in use there. CANCELLED, DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED,
+// INVALID_ARGUMENT as its turn would say: there is no verdict.
 absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& batch,
                                       const GraphVersion& version, const LoadedText& text,
-                                      Cancellation* cancellation);
+                                      const RuleTexts& rules, Cancellation* cancellation);
 
 // What a module's shapes say that is wrong or is not evaluated, as warnings and errors with their places in `text`. Nothing is
 // validated. Errors elsewhere, which the module may have brought about, have no place.

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/cancellation.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/work/load_judge.h"
@@ -39,6 +40,11 @@ Diagnostics AsWarnings(const LoadVerdict& verdict) {
   return warnings;
 }
 
+absl::StatusOr<BatchOutcome> With(const Diagnostics& warnings, absl::StatusOr<BatchOutcome> outcome) {
+  if (outcome.ok() && !outcome->repeated) outcome->warnings = warnings;
+  return outcome;
+}
+
 absl::Status Refusal(const LoadVerdict& verdict) {
   std::string text;
   if (HasErrors(verdict.diagnostics)) {
@@ -59,22 +65,32 @@ absl::Status Refusal(const LoadVerdict& verdict) {
 
 class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
  public:
-  Attempt(const WritePorts& ports, LoadJob job) : ports_(ports), job_(std::move(job)) {}
+  Attempt(const LoadRunner& runner, LoadJob job, Diagnostics unknown)
+      : runner_(runner), ports_(runner.ports_), job_(std::move(job)), unknown_(std::move(unknown)) {}
 
+  // On a worker.
   void Judge() {
     ++attempts_;
+    if (job_.made_on_turn) return Push(Revision(), {});
+    // The version first: the rules that go with it may be a turn newer, never older.
     const GraphVersionPtr version = ports_.queries->Newest();
-    auto verdict = JudgeShared(*version);
-    if (!verdict.ok()) return job_.done(verdict.status(), {});
-    const bool refuse = ports_.on_violation == OnViolation::kRefuse;
-    if (refuse && verdict->HasViolations()) return job_.done(Refusal(*verdict), {});
-    warnings_ = AsWarnings(*verdict);
-    Push(version->revision(), refuse ? std::move(verdict->reads) : std::vector<ReadPattern>());
+    const WorkerPool::SharedWork shared(ports_.workers, job_.cancellation.get());
+    auto reads = Judge(job_.batch, *version, job_.cancellation.get());
+    if (!reads.ok()) return job_.done(reads.status(), {});
+    Push(version->revision(), *std::move(reads));
   }
 
-  absl::StatusOr<LoadVerdict> JudgeShared(const GraphVersion& version) {
-    const WorkerPool::SharedWork shared(ports_.workers, job_.cancellation.get());
-    return JudgeLoad(ports_, job_.batch, version, job_.text, job_.cancellation.get());
+ private:
+  // What the verdict depends on; FAILED_PRECONDITION: it refuses.
+  absl::StatusOr<std::vector<ReadPattern>> Judge(const WriteBatch& batch, const GraphVersion& version,
+                                                 Cancellation* cancellation) {
+    auto verdict = JudgeLoad(ports_, batch, version, job_.text, runner_.Rules(), cancellation);
+    if (!verdict.ok()) return verdict.status();
+    const bool refuse = ports_.on_violation == OnViolation::kRefuse;
+    if (refuse && verdict->HasViolations()) return Refusal(*verdict);
+    warnings_ = AsWarnings(*verdict);
+    warnings_.insert(warnings_.end(), unknown_.begin(), unknown_.end());
+    return refuse ? std::move(verdict->reads) : std::vector<ReadPattern>();
   }
 
   void Push(Revision judged_on, std::vector<ReadPattern> reads) {
@@ -84,9 +100,11 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
       if (self->job_.prepare) {
         if (absl::Status status = self->job_.prepare(view, batch); !status.ok()) return status;
       }
+      if (self->job_.made_on_turn) return self->JudgeOnTurn(view, *batch);
       if (view.revision == judged_on || !view.changes.Touched(judged_on, reads, *self->ports_.dictionary)) {
         return absl::OkStatus();
       }
+      if (self->attempts_ >= self->ports_.limits.update_attempts) return self->JudgeOnTurn(view, *batch);
       self->conflict_ = true;
       self->needed_ = view.revision;
       return absl::AbortedError("what the shapes read has changed meanwhile");
@@ -98,15 +116,19 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
     ports_.inbox->Push(job_.batch, std::move(done), std::move(prepare));
   }
 
- private:
+  absl::Status JudgeOnTurn(const TurnView& view, const WriteBatch& batch) {
+    const int limit_ms = ports_.limits.update_turn_ms;
+    Cancellation cancellation{std::chrono::milliseconds(limit_ms)};
+    const auto judged = Judge(batch, view.graph, &cancellation);
+    if (!absl::IsDeadlineExceeded(judged.status())) return judged.status();
+    return absl::AbortedError(
+        absl::StrCat("what the shapes read was changed by others meanwhile, and the validation while they "
+                     "waited took longer than the "
+                     "limit update_turn_ms = ",
+                     limit_ms, "; nothing was changed, try again"));
+  }
+
   void Again() {
-    if (attempts_ >= ports_.limits.update_attempts) {
-      return job_.done(absl::AbortedError(absl::StrCat(
-                           "what the shapes read was changed by others during each of ", attempts_,
-                           " validations (the limit update_attempts); nothing was changed, try "
-                           "again")),
-                       {});
-    }
     SubmitOnVersion(
         ports_, needed_,
         {.run = [self = shared_from_this()] { self->Judge(); },
@@ -116,28 +138,80 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
          .cancellation = job_.cancellation});
   }
 
+  const LoadRunner& runner_;
   const WritePorts& ports_;
   const LoadJob job_;
+  const Diagnostics unknown_;
   Diagnostics warnings_;
   Revision needed_;
   int attempts_ = 0;
   bool conflict_ = false;
 };
 
-void LoadRunner::Run(LoadJob job) {
-  const bool rules_alone =
-      job.batch.operations.empty() &&
-      std::none_of(job.batch.documents.begin(), job.batch.documents.end(),
-                   [](const Document& d) { return d.kind == Document::Kind::kOntology; });
-  if (ports_.on_violation != OnViolation::kIgnore && !rules_alone) {
-    return std::make_shared<Attempt>(ports_, std::move(job))->Judge();
+RuleTexts LoadRunner::Rules() const {
+  RuleTexts rules;
+  if (catalog_ == nullptr) return rules;
+  const auto catalog = catalog_->Get();
+  for (const ModuleEntry& module : catalog->modules) {
+    if (module.kind == Document::Kind::kRules && module.text != nullptr)
+      rules.push_back({module.name, *module.text});
   }
+  return rules;
+}
+
+Diagnostics LoadRunner::UnknownIn(const WriteBatch& batch, const LoadedText& text) {
+  const bool brings_words =
+      std::any_of(batch.documents.begin(), batch.documents.end(),
+                  [](const Document& d) { return d.kind == Document::Kind::kOntology; });
+  return ports_.warn_unknown && !brings_words ? unknown_words_.In(batch, text) : Diagnostics();
+}
+
+void LoadRunner::Run(LoadJob job) {
+  Diagnostics unknown = UnknownIn(job.batch, job.text);
+  if (ports_.on_violation != OnViolation::kIgnore)
+    return std::make_shared<Attempt>(*this, std::move(job), std::move(unknown))->Judge();
   LoadVerdict unjudged;
-  if (!rules_alone)
-    unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text);
-  auto done = [done = std::move(job.done), warnings = AsWarnings(unjudged)](
+  unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text);
+  Diagnostics warnings = AsWarnings(unjudged);
+  warnings.insert(warnings.end(), unknown.begin(), unknown.end());
+  auto done = [done = std::move(job.done), warnings = std::move(warnings)](
                   const absl::StatusOr<BatchOutcome>& outcome) { done(outcome, warnings); };
   ports_.inbox->Push(std::move(job.batch), std::move(done), std::move(job.prepare));
+}
+
+void LoadRunner::Bring(WriteBatch batch, BatchPreparation prepare, bool made_on_turn, ClientPtr client,
+                       BatchCallback done) {
+  Diagnostics unknown = UnknownIn(batch, {});
+  if (ports_.on_violation == OnViolation::kIgnore) {
+    BatchCallback told = done;
+    if (!unknown.empty())
+      told = [done, unknown](const absl::StatusOr<BatchOutcome>& outcome) { done(With(unknown, outcome)); };
+    return ports_.inbox->Push(std::move(batch), std::move(told), std::move(prepare));
+  }
+  LoadJob job;
+  job.batch = std::move(batch);
+  job.prepare = std::move(prepare);
+  job.cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  job.done = [done](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+    done(With(warnings, outcome));
+  };
+  job.made_on_turn = made_on_turn;
+  job.client = client;
+  const std::shared_ptr<Cancellation> cancellation = job.cancellation;
+  auto attempt = std::make_shared<Attempt>(*this, std::move(job), std::move(unknown));
+  ports_.workers->Submit({.run = [attempt] { attempt->Judge(); },
+                          .refuse = [done](const absl::Status& why) { done(why); },
+                          .client = std::move(client),
+                          .cancellation = cancellation});
+}
+
+void BringJudged(const WritePorts& ports, WriteBatch batch, BatchPreparation prepare, bool made_on_turn,
+                 ClientPtr client, BatchCallback done) {
+  if (ports.loads != nullptr)
+    return ports.loads->Bring(std::move(batch), std::move(prepare), made_on_turn, std::move(client),
+                              std::move(done));
+  ports.inbox->Push(std::move(batch), std::move(done), std::move(prepare));
 }
 
 }  // namespace docent::server

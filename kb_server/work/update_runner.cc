@@ -12,6 +12,7 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/door/query_memory.h"
 #include "kb_server/door/request_memory.h"
+#include "kb_server/work/load_runner.h"
 #include "kb_server/work/remote_access.h"
 
 namespace docent::server {
@@ -130,7 +131,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
       if (absl::IsAborted(outcome.status()) && self->conflict_) return self->Again();
       self->done_(outcome);
     };
-    ports_.inbox->Push(std::move(batch), std::move(done), std::move(check));
+    BringJudged(ports_, std::move(batch), std::move(check), /*made_on_turn=*/false, request_.client,
+                std::move(done));
   }
 
   void Again() {
@@ -155,7 +157,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
           " evaluations, and the one while they waited took longer than the limit update_turn_ms = ",
           limit_ms, "; nothing was changed, try again or make it smaller"));
     };
-    ports_.inbox->Push(Batch(), done_, std::move(evaluate));
+    BringJudged(ports_, Batch(), std::move(evaluate), /*made_on_turn=*/true, request_.client, done_);
   }
 
   const WritePorts& ports_;

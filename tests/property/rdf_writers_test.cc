@@ -21,21 +21,57 @@ namespace {
 using Prefixes = std::vector<std::pair<std::string, std::string>>;
 
 // Characters that some format treats in a way of its own; none of ASCII is left out.
-constexpr std::string_view kPieces[] = {
-    "a",        "Z",        "0",        "9",        "_",      "-",        ".",        ":",        "%41",
-    "~",        "/",        "#",        "?",        "&",      "=",        ",",        ";",        "'",
-    "(",        "@",        "$",        "!",        "*",      "+",        "\x7F",     "\xC3\xA9", "\xC2\xB7",
-    "\xC2\x85", "\xCC\x80", "\xE2\x80\xBF", "\xE2\x80\xA8", "\xEF\xB7\xB0", "\xF0\x9F\x98\x80"};
+constexpr std::string_view kPieces[] = {"a",
+                                        "Z",
+                                        "0",
+                                        "9",
+                                        "_",
+                                        "-",
+                                        ".",
+                                        ":",
+                                        "%41",
+                                        "~",
+                                        "/",
+                                        "#",
+                                        "?",
+                                        "&",
+                                        "=",
+                                        ",",
+                                        ";",
+                                        "'",
+                                        "(",
+                                        "@",
+                                        "$",
+                                        "!",
+                                        "*",
+                                        "+",
+                                        "\x7F",
+                                        "\xC3\xA9",
+                                        "\xC2\xB7",
+                                        "\xC2\x85",
+                                        "\xCC\x80",
+                                        "\xE2\x80\xBF",
+                                        "\xE2\x80\xA8",
+                                        "\xEF\xB7\xB0",
+                                        "\xF0\x9F\x98\x80"};
 // Only literals hold these.
-constexpr std::string_view kTextPieces[] = {" ", "\t", "\n", "\r", "\"", "\\", "<", ">", "{", "}", "|", "^", "`",
-                                            "]]>", "\\u0041", "\x01", "\x1B", "\xEF\xBF\xBE", "\xEF\xBF\xBF"};
-constexpr std::string_view kSpaces[] = {"http://e/", "http://e/a", "urn:x:", "http://e/#", kRdfNs, kXsdNs,
+constexpr std::string_view kTextPieces[] = {
+    " ", "\t",  "\n",      "\r",   "\"",   "\\",           "<",           ">", "{", "}", "|", "^",
+    "`", "]]>", "\\u0041", "\x01", "\x1B", "\xEF\xBF\xBE", "\xEF\xBF\xBF"};
+constexpr std::string_view kSpaces[] = {"http://e/",
+                                        "http://e/a",
+                                        "urn:x:",
+                                        "http://e/#",
+                                        kRdfNs,
+                                        kXsdNs,
                                         "http://www.w3.org/1999/02/22-rdf-syntax-ns#a#",
-                                        "http://www.w3.org/XML/1998/namespace", "http://www.w3.org/2000/xmlns/"};
-constexpr std::string_view kNames[] = {"li", "about", "type", "_1", "Description", "true", "1", "xmlns", "a.b"};
-constexpr std::string_view kNumbers[] = {"1",  "-1",  "+1",  "01",   "1.",  ".5",   "-.5", "1.5.", "1.2.3", "1e5",
-                                         "1.e5", ".e5", "1E-5", "INF", "NaN", "true", "false", "TRUE", "",   "-",
-                                         "+.",  "1 "};
+                                        "http://www.w3.org/XML/1998/namespace",
+                                        "http://www.w3.org/2000/xmlns/"};
+constexpr std::string_view kNames[] = {"li",   "about", "type",  "_1", "Description",
+                                       "true", "1",     "xmlns", "a.b"};
+constexpr std::string_view kNumbers[] = {"1",     "-1",   "+1",   "01",  "1.",   ".5",  "-.5", "1.5.",
+                                         "1.2.3", "1e5",  "1.e5", ".e5", "1E-5", "INF", "NaN", "true",
+                                         "false", "TRUE", "",     "-",   "+.",   "1 "};
 constexpr std::string_view kTypes[] = {kXsdInteger, kXsdDecimal, kXsdDouble, kXsdBoolean};
 constexpr std::string_view kLanguages[] = {"en", "EN", "de-AT", "x-a-1", "a-1", "zh-Hant-TW"};
 
@@ -80,7 +116,8 @@ class RandomTerms {
   }
   Prefixes SomePrefixes() {
     Prefixes prefixes;
-    for (size_t n = Below(4); n > 0; --n) prefixes.emplace_back(Below(3) == 0 ? One(kNames) : Text(false), Space());
+    for (size_t n = Below(4); n > 0; --n)
+      prefixes.emplace_back(Below(3) == 0 ? One(kNames) : Text(false), Space());
     return prefixes;
   }
   size_t Below(size_t n) { return random_() % n; }
@@ -103,8 +140,8 @@ class RandomTerms {
 TEST(RdfWritersTest, WhatAWriterOfGraphsWritesIsReadBack) {
   int refused = 0;
   for (uint32_t seed = 0; seed < 2000; ++seed) {
-    for (const RdfFormat format :
-         {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads, RdfFormat::kRdfXml}) {
+    for (const RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples,
+                                   RdfFormat::kNQuads, RdfFormat::kRdfXml}) {
       RandomTerms random(seed);
       const auto quads = random.Quads(format == RdfFormat::kTriG || format == RdfFormat::kNQuads);
       for (const TermQuad& quad : quads) ASSERT_TRUE(CheckQuad(quad, 1000).ok()) << CheckQuad(quad, 1000);
@@ -126,8 +163,8 @@ TEST(RdfWritersTest, WhatAWriterOfGraphsWritesIsReadBack) {
 
 // XML 1.0 section 2.2.
 bool FitsXml(const std::string& text) {
-  return text.find_first_of("\x01\x1B") == std::string::npos && text.find("\xEF\xBF\xBE") == std::string::npos &&
-         text.find("\xEF\xBF\xBF") == std::string::npos;
+  return text.find_first_of("\x01\x1B") == std::string::npos &&
+         text.find("\xEF\xBF\xBE") == std::string::npos && text.find("\xEF\xBF\xBF") == std::string::npos;
 }
 
 TEST(RdfWritersTest, WhatAWriterOfResultsWritesIsReadBack) {
@@ -142,7 +179,8 @@ TEST(RdfWritersTest, WhatAWriterOfResultsWritesIsReadBack) {
         if (row.back()) xml = xml && FitsXml(row.back()->lexical);
       }
     }
-    for (const auto format : {sparql::ResultFormat::kJson, sparql::ResultFormat::kXml, sparql::ResultFormat::kTsv}) {
+    for (const auto format :
+         {sparql::ResultFormat::kJson, sparql::ResultFormat::kXml, sparql::ResultFormat::kTsv}) {
       if (format == sparql::ResultFormat::kXml && !xml) continue;
       std::string out;
       const auto writer = sparql::ResultWriter::Make(format, &out);
