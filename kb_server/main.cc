@@ -29,7 +29,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = docent::kExitOk;
   docent::server::AddServeCommand(&app, &exit_code);
+  docent::server::AddStatusCommand(&app, &exit_code);
   docent::server::AddLoadCommand(&app, &exit_code);
+  docent::server::AddExportCommand(&app, &exit_code);
   docent::server::AddRulesCommand(&app, &exit_code);
   docent::server::AddTellCommand(&app, &exit_code);
   docent::server::AddQueryCommand(&app, &exit_code);

@@ -38,15 +38,23 @@ std::string FaultOfAddress(const std::string& address) {
   return absl::StrCat("the port ", port, " is not between 1 and 65535");
 }
 
+// What a server of this machine is given to begin to listen.
+constexpr std::chrono::seconds kStart(2);
+
+bool IsOnLoopback(std::string_view address) {
+  const std::string_view host = address.substr(0, address.rfind(':'));
+  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
+}
+
 }  // namespace
 
-void AddClientOptions(CLI::App* command, ClientOptions* options) {
+void AddClientOptions(CLI::App* command, ClientOptions* options, bool json) {
   command->add_option("--server", options->server, "gRPC address of the server, HOST:PORT")
       ->type_name("ADDRESS")
       ->envname("DOCENT_SERVER")
       ->check(std::function<std::string(const std::string&)>(FaultOfAddress))
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Print JSON, an object a line, with whole IRIs");
+  if (json) command->add_flag("--json", options->json, "Print JSON, an object a line, with whole IRIs");
 }
 
 void AddShowOptions(CLI::App* command, ClientOptions* options) {
@@ -69,10 +77,17 @@ std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(Limits().grpc_message_bytes));
   // a server that comes back is found within a second or two, not after minutes of waiting ever longer
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 500);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
-  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+  auto channel = grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+  static bool waited = false;
+  if (!waited && IsOnLoopback(options.server)) {
+    waited = true;
+    (void)channel->WaitForConnected(std::chrono::system_clock::now() +
+                                    kStart);  // the call says what is wrong
+  }
+  return channel;
 }
 
 int Fail(const grpc::Status& status, const ClientOptions& options) {
@@ -103,8 +118,9 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
     std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added()
               << ",\"removed\":" << reply.removed() << ",\"inferred\":" << reply.inferred()
               << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
-    return;
+    return PrintDiagnostics(reply.warnings());
   }
+  PrintDiagnostics(reply.warnings());
   std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
             << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
 }

@@ -26,13 +26,14 @@ struct ClientOptions {
   std::string colours = "auto";  // auto, always, never
 };
 
-// Adds --server and --json to a command.
-void AddClientOptions(CLI::App* command, ClientOptions* options);
+// Adds --server and --json to a command; without --json to one whose output has a form of its own.
+void AddClientOptions(CLI::App* command, ClientOptions* options, bool json = true);
 // Adds --full, and --color, to a command whose result names IRIs to people.
 void AddShowOptions(CLI::App* command, ClientOptions* options);
 // Adds --prefix to a command that takes facts.
 void AddPrefixOption(CLI::App* command, std::vector<std::string>* prefixes);
 
+// Where a server on this machine is only starting (`docent serve &`), waits for it, once in a process and about two seconds.
 std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 
 // Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so; IRIs have the
@@ -46,7 +47,7 @@ void PauseToReconnect(bool first);
 // A message of the API as one line of JSON, to standard output: fields as the .proto files call them, all of them.
 void PrintJson(const google::protobuf::Message& message);
 
-// What a batch or update did, for people or as JSON, to standard output.
+// What a batch or update did, for people or as JSON, to standard output; the server's warnings, to standard error.
 void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
 // What the API calls a format.

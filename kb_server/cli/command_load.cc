@@ -31,11 +31,12 @@ namespace {
 struct LoadArguments {
   ClientOptions client;
   std::vector<std::string> files;
-  std::string as;      // data, ontology, rules, cawl, rsel; empty: by the file's ending
-  std::string graph;   // data only
-  std::string source;  // facts only
-  std::string format;  // of RDF, as an ending; empty: that of the file
-  std::string base;    // of RDF; empty: the file's IRI
+  std::string as;        // data, ontology, rules, cawl, rsel; empty: by the file's ending
+  std::string graph;     // data only
+  std::string source;    // facts only
+  std::string format;    // of RDF, as an ending; empty: that of the file
+  std::string base;      // of RDF; empty: the file's IRI
+  bool replace = false;  // what the graph holds; data only
 };
 
 // Empty: its ending does not tell. Standard input has none, and is Turtle where no format is given.
@@ -76,6 +77,11 @@ class Loader {
       return Fail(absl::InvalidArgumentError(
           absl::StrCat("--format goes with RDF, and ", file, " is read as ", kind)));
     }
+    if (arguments_.replace && kind != "data") {
+      return Fail(absl::InvalidArgumentError(absl::StrCat(
+          "--replace goes with data, and ", file, " is read as ", kind,
+          kind == "facts" ? "" : "; what is loaded under the name of an earlier one replaces it anyway")));
+    }
     if (kind != "facts" && !arguments_.source.empty()) {
       return Fail(absl::InvalidArgumentError(
           "--source says who tells facts; give --as facts, too, or --graph for data"));
@@ -95,10 +101,11 @@ class Loader {
       return LoadModule(file, kind, text);
     }
     // Data goes in parts, other RDF in one piece.
-    const TextLimit limit = kind == "data" ? TextLimit() : kDocumentText;
+    const TextLimit limit = kind == "data" && !arguments_.replace ? TextLimit() : kDocumentText;
     const auto rdf = ReadRdfToSend(file, arguments_.base, arguments_.format, limit);
     if (!rdf.ok()) return Fail(rdf.status());
-    if (kind == "data" && rdf->text.size() > kPartBytes) return LoadInParts(file, *rdf);
+    if (kind == "data" && rdf->text.size() > kPartBytes && !arguments_.replace)
+      return LoadInParts(file, *rdf);
     if (kind == "facts") return Assert(file, *rdf);
     return LoadModule(file, kind, *rdf);
   }
@@ -152,6 +159,7 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
+    PrintDiagnostics(reply.warnings());
     return ReportChange(file, "facts", reply, reply.offset());
   }
 
@@ -175,6 +183,7 @@ class Loader {
       if (terminal) PrintProgress(absl::StrCat(ProgressBar(bytes, document->bytes), " ", rate(bytes), "   "));
     });
     if (terminal) std::cerr << "\n";
+    PrintDiagnostics(outcome.warnings);
     if (!outcome.status.ok()) {
       std::cerr << file << ": " << outcome.parts << " of " << document->parts.size() << " parts are loaded ("
                 << outcome.added << " statements were new); loading the file again adds the rest\n";
@@ -241,6 +250,7 @@ class Loader {
     request.set_media_type(MediaTypeOf(rdf.format));
     request.set_base_iri(rdf.base_iri);
     request.set_graph(facts_.Iri(arguments_.graph));
+    if (arguments_.replace) request.set_mode(v1::LoadRequest::REPLACE);
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
@@ -294,13 +304,23 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
   AddBaseOption(command, &arguments->base);
   command->add_option("--graph", arguments->graph, "Named graph that data is loaded into")->type_name("IRI");
+  command->add_flag(
+      "--replace", arguments->replace,
+      "Put the data of one file in the place of all that the graph of --graph holds, in one turn");
   command->add_option("--source", arguments->source, "Source that tells the facts (with --as facts)")
       ->type_name("IRI");
   command->footer(
       "Examples:\n"
       "  docent load hall.ttl guide.rules booth_guide.cawl.xml\n"
+      "  docent load --graph https://example.org/hall --replace hall.ttl\n"
       "  docent load --as ontology place.ttl robot.ttl");
   command->callback([arguments, exit_code] {
+    if (arguments->replace && (arguments->graph.empty() || arguments->files.size() != 1)) {
+      *exit_code = Fail(absl::InvalidArgumentError(
+          arguments->graph.empty() ? "--replace needs the graph that the data is for: --graph"
+                                   : "--replace takes one file: each would replace the one before"));
+      return;
+    }
     Loader loader(*arguments);
     for (const std::string& file : arguments->files) {
       *exit_code = loader.Load(file);

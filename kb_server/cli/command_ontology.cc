@@ -15,6 +15,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/display_width.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/result_json.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
@@ -121,6 +122,27 @@ int Load(const OntologyArguments& arguments, v1::LoadRequest::Mode mode) {
   return kExitOk;
 }
 
+nlohmann::json PlaceJson(const std::string& file, int line, int column) {
+  return {{"file", file}, {"line", line}, {"column", column}};
+}
+
+// The results as `docent validate --json` has them.
+void PrintCheckJson(const std::string& name, const v1::CheckModuleReply& reply) {
+  nlohmann::json object = {{"name", name}, {"conforms", reply.conforms()}, {"revision", reply.revision()}};
+  object["results"] = nlohmann::json::array();
+  for (const v1::ValidationResult& result : reply.results())
+    object["results"].push_back(ResultJson(FromProto(result)));
+  object["diagnostics"] = nlohmann::json::array();
+  for (const v1::Diagnostic& d : reply.diagnostics()) {
+    nlohmann::json diagnostic = PlaceJson(d.file(), d.line(), d.column());
+    diagnostic["severity"] = d.warning() ? "warning" : "error";
+    diagnostic["message"] = d.message();
+    diagnostic["hint"] = d.hint();
+    object["diagnostics"].push_back(std::move(diagnostic));
+  }
+  std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
+}
+
 int Check(const OntologyArguments& arguments) {
   auto stub = v1::Ontologies::NewStub(Connect(arguments.client));
   int exit_code = kExitOk;
@@ -131,13 +153,17 @@ int Check(const OntologyArguments& arguments) {
     grpc::ClientContext context;
     grpc::Status status = stub->Check(&context, *request, &reply);
     if (!status.ok()) return Fail(status, arguments.client);
+    if (!reply.conforms()) exit_code = kExitNegative;
+    if (arguments.client.json) {
+      PrintCheckJson(request->name(), reply);
+      continue;
+    }
     PrintDiagnostics(reply.diagnostics());
     for (const v1::ValidationResult& r : reply.results()) {
       std::cerr << shapes::Render(FromProto(r));
     }
     std::cout << request->name() << (reply.conforms() ? ": ok" : ": would violate shapes")
               << ", tried on revision " << reply.revision() << "\n";
-    if (!reply.conforms()) exit_code = kExitNegative;
   }
   return exit_code;
 }
@@ -187,7 +213,7 @@ absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, 
   v1::QueryReply reply;
   while (reader->Read(&reply)) {
     if (!reply.has_quad()) continue;
-    auto quad = FromProto(reply.quad(), "triple");
+    auto quad = FromProto(reply.quad(), "triple", Limits());
     if (!quad.ok()) return quad.status();
     quads.push_back(*std::move(quad));
   }

@@ -57,7 +57,8 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
       for (const v1::Term& term : reply.row().values()) terms.push_back(FromProto(term));
       printer.Row(terms);
     } else if (reply.has_quad()) {
-      if (auto quad = FromProto(reply.quad(), "triple"); quad.ok()) printer.Triple(*std::move(quad));
+      if (auto quad = FromProto(reply.quad(), "triple", Limits()); quad.ok())
+        printer.Triple(*std::move(quad));
     }
   }
   const grpc::Status status = reader->Finish();

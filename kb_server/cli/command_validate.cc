@@ -16,6 +16,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/display_width.h"
+#include "kb_server/cli/result_json.h"
 #include "kb_server/cli/terminal.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
@@ -53,21 +54,10 @@ int PrintRdf(const std::vector<TermQuad>& report, bool conforms) {
   return conforms ? kExitOk : kExitNegative;
 }
 
-void PrintResultJson(const shapes::ResultText& r) {
-  nlohmann::json object = {{"severity", r.severity}, {"focus", r.focus},    {"path", r.path},
-                           {"value", r.value},       {"shape", r.shape},    {"constraint", r.component},
-                           {"message", r.message},   {"details", r.details}};
-  if (!r.file.empty()) {
-    object["file"] = r.file;
-    object["line"] = r.line;
-    object["column"] = r.column;
-  }
-  if (!r.shape_file.empty()) {
-    object["shape_file"] = r.shape_file;
-    object["shape_line"] = r.shape_line;
-    object["shape_column"] = r.shape_column;
-  }
-  std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
+void PrintResultJson(const shapes::ResultText& result) {
+  std::cout << PrintableJson(
+                   ResultJson(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+            << "\n";
 }
 
 void PrintEnd(bool json, bool conforms, uint64_t total, uint64_t focus_nodes, const std::string& summary) {
@@ -186,7 +176,7 @@ int ValidateServer(const ValidateArguments& arguments) {
   if (arguments.rdf) {
     std::vector<TermQuad> quads;
     for (const v1::Quad& quad : reply.report()) {
-      auto triple = FromProto(quad, "report");
+      auto triple = FromProto(quad, "report", Limits());
       if (!triple.ok()) return Fail(triple.status());
       quads.push_back(*std::move(triple));
     }

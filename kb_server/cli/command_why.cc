@@ -12,6 +12,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
+#include "kb_server/cli/run_name.h"
 #include "kb_server/cli/terminal.h"
 
 namespace docent::server {
@@ -160,7 +161,8 @@ void AddCommon(CLI::App* command, WhyArguments* arguments) {
                        "A fact in Turtle ('S P O'), or the word ask and a query ('ASK { … }')")
           ->expected(1, 2);
   CLI::Option* run =
-      command->add_option("--run", arguments->run, "Ask about a run: what it waits for, or why it ended so")
+      TakesRunName(command->add_option("--run", arguments->run,
+                                       "Ask about a run: what it waits for, or why it ended so"))
           ->type_name("ID")
           ->excludes(question);
   command->add_option("--node", arguments->node, "Of the run only this node")->type_name("NAME")->needs(run);

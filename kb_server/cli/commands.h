@@ -17,7 +17,9 @@ inline constexpr char kGraphGroup[] = "Facts and queries";
 inline constexpr char kRobotsGroup[] = "Workflows and robots";
 
 void AddServeCommand(CLI::App* app, int* exit_code);
+void AddStatusCommand(CLI::App* app, int* exit_code);
 void AddLoadCommand(CLI::App* app, int* exit_code);
+void AddExportCommand(CLI::App* app, int* exit_code);
 void AddRulesCommand(CLI::App* app, int* exit_code);
 void AddTellCommand(CLI::App* app, int* exit_code);
 void AddQueryCommand(CLI::App* app, int* exit_code);

@@ -101,6 +101,9 @@ PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const Docu
       if (outcome.status.ok()) outcome.status = call->status;
       continue;
     }
+    for (v1::Diagnostic& warning : *call->reply.mutable_diagnostics()) {
+      if (warned.insert(warning.message()).second) outcome.warnings.Add(std::move(warning));
+    }
     outcome.added += call->reply.added();
     outcome.removed += call->reply.removed();
     outcome.inferred += call->reply.inferred();

@@ -40,8 +40,9 @@ std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat form
 struct PartsOutcome {
   grpc::Status status;
   uint64_t added = 0, removed = 0, inferred = 0;
-  uint64_t revision = 0;  // of the newest part
-  size_t parts = 0;       // that the server has acknowledged
+  uint64_t revision = 0;                                        // of the newest part
+  size_t parts = 0;                                             // that the server has acknowledged
+  google::protobuf::RepeatedPtrField<v1::Diagnostic> warnings;  // of the server, each once
 };
 // Sends the parts to Ontologies.Load, a few at a time: the server reads one while it applies another. `request` says name
 // and graph. `progress(bytes done)` is called after each part.

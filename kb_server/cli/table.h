@@ -27,6 +27,10 @@ class Table {
   void Add(std::vector<Cell> row);
   size_t rows() const { return rows_.size(); }
 
+  // Where the table is wider than the terminal, these columns are not cut. Columns without a text are left out then, and the
+  // last ones that have no room at all: "…" stands in their place in the header.
+  void KeepWhole(std::vector<size_t> columns) { whole_ = std::move(columns); }
+
   // Header, rule and rows, a line each. Where they are wider than the terminal, the widest columns give way: their cells
   // are cut, and end in "…". No column becomes narrower than kNarrowest.
   std::string Render(const Terminal& terminal) const;
@@ -34,8 +38,12 @@ class Table {
 
  private:
   std::vector<size_t> Widths(size_t columns) const;
+  void Narrow(size_t columns, std::vector<size_t>* widths) const;
+  // Whether a column with texts has no room.
+  bool LeavesOut(const std::vector<size_t>& widths) const;
 
   std::vector<std::string> header_;
+  std::vector<size_t> whole_;
   std::vector<std::vector<Cell>> rows_;
 };
 

@@ -63,15 +63,14 @@ void FillProcess(const ProcessStatus& process, v1::StatusReply* reply) {
 
 grpc::ServerUnaryReactor* ContextService::Status(grpc::CallbackServerContext* context,
                                                  const v1::StatusRequest*, v1::StatusReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers,
-                  [this, reply](grpc::ServerUnaryReactor* reactor) {
-                    reply->set_version(std::string(Version()));
-                    reply->set_on_violation(NameOf(ports_.on_violation));
-                    FillGraph(ports_, reply);
-                    FillDocuments(*ports_.catalog->Get(), reply);
-                    if (ports_.process) FillProcess(ports_.process(), reply);
-                    reactor->Finish(grpc::Status::OK);
-                  });
+  return OnWorker(ports_, context, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    reply->set_version(std::string(Version()));
+    reply->set_on_violation(NameOf(ports_.on_violation));
+    FillGraph(ports_, reply);
+    FillDocuments(*ports_.catalog->Get(), reply);
+    if (ports_.process) FillProcess(ports_.process(), reply);
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace docent::server

@@ -47,7 +47,8 @@ UpdateRequest ReplaceGraph(const Term& graph, WriteBatch batch) {
     operation.quad.graph = Term();
     quads->push_back(std::move(operation.quad));
   }
-  request.load = [quads](const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *quads; };
+  request.load = [triples = sparql::DocumentQuads(std::move(quads))](
+                     const std::string&) -> absl::StatusOr<sparql::DocumentQuads> { return triples; };
   return request;
 }
 

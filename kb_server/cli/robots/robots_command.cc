@@ -70,6 +70,7 @@ int ListRobots(const ClientOptions& options) {
   const Presenter presenter(options);
   Table table(
       {"robot", "state", "x, y, heading", "in", "held by", "reserved", "operations", "can", "adapter"});
+  table.KeepWhole({0, 1});
   for (const v1::RobotStatus& robot : reply.robots()) {
     const auto named = [&](std::string* out, const std::string& iri) { out->append(presenter.Iri(iri)); };
     table.Add({presenter.Iri(robot.robot()),

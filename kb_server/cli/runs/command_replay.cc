@@ -13,6 +13,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/run_name.h"
 #include "kb_server/cli/runs/replay_printer.h"
 #include "kb_server/cli/runs/steering_commands.h"
 #include "kb_server/cli/text_file.h"
@@ -112,7 +113,7 @@ void AddReplayCommand(CLI::App* app, int* exit_code) {
   command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
-  command->add_option("--run", arguments->run, "Id of the run")->type_name("ID")->required();
+  TakesRunName(command->add_option("--run", arguments->run, "Id of the run"))->type_name("ID")->required();
   command->add_option("--workflow", arguments->workflow, "The edited document; by default the one that ran")
       ->type_name("FILE");
   CLI::Option* node =
@@ -146,7 +147,7 @@ void AddSaveCommand(CLI::App* runs, int* exit_code) {
   CLI::App* command =
       runs->add_subcommand("save", "Save a run as a file, which docent test lives again after an edit");
   AddClientOptions(command, &arguments->client);
-  command->add_option("run", arguments->run, "Id of the run")->required();
+  TakesRunName(command->add_option("run", arguments->run, "Id of the run"))->required();
   command->add_option("--to", arguments->to, "File to write; by default, or -, the standard output")
       ->type_name("FILE");
   command->footer(

@@ -12,6 +12,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/run_name.h"
 #include "kb_server/cli/runs/run_printer.h"
 #include "kb_server/cli/runs/steering_commands.h"
 #include "kb_server/cli/variable_argument.h"
@@ -60,14 +61,22 @@ void Print(const ClientOptions& client, const Presenter& presenter, const v1::Ru
     PrintEvent(event, presenter);
 }
 
+// The date only where it is another one than that of the start.
+std::string EndText(const v1::Run& run) {
+  constexpr char kDate[] = "%Y-%m-%d";
+  const bool same = LocalTime(run.started_us(), kDate) == LocalTime(run.ended_us(), kDate);
+  return LocalTime(run.ended_us(), same ? "%H:%M:%S" : "%Y-%m-%d %H:%M:%S");
+}
+
 void PrintTable(const v1::ListRunsReply& reply, const Presenter& presenter) {
   Table table({"run", "state", "workflow", "started", "ended", "reason"});
+  table.KeepWhole({0, 1, 3, 4});
   for (const v1::Run& run : reply.runs()) {
     table.Add({run.id(),
                {StateOf(run), StyleOfState(StateOf(run))},
                run.workflow(),
                LocalTime(run.started_us(), "%Y-%m-%d %H:%M:%S"),
-               LocalTime(run.ended_us(), "%Y-%m-%d %H:%M:%S"),
+               EndText(run),
                presenter.names().InText(run.reason())});
   }
   std::cout << table.Render(presenter.terminal());
@@ -319,7 +328,8 @@ void AddRunsCommand(CLI::App* app, int* exit_code) {
   command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
   AddShowOptions(command, &arguments->client);
-  command->add_option("run", arguments->run, "Id of the run to show; by default all runs are listed");
+  TakesRunName(
+      command->add_option("run", arguments->run, "Id of the run to show; by default all runs are listed"));
   command->add_flag("--live", arguments->live, "List only runs that have not ended");
   command->add_option("--workflow", arguments->workflow, "List only runs of this workflow")
       ->type_name("NAME");

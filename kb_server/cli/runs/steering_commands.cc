@@ -12,6 +12,7 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/run_name.h"
 #include "kb_server/cli/runs/nodes_at_work.h"
 #include "kb_server/cli/runs/run_printer.h"
 #include "kb_server/cli/variable_argument.h"
@@ -233,7 +234,7 @@ void AddReason(CLI::App* command, const Arguments& arguments) {
 
 // Runs by their ids, or all of a workflow.
 void AddWhat(CLI::App* command, const Arguments& arguments) {
-  CLI::Option* runs = command->add_option("run", arguments->runs, "Ids of runs");
+  CLI::Option* runs = TakesRunName(command->add_option("run", arguments->runs, "Ids of runs"));
   CLI::Option* workflow = command
                               ->add_option("--workflow", arguments->workflow,
                                            "Every live run of this workflow, and the workflow itself")
@@ -246,7 +247,7 @@ void RequireWhat(const SteeringArguments& arguments) {
 }
 
 void AddNode(CLI::App* command, const Arguments& arguments) {
-  command->add_option("run", arguments->run, "Id of the run")->required();
+  TakesRunName(command->add_option("run", arguments->run, "Id of the run"))->required();
   command->add_option("node", arguments->node, "Name of the node; by default the only one with an incident");
 }
 
@@ -286,7 +287,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
 
   auto cancel = std::make_shared<SteeringArguments>();
   command = Add(runs, "cancel", "Cancel runs", cancel);
-  command->add_option("run", cancel->runs, "Ids of runs")->required();
+  TakesRunName(command->add_option("run", cancel->runs, "Ids of runs"))->required();
   command->add_flag("--compensate", cancel->compensate,
                     "Undo what its done nodes did, by their ext:compensate, last first");
   AddReason(command, cancel);
@@ -325,7 +326,7 @@ void AddSteeringCommands(CLI::App* runs, int* exit_code) {
 
   auto set = std::make_shared<SteeringArguments>();
   command = Add(runs, "set", "Give variables of a live run other values", set);
-  command->add_option("run", set->run, "Id of the run")->required();
+  TakesRunName(command->add_option("run", set->run, "Id of the run"))->required();
   command->add_option("values", set->values, "NAME=VALUE")->required();
   AddPrefixOption(command, &set->prefixes);
   command->footer(

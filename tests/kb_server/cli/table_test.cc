@@ -53,6 +53,33 @@ TEST(TableTest, ATerminalThatIsTooNarrowKeepsColumnsReadable) {
             "1234567…  1234567…\n");
 }
 
+Table Wide() {
+  Table table({"robot", "state", "pose", "held by", "adapter"});
+  table.Add({"expo:Robot-17", "standby", "3.10, 4.20 m, 0.00 rad", "", "127.0.0.1:7401"});
+  table.KeepWhole({0, 1});
+  return table;
+}
+
+TEST(TableTest, WhatIsToStayWholeStaysWholeAndWhatIsEmptyGoes) {
+  Terminal terminal;
+  terminal.columns = 50;
+  EXPECT_EQ(Wide().Render(terminal),
+            "robot          state    pose          adapter\n"
+            "-------------  -------  ------------  ------------\n"
+            "expo:Robot-17  standby  3.10, 4.20 …  127.0.0.1:…\n");
+  terminal.columns = 0;
+  EXPECT_NE(Wide().Render(terminal).find("held by"), std::string::npos) << "there is room";
+}
+
+TEST(TableTest, TheLastColumnsGoWhereThereIsNoRoomForThem) {
+  Terminal terminal;
+  terminal.columns = 34;
+  EXPECT_EQ(Wide().Render(terminal),
+            "robot          state    pose  …\n"
+            "-------------  -------  ----------\n"
+            "expo:Robot-17  standby  3.10, 4.2…\n");
+}
+
 TEST(TableTest, EmptyCellsLeaveNoTrailingBlanks) {
   Table table({"a", "b", "c"});
   table.Add({"1", "", "3"});
