@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/line_parser.h"
@@ -76,6 +77,7 @@ PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const Docu
   auto stub = v1::Ontologies::NewStub(channel);
   grpc::CompletionQueue queue;
   PartsOutcome outcome;
+  absl::flat_hash_set<std::string> warned;
   size_t next = 0, in_flight = 0, done_bytes = 0;
   while (true) {
     for (; in_flight < kInFlight && next < document.parts.size() && outcome.status.ok();
