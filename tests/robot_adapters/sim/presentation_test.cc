@@ -1,20 +1,13 @@
-// Presentation to visitors: page, screen server, voice; and the files about the drive.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
+// Presentation to visitors: page, picture, voice; and the files about the drive.
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "robot_adapters/sim/booth_page.h"
 #include "robot_adapters/sim/booth_picture.h"
 #include "robot_adapters/sim/drive_trace.h"
-#include "robot_adapters/sim/screen_server.h"
 #include "robot_adapters/sim/text_file.h"
 #include "robot_adapters/sim/voice.h"
 #include "robot_adapters/sim/world_state.h"
@@ -51,24 +44,6 @@ maps::HallLayout TinyHall() {
   booth.outline = {{6, 3}, {9, 3}, {9, 6}, {6, 6}};
   hall.regions.push_back(booth);
   return hall;
-}
-
-// One request over a plain socket; the whole answer.
-std::string Http(int port, const std::string& request) {
-  const int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address = {};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<uint16_t>(port));
-  inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
-  std::string answer;
-  if (connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
-      send(client, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size())) {
-    char bytes[4096];
-    for (ssize_t n; (n = recv(client, bytes, sizeof bytes, 0)) > 0;)
-      answer.append(bytes, static_cast<size_t>(n));
-  }
-  close(client);
-  return answer;
 }
 
 TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
@@ -128,41 +103,6 @@ TEST(SpokenTextTest, SaysTheBoothAsPeopleDo) {
   EXPECT_EQ(SpokenText({"", "Forum", "", "", "", {}}), "Welcome to booth Forum.");
   EXPECT_EQ(SpokenText({"", "B10", "", "", "", {}}), "Welcome to booth B 10.");
   EXPECT_EQ(SpokenText({"", "B00", "", "", "", {}}), "Welcome to booth B 0.");
-}
-
-TEST(ScreenServerTest, ShowsPages) {
-  auto screen = ScreenServer::Start(0);
-  ASSERT_TRUE(screen.ok()) << screen.status();
-  EXPECT_THAT(Http((*screen)->port(), "GET / HTTP/1.1\r\nHost: x\r\n\r\n"), HasSubstr("404 Not Found"));
-  const std::string address = (*screen)->Show("B03", "<h1>Stairs</h1>");
-  EXPECT_EQ(address, absl::StrCat("http://127.0.0.1:", (*screen)->port(), "/B03"));
-  for (const char* path : {"/", "/B03"}) {
-    const std::string answer =
-        Http((*screen)->port(), absl::StrCat("GET ", path, " HTTP/1.1\r\nHost: x\r\n\r\n"));
-    EXPECT_THAT(answer, HasSubstr("200 OK"));
-    EXPECT_THAT(answer, HasSubstr("<h1>Stairs</h1>"));
-    EXPECT_THAT(answer, HasSubstr("text/html; charset=utf-8"));
-  }
-  EXPECT_THAT(Http((*screen)->port(), "GET /../etc/passwd HTTP/1.1\r\nHost: x\r\n\r\n"), HasSubstr("404"));
-  EXPECT_THAT(Http((*screen)->port(), "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"),
-              HasSubstr("405"));
-  EXPECT_THAT(Http((*screen)->port(), "HEAD / HTTP/1.1\r\nHost: x\r\n\r\n"), Not(HasSubstr("<h1>")));
-  EXPECT_EQ(Http((*screen)->port(), "rubbish\r\n\r\n"), "");
-  EXPECT_TRUE(absl::IsUnavailable(ScreenServer::Start((*screen)->port()).status()));
-}
-
-TEST(ScreenServerTest, SaysWhatTheRobotSpeaksAndThatThePageHasChanged) {
-  auto screen = ScreenServer::Start(0);
-  ASSERT_TRUE(screen.ok()) << screen.status();
-  auto now = [&screen] { return Http((*screen)->port(), "GET /-/now HTTP/1.1\r\nHost: x\r\n\r\n"); };
-  EXPECT_THAT(now(), HasSubstr(R"({"change": 0, "text": "", "language": "", "share": 0.000})"));
-  (*screen)->Show("B03", "<h1>Stairs</h1>");
-  (*screen)->Say("Say \"hello\"\n\xED\x95\x9C", "ko", 0.25);
-  EXPECT_THAT(now(), HasSubstr("{\"change\": 1, \"text\": \"Say \\\"hello\\\"\\u000a\xED\x95\x9C\", "
-                               "\"language\": \"ko\", \"share\": 0.250}"));
-  EXPECT_THAT(now(), HasSubstr("application/json"));
-  EXPECT_THAT(Http((*screen)->port(), "GET /-/screen.js HTTP/1.1\r\nHost: x\r\n\r\n"),
-              HasSubstr("text/javascript"));
 }
 
 TEST(VoiceTest, SpeaksIntoAFileOfTheRightLength) {
