@@ -132,7 +132,7 @@ TEST_F(MisbehavingAdapterTest, ACommandThatOvertakesItsDeadlineIsCancelledAndIts
     reports_.AwaitFinal("before " + id);  // there is a connection: the next one goes out before its deadline
     adapter_.on_invoke = behaviour;
     adapter_.cancels = 0;
-    proxies_.Send(Command(id, "drive", 200));
+    proxies_.Send(Command(id, "drive", 1500));
     while (adapter_.cancels == 0) absl::SleepFor(absl::Milliseconds(1));
     absl::SleepFor(absl::Milliseconds(100));
     for (const Outcome outcome : reports_.Outcomes(id))

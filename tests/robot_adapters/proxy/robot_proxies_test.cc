@@ -126,7 +126,7 @@ TEST_F(RobotProxiesTest, ProgressIsReportedNowAndThenOnly) {
 // Nothing goes out before there is a connection, so it is known that the adapter does not have the command.
 TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddress) {
   proxies_.SetAdapter(RobotId(kRobot), "127.0.0.1:1", "");
-  proxies_.Send(Command("c/1", "quick", 300));
+  proxies_.Send(Command("c/1", "quick", 3000));  // that nobody is there is known long before
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
   EXPECT_THAT(report.message, HasSubstr("adapter at 127.0.0.1:1 did not take quick"));
@@ -327,9 +327,15 @@ TEST_F(RobotProxiesTest, OperationThatIsNotOfferedFailsWithTheAdaptersWords) {
   EXPECT_THAT(report.message, HasSubstr("no operation \"fly\""));
 }
 
+// By itself: the proxies would ask it to a minute later.
 TEST_F(RobotProxiesTest, AdapterGivesUpAtTheDeadline) {
   StartAdapter();
-  proxies_.Send(Decided("c/1", "wait", 200));
+  ProxySettings patient = FastSettings();
+  patient.grace = std::chrono::minutes(1);
+  RobotProxies proxies([this](WriteBatch batch) { reports_.Take(std::move(batch)); }, patient);
+  proxies.SetAdapter(RobotId(kRobot), address_, "");
+  proxies.Send(Decided("c/1", "wait", 1500));
+  AwaitRun();
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
   EXPECT_THAT(report.message, HasSubstr("deadline"));
