@@ -43,8 +43,8 @@ whose steps start when the graph says that the situation is right. This
 package has the server, its command line, a systemd unit, ontologies,
 scenarios and the gRPC definitions.")
 docent_package(docent-robot net "simulated guide robot for Docent"
-  "A robot adapter that localises with a particle filter, plans paths, drives
-in a simulated hall, shows pages and speaks, as a Docent server commands.")
+  "A robot adapter that localises with the particle filter of MRPT, plans paths,
+drives in a simulated hall, shows pages and speaks, as a Docent server commands.")
 docent_package(docent-robot-replay net "replay of recorded robots for Docent"
   "What docent-robot needs to replay the log of a real robot: a module that
 reads the rawlogs and maps of MRPT, and depends on it.")

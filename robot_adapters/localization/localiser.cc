@@ -66,10 +66,10 @@ struct Localiser::Impl {
   // Mean and covariance of the weighted particles; the heading's mean is that of the unit vectors.
   Estimate Summary() const {
     Estimate e;
-    double heaviest = -1e300, total = 0, sum_x = 0, sum_y = 0, sum_sin = 0, sum_cos = 0;
-    for (const Particle& particle : filter.particles()) heaviest = std::max(heaviest, particle.log_weight);
-    for (const auto& [pose, log_weight] : filter.particles()) {
-      const double w = std::exp(log_weight - heaviest);
+    const std::vector<Particle> particles = filter.particles();
+    double total = 0, sum_x = 0, sum_y = 0, sum_sin = 0, sum_cos = 0;
+    for (const auto& [pose, log_weight] : particles) {
+      const double w = std::exp(log_weight);
       total += w;
       sum_x += w * pose.x_m;
       sum_y += w * pose.y_m;
@@ -79,8 +79,8 @@ struct Localiser::Impl {
     e.x_m = sum_x / total;
     e.y_m = sum_y / total;
     e.heading_rad = std::atan2(sum_sin, sum_cos);
-    for (const auto& [pose, log_weight] : filter.particles()) {
-      const double w = std::exp(log_weight - heaviest) / total;
+    for (const auto& [pose, log_weight] : particles) {
+      const double w = std::exp(log_weight) / total;
       const double d[3] = {pose.x_m - e.x_m, pose.y_m - e.y_m,
                            maps::WrapAngle(pose.heading_rad - e.heading_rad)};
       for (int row = 0; row < 3; ++row) {
@@ -88,7 +88,7 @@ struct Localiser::Impl {
       }
     }
     e.neff = neff;
-    e.particles = static_cast<int>(filter.particles().size());
+    e.particles = static_cast<int>(particles.size());
     e.lost_share = lost_share;
     e.relocalisations = relocalisations;
     return e;

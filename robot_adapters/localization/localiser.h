@@ -1,7 +1,4 @@
-// Localiser: a particle filter with our sensor model on the hall's distance field.
-//
-// It was MRPT's filter once. What is used of one is small, and MRPT brings OpenCV, GTK, Qt and GDAL into whatever links it; the
-// bench compares the two (bench/localisation_bench.h has the figures).
+// Localiser: MRPT's particles with our sensor model on the hall's distance field.
 //
 // One thread at a time per Localiser; a process may have any number of them. The same seed and inputs give the same estimates.
 #ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_LOCALISER_H_

@@ -12,7 +12,7 @@ struct SensorModelSettings {
   double sigma_hit_m =
       0.06;                // 0.005..1: spread of a beam's end around the surface: laser noise and voxel edges
   double z_random = 0.05;  // 0.001..0.999: share of beams with random ends (people, clutter)
-  double temper = 0.10;    // 0.01..1: power of each beam's likelihood; neighbouring beams are not independent
+  double temper = 0.20;    // 0.01..1: power of each beam's likelihood; neighbouring beams are not independent
   int max_beams = 180;     // 1..10000: a longer scan is thinned evenly
   double cell_m = 0.025;   // 0.005..0.5: cells of the table of log-likelihoods, interpolated from the field
 };

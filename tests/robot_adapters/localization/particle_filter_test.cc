@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
+#include <vector>
 
 namespace docent::robot {
 namespace {
@@ -88,6 +90,28 @@ TEST(ParticleFilter, ImpossibleEverywhereIsAsGoodAsAnything) {
   ParticleFilter filter({}, 0.5, &random);
   filter.Spread({{{0, 0, 0}, 1.0}}, 1, 0.1, 100);
   EXPECT_GT(filter.Step({0, 0, 0}, [](const Pose2&) { return -1e6; }), 99);
+}
+
+// MRPT's random numbers are those of the process or the thread: each step seeds them.
+TEST(ParticleFilter, TheSameSeedGivesTheSameParticlesWhateverOthersDraw) {
+  const auto run = [](bool beside_another) {
+    std::mt19937_64 random(5), of_another(6);
+    ParticleFilter filter({}, 0.9, &random), another({}, 0.9, &of_another);
+    const auto weigh = [](const Pose2& p) { return -p.x_m * p.x_m; };
+    filter.Spread({{{0, 0, 0}, 1.0}}, 1, 0.1, 200);
+    another.Spread({{{0, 0, 0}, 1.0}}, 1, 0.1, 300);
+    for (int step = 0; step < 5; ++step) {
+      filter.Step({0.1, 0, 0.1}, weigh);
+      if (beside_another) another.Step({0.1, 0, 0.1}, weigh);
+    }
+    return filter.particles();
+  };
+  const std::vector<Particle> alone = run(false), beside = run(true);
+  ASSERT_EQ(alone.size(), beside.size());
+  for (size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_EQ(alone[i].robot_in_hall, beside[i].robot_in_hall);
+    EXPECT_EQ(alone[i].log_weight, beside[i].log_weight);
+  }
 }
 
 }  // namespace
