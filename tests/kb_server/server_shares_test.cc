@@ -9,11 +9,11 @@
 #include <functional>
 #include <thread>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "gmock/gmock.h"
 #include "tests/kb_server/http/http_client.h"
+#include "tests/kb_server/http/read_metric.h"
 #include "tests/kb_server/server_world.h"
 
 namespace docent::server::test {
@@ -45,17 +45,7 @@ class SilentServer {
 
 class ServerSharesTest : public ServerTest {
  protected:
-  double Metric(const std::string& name) {
-    const std::string page = HttpClient(http_port()).Ask("GET", "/metrics").body;
-    const size_t at = page.find(absl::StrCat("\n", name, " "));
-    double value = -1;
-    EXPECT_TRUE(at != std::string::npos) << name;
-    if (at != std::string::npos) {
-      const size_t begin = at + name.size() + 2;
-      EXPECT_TRUE(absl::SimpleAtod(page.substr(begin, page.find('\n', begin) - begin), &value));
-    }
-    return value;
-  }
+  double Metric(const std::string& name) { return ReadMetric(http_port(), name); }
   static void AwaitTrue(const std::function<bool()>& what) {
     for (int i = 0; i < 6000 && !what(); ++i) absl::SleepFor(absl::Milliseconds(10));
     EXPECT_TRUE(what());

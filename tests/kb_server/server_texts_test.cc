@@ -1,6 +1,7 @@
 // Long texts of users and robots: no list and no message grows with them.
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
+#include "graph/base/network_limits.h"
 #include "graph/base/text_limits.h"
 #include "tests/kb_server/server_world.h"
 
@@ -62,10 +63,15 @@ TEST_F(ServerTextsTest, AReasonIsCutAtTheDoor) {
   ASSERT_TRUE(Deploy("w.xml", kHolding).ok());
   v1::CancelRunRequest cancel;
   cancel.set_run(StartWith(1));
-  cancel.set_reason(std::string(5000000, 'r'));
+  cancel.set_reason(std::string(kNetworkLimits.request_bytes, 'r'));
   v1::Run run;
+  const grpc::Status refused = Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED)
+      << "the message is larger than the reason";
+  EXPECT_THAT(refused.error_message(), HasSubstr("(request_bytes)"));
+  cancel.set_reason(std::string(4000000, 'r'));
   ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).ok());
-  EXPECT_THAT(run.reason(), HasSubstr("rrr… (cut, of 5000000 bytes)"));
+  EXPECT_THAT(run.reason(), HasSubstr("rrr… (cut, of 4000000 bytes)"));
   EXPECT_LT(run.reason().size(), kTextLimits.message_bytes + 100);
 }
 
