@@ -91,11 +91,11 @@ class OverHttp(StageTest):
             bomb.join()
 
     def test_nesting_and_size_have_limits(self):
-        self.assert_refused(self.query("SELECT * " + "{" * 5000 + "}" * 5000), "query_nesting", codes=[400])
-        self.assert_refused(self.query("ASK { FILTER(" + "(" * 5000 + "1" + ")" * 5000 + ") }"), "query_nesting", codes=[400])
-        self.assert_refused(self.query("ASK { FILTER(" + "!" * 5000 + "true) }"), "query_nesting", codes=[400])
-        self.assert_refused(self.query("SELECT * { ?a " + "(" * 5000 + ":p" + ")*" * 5000 + " ?b }"), "query_nesting", codes=[400])
-        self.assert_refused(self.query("SELECT * { " + "OPTIONAL { ?a ?b ?c } " * 5000 + "}"), "query_elements", codes=[400])
+        self.assert_refused(self.query("SELECT * " + "{" * 5000 + "}" * 5000), "query_nesting", codes=[413])
+        self.assert_refused(self.query("ASK { FILTER(" + "(" * 5000 + "1" + ")" * 5000 + ") }"), "query_nesting", codes=[413])
+        self.assert_refused(self.query("ASK { FILTER(" + "!" * 5000 + "true) }"), "query_nesting", codes=[413])
+        self.assert_refused(self.query("SELECT * { ?a " + "(" * 5000 + ":p" + ")*" * 5000 + " ?b }"), "query_nesting", codes=[413])
+        self.assert_refused(self.query("SELECT * { " + "OPTIONAL { ?a ?b ?c } " * 5000 + "}"), "query_elements", codes=[413])
         values = " ".join(f'"{i:040}"' for i in range(30_000))
         self.assert_refused(self.query(f"SELECT * {{ VALUES ?x {{ {values} }} }}"), "query_text_bytes")
 

@@ -126,13 +126,12 @@ void Grammar::Expected(std::string_view what, std::string hint) {
 
 Grammar::Nested::Nested(Grammar* grammar) : grammar_(grammar) {
   const int limit = grammar->options_.limits.query_nesting;
-  ok_ = ++grammar->depth_ <= limit && !grammar->ended_;
-  if (!ok_ && !grammar->ended_) {
-    grammar->Error(grammar->Peek().span,
-                   "nested deeper than the limit query_nesting = " + std::to_string(limit),
-                   "split the query, or join the groups without nesting them");
-    grammar->ended_ = true;
+  if (++grammar->depth_ > limit) {
+    grammar->PastLimit(grammar->Peek().span,
+                       "nested deeper than the limit query_nesting = " + std::to_string(limit),
+                       "split the query, or join the groups without nesting them");
   }
+  ok_ = !grammar->ended_;
 }
 
 void Grammar::SkipPastBrace() {

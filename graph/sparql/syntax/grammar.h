@@ -126,7 +126,8 @@ class Grammar {
   bool PastPatterns();
   bool PastListElements();
   bool PastValues();
-  bool PastLimit(std::string_view what, std::string_view name, size_t limit, std::string hint);
+  bool PastCount(std::string_view what, std::string_view name, size_t limit, std::string hint);
+  bool PastLimit(const SourceSpan& span, std::string message, std::string hint);
   void BeginCounts();  // of another query or operation
   SourceSpan LastSpan() const;
   // Counts memory that the result keeps.

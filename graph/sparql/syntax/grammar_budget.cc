@@ -10,10 +10,8 @@ namespace docent::sparql {
 bool Grammar::CountElement(const SourceSpan& span) {
   const size_t limit = options_.limits.query_elements;
   if (++elements_ <= limit) return !ended_;
-  Error(span, "more parts than the limit query_elements = " + std::to_string(limit),
-        "use VALUES for long lists of alternatives");
-  ended_ = true;
-  return false;
+  return PastLimit(span, Concat("more parts than the limit query_elements = ", std::to_string(limit)),
+                   "use VALUES for long lists of alternatives");
 }
 
 bool Grammar::CountTriple(bool template_mode) {
@@ -23,12 +21,10 @@ bool Grammar::CountTriple(bool template_mode) {
   if (++triples_ <= kFewTriples) return !ended_;
   const size_t limit = std::max(kFewTriples, options_.limits.update_text_bytes / kBytesOfTriple);
   if (triples_ <= limit) return !ended_;
-  Error(Peek().span,
-        Concat("more than ", std::to_string(limit), " triples: one for each ", std::to_string(kBytesOfTriple),
-               " bytes of the limit update_text_bytes"),
-        "send several updates, or load a file");
-  ended_ = true;
-  return false;
+  return PastLimit(Peek().span,
+                   Concat("more than ", std::to_string(limit), " triples: one for each ",
+                          std::to_string(kBytesOfTriple), " bytes of the limit update_text_bytes"),
+                   "send several updates, or load a file");
 }
 
 bool Grammar::CountExpanded(const SourceSpan& span, size_t bytes) {
@@ -36,21 +32,18 @@ bool Grammar::CountExpanded(const SourceSpan& span, size_t bytes) {
   expanded_bytes_ += bytes;
   const size_t limit = options_.limits.update_text_bytes * kGrowth;
   if (expanded_bytes_ <= limit) return true;
-  if (!ended_) {
-    Error(span,
-          Concat("the IRIs of this text have more than ", std::to_string(limit), " bytes, written out: ",
-                 std::to_string(kGrowth), " for each byte of the limit update_text_bytes"),
-          "declare shorter prefixes, or send several updates");
-  }
-  ended_ = true;
-  return false;
+  return PastLimit(span,
+                   Concat("the IRIs of this text have more than ", std::to_string(limit),
+                          " bytes, written out: ", std::to_string(kGrowth),
+                          " for each byte of the limit update_text_bytes"),
+                   "declare shorter prefixes, or send several updates");
 }
 
 bool Grammar::CountPathStep() {
   Charge(2 * sizeof(Path) + kBytesOfAllocation);
   const size_t limit = options_.query_limits.query_path_steps;
   if (++path_steps_ <= limit) return !ended_;
-  return PastLimit("steps in property paths", "query_path_steps", limit, "split the path");
+  return PastCount("steps in property paths", "query_path_steps", limit, "split the path");
 }
 
 bool Grammar::CountOperation() {
@@ -58,27 +51,33 @@ bool Grammar::CountOperation() {
   Charge(2 * sizeof(UpdateOperation) + 2 * kBytesOfDeque);
   const size_t limit = options_.query_limits.update_operations;
   if (++operations_ <= limit) return !ended_;
-  return PastLimit("operations", "update_operations", limit, "send several updates");
+  return PastCount("operations", "update_operations", limit, "send several updates");
 }
 
 bool Grammar::PastPatterns() {
-  return PastLimit("patterns", "query_patterns", options_.query_limits.query_patterns, "split the query");
+  return PastCount("patterns", "query_patterns", options_.query_limits.query_patterns, "split the query");
 }
 
 bool Grammar::PastListElements() {
-  return PastLimit("members of lists and arguments", "query_list_elements",
+  return PastCount("members of lists and arguments", "query_list_elements",
                    options_.query_limits.query_list_elements, "use VALUES for long lists");
 }
 
 bool Grammar::PastValues() {
-  return PastLimit("values in VALUES", "query_values", options_.query_limits.query_values,
+  return PastCount("values in VALUES", "query_values", options_.query_limits.query_values,
                    "send the data in parts, or load them as a graph");
 }
 
-bool Grammar::PastLimit(std::string_view what, std::string_view name, size_t limit, std::string hint) {
-  std::string message = Concat("more ", what, " than the limit ", name, " = ", std::to_string(limit));
+bool Grammar::PastCount(std::string_view what, std::string_view name, size_t limit, std::string hint) {
+  return PastLimit(LastSpan(), Concat("more ", what, " than the limit ", name, " = ", std::to_string(limit)),
+                   std::move(hint));
+}
+
+// Of what is past several limits, the first is told.
+bool Grammar::PastLimit(const SourceSpan& span, std::string message, std::string hint) {
+  if (ended_) return false;
   if (stopped_.ok()) stopped_ = absl::ResourceExhaustedError(message);
-  Error(LastSpan(), std::move(message), std::move(hint));
+  Error(span, std::move(message), std::move(hint));
   ended_ = true;
   return false;
 }

@@ -8,16 +8,16 @@
 namespace docent::sparql {
 namespace {
 
-// Checks made before the lexer sees the text.
-std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options, bool update = false) {
+// Checks made before the lexer sees the text. `stopped`, if not null, is told of a limit.
+std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options, bool update = false,
+                                 absl::Status* stopped = nullptr) {
   const size_t limit = update ? options.limits.update_text_bytes : options.limits.query_text_bytes;
   if (text.size() > limit) {
-    return Diagnostic{options.file,
-                      {},
-                      "the text has " + std::to_string(text.size()) + " bytes, the limit " +
-                          (update ? "update_text_bytes" : "query_text_bytes") + " is " +
-                          std::to_string(limit),
-                      ""};
+    const std::string message = "the text has " + std::to_string(text.size()) + " bytes, the limit " +
+                                (update ? "update_text_bytes" : "query_text_bytes") + " is " +
+                                std::to_string(limit);
+    if (stopped != nullptr) *stopped = absl::ResourceExhaustedError(message);
+    return Diagnostic{options.file, {}, message, ""};
   }
   const size_t bad = FindInvalidUtf8(text);
   if (bad == std::string_view::npos) return std::nullopt;
@@ -46,7 +46,7 @@ ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* func
 
 ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
   ParsedQuery parsed;
-  if (std::optional<Diagnostic> refused = Refuse(text, options)) {
+  if (std::optional<Diagnostic> refused = Refuse(text, options, false, &parsed.stopped)) {
     parsed.diagnostics.push_back(*std::move(refused));
     return parsed;
   }
@@ -60,7 +60,7 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
 
 ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options) {
   ParsedUpdate parsed;
-  if (std::optional<Diagnostic> refused = Refuse(text, options, true)) {
+  if (std::optional<Diagnostic> refused = Refuse(text, options, true, &parsed.stopped)) {
     parsed.diagnostics.push_back(*std::move(refused));
     return parsed;
   }

@@ -101,10 +101,33 @@ TEST(QueryLimits, JoinedOperandsAreElements) {
     const ParsedQuery refused = ParseQuery("ASK {" + Times(more, 11) + "}", options);
     ASSERT_FALSE(refused.ok()) << more;
     EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("query_elements = 10")) << more;
+    EXPECT_EQ(ToStatus(refused, "").code(), absl::StatusCode::kResourceExhausted) << more;
   }
   std::string select = "SELECT (1 AS ?a0)";
   for (int i = 1; i < 11; ++i) select += "(1 AS ?a" + std::to_string(i) + ")";
   EXPECT_FALSE(ParseQuery(select + "{}", options).ok()) << "each is a node over the one before";
+}
+
+// So that a client can tell it from a mistake.
+TEST(QueryLimits, WhatIsPastALimitIsResourceExhaustedWhateverTheLimit) {
+  ParseOptions options;
+  options.limits.query_nesting = 10;
+  options.limits.query_elements = 10;
+  options.limits.query_text_bytes = 1000;
+  options.limits.update_text_bytes = 30000;
+  const auto code_of = [](const auto& parsed) { return ToStatus(parsed, "").code(); };
+  for (const std::string& query :
+       {"ASK " + Times("{", 30) + Times("}", 30), "ASK { FILTER(" + Times("!", 30) + "true) }",
+        "ASK { FILTER(" + Times("1 + ", 30) + "1) }", "ASK {" + Times(" ", 1000) + "}"}) {
+    EXPECT_EQ(code_of(ParseQuery(query, options)), absl::StatusCode::kResourceExhausted) << query;
+  }
+  for (const std::string& update :
+       {"INSERT DATA {" + Times("<u:a><u:a>1.", 2400) + "}", std::string(30001, ' '),
+        "PREFIX p: <u:" + Times("p", 3000) + "> INSERT DATA { p:a p:b " + Times("p:c,", 5000) + "p:c }"}) {
+    EXPECT_EQ(code_of(ParseUpdate(update, options)), absl::StatusCode::kResourceExhausted)
+        << update.substr(0, 40);
+  }
+  EXPECT_EQ(code_of(ParseQuery("ASK {", options)), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(QueryLimits, MemoryIsTheRequests) {
