@@ -8,7 +8,8 @@
 namespace docent {
 
 struct RuleLimits {
-  size_t rule_patterns = 10000;   // triple patterns in the body of one rule
+  size_t rule_patterns = 10000;         // triple patterns in the body of one rule
+  size_t rule_dependencies = 10000000;  // pairs of rules of which one may use what the other derives
   size_t body_variables = 32000;  // variables in the body of one rule, in one condition or subscribed query
 };
 

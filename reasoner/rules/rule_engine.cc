@@ -89,7 +89,7 @@ Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text, R
   if (HasErrors(diagnostics)) return diagnostics;
   RuleSets sets = impl_->state.sets;
   sets[std::string(name)] = std::make_shared<const ParsedRules>(std::move(parsed));
-  auto program = RuleProgram::Build(sets, impl_->dictionary, impl_->functions, diagnostics);
+  auto program = RuleProgram::Build(sets, impl_->dictionary, impl_->functions, diagnostics, origin);
   if (program == nullptr) return diagnostics;
   impl_->state.sets = std::move(sets);
   impl_->state.wanted = std::move(program);

@@ -1,10 +1,12 @@
 #include "reasoner/rules/rule_program.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/rule_limits.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "reasoner/rules/equality_rules.h"
@@ -33,8 +35,8 @@ void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_
   }
 }
 
-// Of all rules with all: each only with those whose heads have a predicate of its body.
-std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rules) {
+// Of all rules with all: each only with those whose heads have a predicate of its body. It ends past `most`.
+std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rules, size_t most) {
   const auto count = static_cast<uint32_t>(rules.size());
   absl::flat_hash_map<TermId, std::vector<uint32_t>> makers;  // by predicate; kNone: of any
   for (uint32_t b = 0; b < count; ++b) {
@@ -44,7 +46,7 @@ std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rule
     }
   }
   std::vector<RuleDependency> dependencies;
-  for (uint32_t a = 0; a < count; ++a) {
+  for (uint32_t a = 0; a < count && dependencies.size() <= most; ++a) {
     std::vector<uint32_t> used;
     for (const matching::Trigger& trigger : rules[a].body->triggers()) {
       const TermId predicate = trigger.match.constants.predicate;
@@ -140,14 +142,21 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
 // Finds rules that compute endlessly new values from their own results; each is an error with its cycle.
 bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rules,
                       const std::vector<RuleDependency>& dependencies, Diagnostics& diagnostics) {
-  bool ok = true;
+  constexpr int kMostTold = 20;
+  const auto count = static_cast<uint32_t>(rules.size());
+  const DependencyGraph graph = GraphOf(count, dependencies);
+  const std::vector<int> component = Stratify(count, dependencies).stratum;
+  std::vector<bool> cyclic(rules.size());  // by component
+  for (const RuleDependency& d : dependencies) {
+    if (component[d.from] == component[d.to]) cyclic[component[d.from]] = true;
+  }
+  int told = 0;
   uint32_t number = 0;
   for (const auto& [name, parsed] : sets) {
     for (const Rule& rule : parsed->rules) {
       const uint32_t r = number++;
-      if (rule.growing.empty()) continue;
-      const std::vector<uint32_t> cycle = CycleThrough(r, static_cast<uint32_t>(rules.size()), dependencies);
-      if (cycle.empty()) continue;
+      if (rule.growing.empty() || !cyclic[component[r]] || told == kMostTold) continue;
+      const std::vector<uint32_t> cycle = CycleThrough(r, graph);
       std::string message = absl::StrCat("may never end: ?", rule.growing[0],
                                          " is computed from the results of the rule itself: ");
       for (const uint32_t each : cycle) absl::StrAppend(&message, rules[each].label, " needs ");
@@ -155,10 +164,10 @@ bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rul
       diagnostics.push_back(
           {name, rule.growing_span.line > 0 ? rule.growing_span : rule.span, std::move(message),
            "bound it by a FILTER that compares, such as FILTER(?n < 100), or break the cycle"});
-      ok = false;
+      ++told;
     }
   }
-  return ok;
+  return told == 0;
 }
 
 }  // namespace
@@ -365,11 +374,22 @@ void RuleProgram::Index() {
 
 std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary& dictionary,
                                                 const sparql::FunctionRegistry* functions,
-                                                Diagnostics& diagnostics) {
+                                                Diagnostics& diagnostics, RuleTextOrigin origin) {
   auto program = std::make_shared<RuleProgram>();
   if (!program->Compile(sets, dictionary, functions, diagnostics)) return nullptr;
   program->FindEquality(sets, dictionary);
-  program->dependencies_ = DependenciesOf(program->rules);
+  const size_t most =
+      origin == RuleTextOrigin::kNew ? kRuleLimits.rule_dependencies : std::numeric_limits<size_t>::max();
+  program->dependencies_ = DependenciesOf(program->rules, most);
+  if (program->dependencies_.size() > most) {
+    const CompiledRule& last = program->rules[program->dependencies_.back().from];
+    diagnostics.push_back({last.set, last.span,
+                           absl::StrCat("the rules depend on each other in more pairs than the limit "
+                                        "rule_dependencies = ",
+                                        most),
+                           "write predicates in heads and bodies where there are variables"});
+    return nullptr;
+  }
   if (!program->FindOrdered(diagnostics)) return nullptr;
   if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics))
     return nullptr;

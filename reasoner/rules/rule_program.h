@@ -96,10 +96,11 @@ using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
 class RuleProgram {
  public:
   // Null and diagnostics (negation through recursion with its cycle, unknown functions) if the rules cannot
-  // run.
+  // run, or are new and go beyond rule_dependencies.
   static std::shared_ptr<RuleProgram> Build(const RuleSets& sets, Dictionary& dictionary,
                                             const sparql::FunctionRegistry* functions,
-                                            Diagnostics& diagnostics);
+                                            Diagnostics& diagnostics,
+                                            RuleTextOrigin origin = RuleTextOrigin::kAccepted);
 
   // Rules with negation that would depend on themselves under some axioms: the existing axioms decide their
   // order (negation_order.h). They, and all rules entangled with them, run in several strata; in each they

@@ -5,12 +5,10 @@
 namespace docent::rules {
 namespace {
 
-using Graph = std::vector<std::vector<uint32_t>>;
-
 // Tarjan's algorithm with an explicit stack. A component comes after all components on which it depends.
 class Components {
  public:
-  explicit Components(const Graph& graph)
+  explicit Components(const DependencyGraph& graph)
       : graph_(graph), order_(graph.size(), 0), low_(graph.size(), 0), component_(graph.size(), -1) {
     for (uint32_t v = 0; v < graph.size(); ++v) {
       if (order_[v] == 0) Visit(v);
@@ -61,7 +59,7 @@ class Components {
     ++count_;
   }
 
-  const Graph& graph_;
+  const DependencyGraph& graph_;
   std::vector<uint32_t> order_;
   std::vector<uint32_t> low_;
   std::vector<int> component_;
@@ -72,7 +70,7 @@ class Components {
 };
 
 // A shortest path from `from` to `to` along the graph, with both ends; empty: there is none.
-std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to) {
+std::vector<uint32_t> ShortestWay(const DependencyGraph& graph, uint32_t from, uint32_t to) {
   std::vector<int64_t> before(graph.size(), -1);
   std::vector<uint32_t> queue = {from};
   before[from] = from;
@@ -92,25 +90,33 @@ std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to
 
 }  // namespace
 
-std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
-                                   const std::vector<RuleDependency>& dependencies) {
-  Graph graph(rule_count);
+DependencyGraph GraphOf(uint32_t rule_count, const std::vector<RuleDependency>& dependencies) {
+  DependencyGraph graph(rule_count);
   for (const RuleDependency& d : dependencies) graph[d.from].push_back(d.to);
-  std::vector<uint32_t> shortest;
-  for (const uint32_t next : graph[rule]) {
-    if (next == rule) return {rule};
-    const std::vector<uint32_t> back = ShortestWay(graph, next, rule);
-    if (!back.empty() && (shortest.empty() || back.size() < shortest.size())) shortest = back;
+  return graph;
+}
+
+std::vector<uint32_t> CycleThrough(uint32_t rule, const DependencyGraph& graph) {
+  std::vector<int64_t> before(graph.size(), -1);
+  std::vector<uint32_t> queue = {rule};
+  for (size_t i = 0; i < queue.size(); ++i) {
+    for (const uint32_t w : graph[queue[i]]) {
+      if (w == rule) {
+        std::vector<uint32_t> cycle = {queue[i]};
+        while (cycle.back() != rule) cycle.push_back(static_cast<uint32_t>(before[cycle.back()]));
+        std::reverse(cycle.begin(), cycle.end());
+        return cycle;
+      }
+      if (before[w] >= 0) continue;
+      before[w] = queue[i];
+      queue.push_back(w);
+    }
   }
-  if (shortest.empty()) return {};
-  shortest.pop_back();
-  shortest.insert(shortest.begin(), rule);
-  return shortest;
+  return {};
 }
 
 Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& dependencies) {
-  Graph graph(rule_count);
-  for (const RuleDependency& d : dependencies) graph[d.from].push_back(d.to);
+  const DependencyGraph graph = GraphOf(rule_count, dependencies);
   const Components components(graph);
   Stratification result;
   result.stratum = components.component();

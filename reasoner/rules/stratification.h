@@ -28,10 +28,13 @@ struct Stratification {
   std::vector<uint32_t> negative_cycle;
 };
 
-// Rules r0 = `rule`, r1, …, each depends on the next and the last on the first; empty if there is no such
-// cycle.
-std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
-                                   const std::vector<RuleDependency>& dependencies);
+// By rule: those on which it depends.
+using DependencyGraph = std::vector<std::vector<uint32_t>>;
+DependencyGraph GraphOf(uint32_t rule_count, const std::vector<RuleDependency>& dependencies);
+
+// Rules r0 = `rule`, r1, …, each depends on the next and the last on the first, as few as there can be; empty if there is no
+// such cycle. It looks at each dependency once.
+std::vector<uint32_t> CycleThrough(uint32_t rule, const DependencyGraph& graph);
 
 // Strata are the strongly connected components (Tarjan, SIAM J. Comput. 1972) in the order of dependency.
 // Iterative, any size.

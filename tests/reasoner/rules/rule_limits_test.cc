@@ -92,6 +92,32 @@ TEST_F(RuleLimitsTest, VariablesOfABodyAreLimited) {
               HasSubstr("has 33002 variables; the limit body_variables is 32000"));
 }
 
+TEST_F(RuleLimitsTest, WhatDependsOnEverythingIsLimitedInPairs) {
+  const auto errors = [](int rules, RuleTextOrigin origin) {
+    std::string text = "PREFIX : <http://example.org/>\n";
+    for (int i = 0; i < rules; ++i)
+      absl::StrAppend(&text, "RULE { ?x ?q ?y } WHERE { ?x :p", i, " ?y . ?y :is", i, " ?q }\n");
+    TestWorld world;
+    RuleEngine engine(world.dictionary, {});
+    return Render(engine.PutRules("r", text, origin), "");
+  };
+  EXPECT_EQ(errors(1000, RuleTextOrigin::kNew), "");
+  EXPECT_THAT(errors(4000, RuleTextOrigin::kNew), HasSubstr("the limit rule_dependencies = 10000000"));
+}
+
+// Each of them is on a cycle, and most on many.
+TEST_F(RuleLimitsTest, OfManyRulesThatMayNeverEndTheFirstAreTold) {
+  std::string text = "PREFIX : <http://example.org/>\n";
+  for (int i = 0; i < 1000; ++i)
+    absl::StrAppend(&text, "RULE { ?x ?p ?m } WHERE { ?x :p", i, " ?n . ?x :of ?p BIND(?n + 1 AS ?m) }\n");
+  TestWorld world;
+  RuleEngine engine(world.dictionary, {});
+  const Diagnostics diagnostics = engine.PutRules("r", text);
+  EXPECT_EQ(diagnostics.size(), 20u);
+  EXPECT_THAT(Render(diagnostics, ""),
+              HasSubstr("may never end: ?m is computed from the results of the rule itself"));
+}
+
 TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
   Limits limits;
   limits.inferred_per_turn = 4;
