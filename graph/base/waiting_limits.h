@@ -10,6 +10,7 @@ namespace docent {
 struct WaitingLimits {
   size_t revisions_waiting = 1024;   // requests that wait for a revision; beyond: RESOURCE_EXHAUSTED
   uint64_t revisions_ahead = 65536;  // a revision further ahead of the newest is refused, not waited for
+  int queries_first = 768;           // queries begun beyond queries_open, of clients that have none begun
   int queries_stalled = 64;  // queries, updates and imports that wait for other servers or a past graph
   int notify_retry_after_ms =
       3600000;                  // the longest pause that a receiver of notifications asks for and gets

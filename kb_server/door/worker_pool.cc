@@ -14,7 +14,6 @@ namespace docent::server {
 namespace {
 
 constexpr absl::Duration kLookAtQueue = absl::Milliseconds(20);
-constexpr absl::Duration kLookAtCancellation = absl::Milliseconds(50);
 constexpr absl::Duration kSlice = absl::Milliseconds(2);  // of a processor, before a place is given up
 constexpr int kOverdue = 4;                               // times the short time, by the clock
 constexpr size_t kTimesFree = 3;  // a client may have so many times what is free of all
@@ -51,7 +50,8 @@ WorkerPoolLimits WorkerPoolLimitsOf(const Limits& limits) {
           limits.queries_short,
           absl::Milliseconds(limits.query_short_ms),
           absl::Milliseconds(limits.crowded_client_ms),
-          kWaitingLimits.queries_stalled};
+          kWaitingLimits.queries_stalled,
+          kWaitingLimits.queries_first};
 }
 
 WorkerPool::~WorkerPool() {
@@ -77,6 +77,10 @@ void WorkerPool::Stop() {
     }
     starting_.clear();
     queued_ = 0;
+    LetGoEnded();
+    work_.SignalAll();
+    waiting_.SignalAll();
+    closing_.SignalAll();
     for (const Piece* piece : pieces_) {
       if (piece->cancellation != nullptr) piece->cancellation->Cancel();
     }
@@ -98,29 +102,30 @@ void WorkerPool::Submit(Work work) {
           absl::StrCat(queued_ < limits_.queue ? "too much work of this client waits" : "too much work waits",
                        ": the limit queries_waiting is ", limits_.queue, "; nothing was done, try again"));
     } else {
-      if ((work.until != absl::InfiniteFuture() || limits_.short_running > 0) && !watch_.joinable()) {
-        watch_ = std::thread([this] { WatchQueue(); });
-      }
+      if (!watch_.joinable()) watch_ = std::thread([this] { Watch(); });
       std::unique_ptr<ClientWork>& of_client = clients_[client];
       if (of_client == nullptr) of_client = std::make_unique<ClientWork>();
       of_client->queue.push_back({std::move(work), absl::Now(), ++last_number_});
       ++queued_;
       shares_.Enter(client);
       Dispatch();
+      if (queued_ > 0) waiting_.Signal();
       return;
     }
   }
   work.refuse(refusal);
 }
 
-void WorkerPool::WatchQueue() {
+void WorkerPool::Watch() {
   while (true) {
     std::vector<Queued> late;  // with the work that never began, which may be large
     {
       absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(this, &WorkerPool::ClosedOrWaited));
-      if (!closed_) mutex_.AwaitWithTimeout(absl::Condition(&closed_), kLookAtQueue);
+      while (!closed_ && !IsWaitedFor()) waiting_.Wait(&mutex_);
+      const absl::Time next = absl::Now() + kLookAtQueue;
+      while (!closed_ && absl::Now() < next) closing_.WaitWithDeadline(&mutex_, next);
       if (closed_) return;
+      LetGoEnded();
       MoveOverdue();
       late = TakeLate();
     }
@@ -203,15 +208,26 @@ void WorkerPool::LeavePlace(Piece* piece) {
 }
 
 void WorkerPool::AwaitPlace(Piece* piece, const Cancellation* cancellation) {
+  piece->held = cancellation;
   line_.push_back(piece);
   Dispatch();
-  while (!mutex_.AwaitWithTimeout(absl::Condition(&piece->placed), kLookAtCancellation)) {
-    if (!closed_ && (cancellation == nullptr || !cancellation->IsOver())) continue;
-    line_.erase(std::find(line_.begin(), line_.end(), piece));  // it ends by itself now
-    piece->is_short = false;
-    piece->placed = true;
-    ++running_;
+  if (closed_) LetGoEnded();
+  if (!piece->placed) waiting_.Signal();
+  while (!piece->placed) piece->goes_on.Wait(&mutex_);
+}
+
+void WorkerPool::LetGoEnded() {
+  for (Piece* piece : std::vector<Piece*>(line_.begin(), line_.end())) {
+    if (closed_ || (piece->held != nullptr && piece->held->IsOver())) GoOn(piece, /*is_short=*/false);
   }
+}
+
+void WorkerPool::GoOn(Piece* piece, bool is_short) {
+  line_.erase(std::find(line_.begin(), line_.end(), piece));
+  piece->is_short = is_short;
+  piece->placed = true;
+  ++(is_short ? short_ : running_);
+  piece->goes_on.Signal();
 }
 
 WorkerPool::Piece* WorkerPool::FirstInLine(bool short_only) const {
@@ -229,11 +245,13 @@ WorkerPool::Piece* WorkerPool::FirstInLine(bool short_only) const {
 WorkerPool::ClientWork* WorkerPool::FirstQueued() {
   const size_t open = static_cast<size_t>(limits_.open);
   const size_t begun = pieces_.size() + starting_.size();
-  if (queued_ == 0 || begun >= open) return nullptr;
+  const bool first_only = begun >= open;
+  if (queued_ == 0 || begun >= open + static_cast<size_t>(limits_.first)) return nullptr;
   ClientWork* first = nullptr;
   absl::Duration least = absl::InfiniteDuration();
   for (const auto& [client, work] : clients_) {
-    if (work->queue.empty() || !MayHaveMore(client, work->begun, begun, open)) continue;
+    if (work->queue.empty()) continue;
+    if (first_only ? work->begun > 0 : !MayHaveMore(client, work->begun, begun, open)) continue;
     const absl::Duration time = shares_.TimeOf(client);
     const bool older =
         first != nullptr && time == least && work->queue.front().number < first->queue.front().number;
@@ -256,10 +274,7 @@ void WorkerPool::Dispatch() {
       Begin(queued);
       continue;
     }
-    piece->is_short = !HasPlace();
-    piece->placed = true;
-    ++(piece->is_short ? short_ : running_);
-    line_.erase(std::find(line_.begin(), line_.end(), piece));
+    GoOn(piece, /*is_short=*/!HasPlace());
   }
 }
 
@@ -270,7 +285,7 @@ void WorkerPool::Begin(ClientWork* client) {
   client->queue.pop_front();
   ++client->begun;
   --queued_;
-  if (idle_ >= starting_.size()) return;
+  if (idle_ >= starting_.size()) return work_.Signal();
   ++idle_;
   threads_.emplace_back([this] { Run(); });
 }
@@ -350,7 +365,7 @@ void WorkerPool::Run() {
 
 std::function<void()> WorkerPool::Take(Piece* piece) {
   absl::MutexLock lock(&mutex_);
-  mutex_.Await(absl::Condition(this, &WorkerPool::ClosedOrStarting));
+  while (!closed_ && starting_.empty()) work_.Wait(&mutex_);
   --idle_;
   if (starting_.empty()) return nullptr;
   Starting next = std::move(starting_.front());

@@ -7,8 +7,9 @@
 // Work that waits for something else than the processor (a client that reads slowly, another server) says so with a
 // `Waiting`, and others run meanwhile; what waits for a revision does not begin before (await_version.h). `open` bounds the
 // pieces that are begun and not ended, each of which holds a thread; `queue` those that are not begun. Of both, a client may
-// have three times as much as is free then, so that there is room for the next one. Where all threads are held and others
-// wait for one, the client that has been waited for the longest is `Crowded` out. Thread-safe.
+// have three times as much as is free then, so that there is room for the next one. Beyond `open`, `first` more are begun, of
+// clients that have nothing begun: whose work is small does not wait for a thread behind hundreds of others. Where all threads
+// are held and others wait for one, the client that has been waited for the longest is `Crowded` out. Thread-safe.
 #ifndef DOCENT_KB_SERVER_DOOR_WORKER_POOL_H_
 #define DOCENT_KB_SERVER_DOOR_WORKER_POOL_H_
 
@@ -51,6 +52,7 @@ struct WorkerPoolLimits {
   absl::Duration short_time = absl::ZeroDuration();
   absl::Duration crowded_time = absl::InfiniteDuration();  // a client is waited for so long at least
   int stalled = std::numeric_limits<int>::max();           // that wait for something else than a client
+  int first = 0;
 };
 
 // As the server's limits say.
@@ -136,6 +138,9 @@ class WorkerPool {
     absl::Time client_since = absl::InfiniteFuture();
     absl::Duration client_time = absl::ZeroDuration();  // waited for clients before
     bool crowded_out = false;
+    absl::CondVar goes_on;  // it is placed
+    const Cancellation* held =
+        nullptr;  // while it waits in line: ends that when it is over; null: nothing does
   };
   // It has a place, and a thread is on its way.
   struct Starting {
@@ -149,7 +154,7 @@ class WorkerPool {
   std::function<void()> Take(Piece* piece);
   void End(Piece* piece);
   // Ends the waiting of those whose time is over.
-  void WatchQueue();
+  void Watch();
   std::vector<Queued> TakeLate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Short places are not held for long by work that never looks at its cancellation.
   void MoveOverdue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -159,6 +164,9 @@ class WorkerPool {
   void LeavePlace(Piece* piece) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Waits in line for a place; without one where `cancellation`, if there is one, is over before.
   void AwaitPlace(Piece* piece, const Cancellation* cancellation) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Those in line that are over, or all where the pool is closed, end by themselves: they go on without a place.
+  void LetGoEnded() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void GoOn(Piece* piece, bool is_short) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Gives the free places to those who are first.
   void Dispatch() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Of those that have begun and wait for a place, the first; null: none.
@@ -173,10 +181,7 @@ class WorkerPool {
   absl::Time OldestQueued() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasShortPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return short_ < limits_.short_running; }
   bool HasPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return running_ < limits_.running; }
-  bool ClosedOrWaited() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || queued_ > 0; }
-  bool ClosedOrStarting() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return closed_ || !starting_.empty();
-  }
+  bool IsWaitedFor() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return queued_ > 0 || !line_.empty(); }
 
   const WorkerPoolLimits limits_;
   mutable absl::Mutex mutex_;
@@ -194,6 +199,10 @@ class WorkerPool {
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_ ABSL_GUARDED_BY(mutex_);
   std::thread watch_ ABSL_GUARDED_BY(mutex_);
+  // Hundreds of threads may wait: each is woken alone.
+  absl::CondVar work_;     // for threads without work
+  absl::CondVar waiting_;  // for watch_: somebody waits
+  absl::CondVar closing_;  // for watch_: the pool is closed
 };
 
 }  // namespace docent::server

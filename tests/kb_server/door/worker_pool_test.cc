@@ -219,7 +219,54 @@ TEST(WorkerPoolTest, SmallWorkOfAnotherClientPassesLargeWork) {
     pool.Submit(WorkOf([&] { done.Notify(); }, NewClient("small " + std::to_string(i))));
     done.WaitForNotification();
   }
-  EXPECT_EQ(pool.load().begun, 60u);
+  while (pool.load().begun > 60)
+    absl::SleepFor(absl::Milliseconds(1));  // the last small one says so before it ends
+  EXPECT_EQ(pool.load().begun, 60u) << "no heavy one has ended";
+  stop = true;
+}
+
+TEST(WorkerPoolTest, WhoHasNothingBegunBeginsBeyondWhatMayBeOpen) {
+  WorkerPoolLimits limits{1, 2, 100};
+  limits.first = 2;
+  absl::Notification go;
+  absl::BlockingCounter waiting(4), ended(2);
+  WorkerPool pool(limits);
+  const auto wait = [&] {
+    const WorkerPool::Waiting place_is_free;
+    waiting.DecrementCount();
+    go.WaitForNotification();
+  };
+  std::vector<ClientPtr> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.push_back(NewClient(std::to_string(i)));
+    pool.Submit(WorkOf(wait, clients.back()));
+  }
+  waiting.Wait();  // two are open, and two more have begun
+  pool.Submit(WorkOf([&] { ended.DecrementCount(); }, NewClient("one more")));
+  pool.Submit(WorkOf([&] { ended.DecrementCount(); }, clients[0]));
+  EXPECT_EQ(pool.load().queued, 2u) << "there is no thread";
+  go.Notify();
+  ended.Wait();
+}
+
+TEST(WorkerPoolTest, SmallWorkPassesLargeWorkThatHoldsAllThreads) {
+  WorkerPoolLimits limits{2, 20, 100};
+  limits.first = 60;
+  limits.short_running = 1;
+  limits.short_time = absl::Milliseconds(5);
+  std::atomic<bool> stop = false;
+  absl::BlockingCounter begun(60);
+  WorkerPool pool(limits);
+  for (int i = 0; i < 60; ++i) {
+    pool.Submit(WorkOf(Computing(&pool, std::make_shared<Cancellation>(), &stop, &begun),
+                       NewClient("heavy " + std::to_string(i))));
+  }
+  begun.Wait();
+  for (int i = 0; i < 20; ++i) {
+    absl::Notification done;
+    pool.Submit(WorkOf([&] { done.Notify(); }, NewClient("small " + std::to_string(i))));
+    done.WaitForNotification();
+  }
   stop = true;
 }
 
