@@ -124,6 +124,7 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   following.functions = &functions_;
   following.prefixes = &prefixes_;
   following.clock = &clock_;
+  following.query_memory = &query_memory_;
   following.limits = settings_.limits;
   following.subscription_limits = settings_.subscription_limits;
   following.default_graph = settings_.default_graph;

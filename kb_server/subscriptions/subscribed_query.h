@@ -17,6 +17,7 @@ struct Subscriptions::Subscription {
   uint32_t number = 0;
   SubscribedQuery followed;
   sparql::Query query;
+  size_t query_bytes = 0;              // text, query, and what is made of it
   std::optional<SubscribedForm> form;  // nullopt: always asked whole
   matching::TriggerAnalysis analysis;
   std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared

@@ -24,6 +24,7 @@ using sparql::PatternTerm;
 // Turns that wait are looked at before subscribers are woken, up to so many and so long after the first change.
 constexpr size_t kTurnsTogether = 16;
 constexpr absl::Duration kUnheard = absl::Milliseconds(5);
+constexpr size_t kCopies = 3;  // of a query: itself, its plan, what is known of its triggers
 
 void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
   const bool empty = term.term().IsIri() && term.term().lexical.empty();
@@ -132,9 +133,12 @@ void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscribe
   const auto known = settings_.prefixes == nullptr ? nullptr : settings_.prefixes->Get();
   sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
   options.known = known.get();
+  const auto memory =
+      std::make_shared<MemoryUse>(settings_.limits.query_memory_bytes, settings_.query_memory);
+  options.memory = memory.get();
   sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
   if (!parsed.ok()) {
-    done(ToStatus(parsed.diagnostics, query.text));
+    done(ToStatus(parsed, query.text));
     return;
   }
   if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk) {
@@ -149,8 +153,8 @@ void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscribe
   {
     absl::MutexLock lock(&mutex_);
     if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
-      openings_.push_back(
-          {query, std::move(parsed.query), std::move(subscriber), std::move(done), std::move(client)});
+      openings_.push_back({query, std::move(parsed.query), memory, std::move(subscriber), std::move(done),
+                           std::move(client)});
       return;
     }
   }
@@ -478,11 +482,9 @@ absl::Status Subscriptions::Evaluate(Subscription& subscription) {
       return ++count <= settings_.subscription_limits.subscription_rows;
     });
     if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
-    if (status.ok()) {
-      changed = subscription.answer->SetRows(version_->revision(), std::move(rows), time_us_);
-      status = Charge(subscription);
-    }
+    if (status.ok()) changed = subscription.answer->SetRows(version_->revision(), std::move(rows), time_us_);
   }
+  if (status.ok()) status = Charge(subscription);
   subscription.prepared->Stop();
   counters_.evaluation_ns +=
       static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
@@ -516,15 +518,15 @@ void Subscriptions::Ripen(TimeMicros now_us) {
   }
 }
 
-absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const SubscribedQuery& followed,
-                                                                       sparql::Query query,
-                                                                       const Client* client) {
+absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(Opening* opening) {
+  const SubscribedQuery& followed = opening->followed;
   if (const auto known = by_query_.find(followed); known != by_query_.end())
     return by_number_[known->second].get();
   auto subscription = std::make_unique<Subscription>();
   subscription->followed = followed;
-  subscription->payer = client;
-  subscription->query = std::move(query);
+  subscription->payer = opening->client.get();
+  subscription->query = std::move(opening->query);
+  subscription->query_bytes = followed.text.size() + kCopies * opening->memory->used();
   subscription->analysis =
       matching::AnalyseTriggers(matching::WithoutModifiers(*subscription->query.algebra));
   if (settings_.default_graph == sparql::DefaultGraph::kUnion)
@@ -552,7 +554,7 @@ absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const Sub
 }
 
 void Subscriptions::OpenNow(Opening opening) {
-  auto subscription = FindOrMake(opening.followed, std::move(opening.query), opening.client.get());
+  auto subscription = FindOrMake(&opening);
   if (!subscription.ok()) {
     opening.done(subscription.status());
     return;

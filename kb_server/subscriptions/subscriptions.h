@@ -32,6 +32,7 @@
 #include "absl/time/time.h"
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
 #include "graph/base/subscription_limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/term.h"
@@ -58,7 +59,7 @@ struct SubscriptionCounters {
   std::atomic<uint64_t> coalesced{
       0};  // turns looked at together with the one before: over subscription_backlog
   std::atomic<uint64_t> revision{0};  // that has been looked at
-  std::atomic<uint64_t> bytes{0};     // of answers, but for whole ones that are being sent
+  std::atomic<uint64_t> bytes{0};     // of queries and answers, but for whole ones that are being sent
 };
 
 // What is followed.
@@ -95,7 +96,8 @@ class Subscriptions {
     const sparql::FunctionRegistry* functions = nullptr;
     KnownPrefixes* prefixes = nullptr;  // null: the well-known ones
     const Clock* clock = nullptr;
-    Limits limits;  // of queries
+    MemoryBudget* query_memory = nullptr;  // while queries are read; null: each is bounded alone
+    Limits limits;                         // of queries
     SubscriptionLimits subscription_limits;
     sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
     std::string epoch;  // of this life of the server: part of every resume token
@@ -125,7 +127,7 @@ class Subscriptions {
 
   const std::string& epoch() const { return settings_.epoch; }
   SubscriptionCounters& counters() { return counters_; }
-  // What all answers hold; for metrics.
+  // What all queries and answers hold; for metrics.
   size_t bytes() const { return counters_.bytes + *all_wholes_; }
   // Waits until everything published so far has been looked at. For tests.
   void Drain();
@@ -141,6 +143,7 @@ class Subscriptions {
   struct Opening {
     SubscribedQuery followed;
     sparql::Query query;
+    std::shared_ptr<MemoryUse> memory;  // of the query
     std::shared_ptr<Subscriber> subscriber;
     Opened done;
     ClientPtr client;
@@ -151,8 +154,7 @@ class Subscriptions {
   void Run();
   void Process(Turn turn);
   void OpenNow(Opening opening);
-  absl::StatusOr<Subscription*> FindOrMake(const SubscribedQuery& followed, sparql::Query query,
-                                           const Client* client);
+  absl::StatusOr<Subscription*> FindOrMake(Opening* opening);
   // From the whole answer on `version_` on, its changes will be noticed.
   absl::Status Begin(Subscription& subscription);
   // The same for one that has begun before.
@@ -188,7 +190,7 @@ class Subscriptions {
   // Since when nobody follows it; InfiniteFuture: somebody does, or it goes.
   void NoteIdle(Subscription& subscription, absl::Time since);
   void DropIdle();
-  // Notes what its answer holds now; for that, answers that nobody follows go, the oldest first. An error: it is too much.
+  // Notes what it and its answer hold now; for that, answers that nobody follows go, the oldest first. An error: it is too much.
   absl::Status Charge(Subscription& subscription);
   bool HasRoomFor(const Client* client, size_t bytes) const;
   void SetCharged(Subscription& subscription, size_t bytes);

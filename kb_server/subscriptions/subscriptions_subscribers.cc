@@ -118,18 +118,18 @@ bool Subscriptions::HasRoomFor(const Client* client, size_t bytes) const {
 }
 
 absl::Status Subscriptions::Charge(Subscription& subscription) {
-  const size_t bytes =
-      subscription.answer->bytes() + (subscription.kept ? subscription.answer->size() * kKeptRowBytes : 0);
+  const size_t bytes = subscription.query_bytes + subscription.answer->bytes() +
+                       (subscription.kept ? subscription.answer->size() * kKeptRowBytes : 0);
   if (bytes > subscription.charged) {
     const size_t more = bytes - subscription.charged;
     while (!HasRoomFor(subscription.payer, more)) {
       const auto oldest = std::find_if(idle_.begin(), idle_.end(),
                                        [&](const auto& idle) { return idle.second != subscription.number; });
       if (oldest == idle_.end()) {
-        return OverloadError(absl::StrCat(
-            "what is followed is too much together: the limit subscriptions_bytes is ",
-            settings_.subscription_limits.subscriptions_bytes,
-            ", and this answer would hold a large part of it; ask for less, or try again later"));
+        return OverloadError(
+            absl::StrCat("what is followed is too much together: the limit subscriptions_bytes is ",
+                         settings_.subscription_limits.subscriptions_bytes,
+                         ", and this would hold a large part of it; ask for less, or try again later"));
       }
       Drop(oldest->second);
     }

@@ -30,7 +30,7 @@ class SubscriptionMemoryTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::vector<std::string> facts;
-    for (int i = 0; i < 400; ++i) facts.push_back(absl::StrCat(":s", i, " :p ", i));
+    for (int i = 0; i < 400; ++i) facts.push_back(absl::StrCat("s", i, " p ", i));
     world_.Apply(facts, {});
     Make({});
     ASSERT_TRUE(Open()->failed.ok());
@@ -53,11 +53,8 @@ class SubscriptionMemoryTest : public ::testing::Test {
     limits.subscriptions_bytes = static_cast<size_t>(answers * static_cast<double>(one_));
     Make(limits);
   }
-  // Follows an answer that no other shares.
-  std::shared_ptr<Follower> Open(ClientPtr client = nullptr) {
+  std::shared_ptr<Follower> Follow(const std::string& query, ClientPtr client = nullptr) {
     auto follower = std::make_shared<Follower>();
-    const std::string query = absl::StrCat(
-        "PREFIX : <http://example.org/> SELECT ?s ?o { ?s :p ?o FILTER(?o != ", 1000 + ++opened_, ") }");
     subscriptions_->Open(
         {query}, follower,
         [follower](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
@@ -68,6 +65,12 @@ class SubscriptionMemoryTest : public ::testing::Test {
         std::move(client));
     subscriptions_->Drain();
     return follower;
+  }
+  // Follows an answer that no other shares.
+  std::shared_ptr<Follower> Open(ClientPtr client = nullptr) {
+    return Follow(absl::StrCat("PREFIX : <http://example.org/> SELECT ?s ?o { ?s :p ?o FILTER(?o != ",
+                               1000 + ++opened_, ") }"),
+                  std::move(client));
   }
 
   TestWorld world_;
@@ -85,11 +88,28 @@ TEST_F(SubscriptionMemoryTest, AllAnswersTogetherHaveALimit) {
   const auto third = Open();
   EXPECT_TRUE(IsOverload(third->failed)) << "one past it";
   EXPECT_THAT(std::string(third->failed.message()), HasSubstr("subscriptions_bytes is "));
-  const Delta delta = world_.Apply({":s1 :p 5000"}, {});
+  const Delta delta = world_.Apply({"s1 p 5000"}, {});
   subscriptions_->Publish(world_.writer.Freeze(Revision(++revision_)), delta, clock_.Now());
   subscriptions_->Drain();
   EXPECT_TRUE(first->failed.ok());
   EXPECT_EQ(first->answer->size(), 401u) << "the others go on";
+}
+
+TEST_F(SubscriptionMemoryTest, QueriesCountAsTheirAnswersDo) {
+  std::string many = "ASK { VALUES ?o {";
+  for (int i = 0; i < 5000; ++i) absl::StrAppend(&many, " ", i);
+  const auto query = [&](int i) { return absl::StrCat(many, "} ?s <http://example.org/p> ?o } #", i); };
+  Make({});
+  ASSERT_TRUE(Follow(query(0))->failed.ok());
+  const size_t one = subscriptions_->bytes();
+  EXPECT_GT(one, 2 * many.size());
+  SubscriptionLimits limits;
+  limits.subscriptions_bytes = 5 * one / 2;
+  Make(limits);
+  EXPECT_TRUE(Follow(query(1))->failed.ok());
+  EXPECT_TRUE(Follow(query(2))->failed.ok());
+  EXPECT_TRUE(IsOverload(Follow(query(3))->failed));
+  EXPECT_TRUE(Follow("ASK { ?s ?p 1 }")->failed.ok()) << "there is room for a small one";
 }
 
 TEST_F(SubscriptionMemoryTest, WhatNobodyFollowsGoesForWhatIsFollowed) {
