@@ -88,9 +88,9 @@ class FileValidator {
     const char* shapes_graph = arguments_.shapes.empty() ? kDataGraph : kShapesGraph;
     const shapes::GraphView view = graph_.View(shapes_graph);
     const shapes::SourceMap& places = graph_.Places(shapes_graph);
-    const std::vector<std::string> regimes;  // files are as they are: nothing is inferred
     const shapes::ParsedShapes parsed =
-        shapes::ReadShapes(view, graph_.dictionary(), {}, &places, &functions_, &regimes);
+        shapes::ReadShapes(view, graph_.dictionary(), {}, &places, &functions_,
+                           {{}, Diagnostic::Severity::kError});  // files are as they are: nothing is inferred
     for (const Diagnostic& d : parsed.diagnostics) std::cerr << Render({d}, texts_[d.file]);
     if (!parsed.ok()) return kExitBad;
     if (!parsed.shapes.HasTargets()) {

@@ -31,8 +31,10 @@ struct GivenShapes {
   shapes::SourceMap places;
 };
 
+// `memory` counts what is kept.
 absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits, Cancellation* cancellation,
-                       GivenShapes* given) {
+                       MemoryUse* memory, GivenShapes* given) {
+  constexpr size_t kCopies = 2;  // of a quad: where it stands, and in the graph, its indexes included
   const TermId graph = given->dictionary.InternIri("urn:docent:shapes");
   int number = 0;
   for (const v1::ShapesText& text : request.shapes()) {
@@ -47,9 +49,15 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
     options.charset = "utf-8";
     options.limits = limits;
     options.cancellation = cancellation;
+    options.memory = memory;
     options.blank_node_scope = absl::StrCat("shapes", number++, "_");
     const LocatedRdf document = ParseLocatedRdf(text.text(), *format, options);
     if (!document.rdf.ok()) return ToStatus(document.rdf, text.text());
+    if (!memory->Add(kCopies * document.rdf.quads.size() * sizeof(TermQuad))) {
+      return memory->Refusal(absl::ResourceExhaustedError(
+          absl::StrCat(text.name(), ": the shapes are more than fit into the limit query_memory_bytes = ",
+                       limits.query_memory_bytes, "; give fewer at a time")));
+    }
     for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
       const TermQuad& q = document.rdf.quads[i];
       const Quad quad{given->dictionary.Intern(q.subject), given->dictionary.Intern(q.predicate),
@@ -103,15 +111,17 @@ absl::Status Validate(const RunPorts& ports, const v1::ValidateRequest& request,
                       v1::ValidateReply* reply) {
   const GraphVersionPtr version = ports.queries->Newest();
   GivenShapes given(ports.dictionary);  // it knows the terms of the version
-  if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
+  if (absl::Status status = ReadTexts(request, ports.limits, cancellation, memory.get(), &given);
+      !status.ok())
     return status;
   const bool own = request.shapes().empty();
   Dictionary& dictionary = given.dictionary;
   const shapes::GraphView graph = own ? shapes::GraphView(*version, ModuleGraphs(*version, dictionary))
                                       : shapes::GraphView(given.writer.current());
-  const std::vector<std::string> regimes = RegimesOf(ports);
   const shapes::ParsedShapes parsed =
-      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions, &regimes);
+      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions,
+                         {RegimesOf(ports), Diagnostic::Severity::kError});
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
   if (!parsed.shapes.HasTargets()) {
     return absl::InvalidArgumentError(

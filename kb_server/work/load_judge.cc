@@ -11,6 +11,7 @@
 #include "graph/store/graph_writer.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/work/rule_change.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
@@ -107,11 +108,11 @@ struct Outcome {
 // `delta`: a version of which this is known to be one step away, and that need not be looked at where the shapes do not see the
 // step; null: it is looked at.
 absl::StatusOr<Outcome> Validate(const ReadPorts& ports, const GraphVersion& version, Dictionary& dictionary,
-                                 const shapes::SourceMap* places, Cancellation* cancellation,
-                                 const Delta* delta = nullptr) {
+                                 const RuleTexts& rules, const shapes::SourceMap* places,
+                                 Cancellation* cancellation, const Delta* delta = nullptr) {
   Outcome outcome;
   outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)),
-                                      dictionary, {}, places, ports.functions);
+                                      dictionary, {}, places, ports.functions, {RegimesOf(rules)});
   if (!outcome.shapes.ok() || !outcome.shapes.shapes.HasTargets()) return outcome;
   if (delta != nullptr && !Reads(outcome.shapes.shapes, *delta, dictionary)) {
     outcome.sees = false;
@@ -184,7 +185,7 @@ shapes::ValidateOptions ValidateOptionsOf(const ReadPorts& ports, Cancellation* 
 }
 
 Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                              const LoadedText& text) {
+                              const LoadedText& text, const RuleTexts& rules) {
   if (!SpeaksOfShapes(batch)) return {};
   Dictionary dictionary(ports.dictionary);
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
@@ -192,7 +193,7 @@ Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, c
   const shapes::SourceMap places = PlacesOf(text, dictionary);
   const GraphVersion& after = writer.current();
   return OfText(shapes::ReadShapes(shapes::GraphView(after, ModuleGraphs(after, dictionary)), dictionary, {},
-                                   &places, ports.functions)
+                                   &places, ports.functions, {RegimesOf(rules)})
                     .diagnostics,
                 text);
 }
@@ -221,7 +222,7 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& 
   if (!delta.ok()) return delta.status();
   shapes::SourceMap places;
   if (SpeaksOfShapes(batch)) places = PlacesOf(text, dictionary);
-  auto after = Validate(ports, writer.current(), dictionary, &places, cancellation, &*delta);
+  auto after = Validate(ports, writer.current(), dictionary, rules, &places, cancellation, &*delta);
   if (!after.ok()) return after.status();
   LoadVerdict verdict;
   verdict.diagnostics = OfText(std::move(after->shapes.diagnostics), text);
@@ -241,7 +242,7 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& 
     }
   }
   if (after->report.conforms()) return verdict;
-  auto before = Validate(ports, version, dictionary, nullptr, cancellation);
+  auto before = Validate(ports, version, dictionary, rules, nullptr, cancellation);
   if (!before.ok()) return before.status();
   Collect(*before, *after, batch, text, dictionary, &verdict);
   if (verdict.results.empty() && after->report.total > before->report.total) {

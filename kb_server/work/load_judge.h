@@ -51,7 +51,7 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ReadPorts& ports, const WriteBatch& 
 // What a module's shapes say that is wrong or is not evaluated, as warnings and errors with their places in `text`. Nothing is
 // validated. Errors elsewhere, which the module may have brought about, have no place.
 Diagnostics CheckLoadedShapes(const ReadPorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                              const LoadedText& text);
+                              const LoadedText& text, const RuleTexts& rules);
 
 // A server's limits and functions for a validation.
 shapes::ValidateOptions ValidateOptionsOf(const ReadPorts& ports, Cancellation* cancellation);

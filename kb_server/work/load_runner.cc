@@ -171,7 +171,7 @@ void LoadRunner::Run(LoadJob job) {
   if (ports_.on_violation != OnViolation::kIgnore)
     return std::make_shared<Attempt>(*this, std::move(job), std::move(unknown))->Judge();
   LoadVerdict unjudged;
-  unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text);
+  unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text, Rules());
   Diagnostics warnings = AsWarnings(unjudged);
   warnings.insert(warnings.end(), unknown.begin(), unknown.end());
   auto done = [done = std::move(job.done), warnings = std::move(warnings)](

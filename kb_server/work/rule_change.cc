@@ -24,14 +24,19 @@ absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::s
   return RuleChange{version->revision(), *std::move(facts)};
 }
 
-std::vector<std::string> RegimesOf(const RunPorts& ports) {
+std::vector<std::string> RegimesOf(const std::vector<rules::RuleSetText>& sets) {
   std::vector<std::string> regimes;
-  const auto catalog = ports.catalog->Get();
-  for (const auto& set : catalog->rules) {
-    if (*set.text != rules::BuiltInRuleSet(set.name)) continue;
+  for (const rules::RuleSetText& set : sets) {
+    if (set.text != rules::BuiltInRuleSet(set.name)) continue;
     for (std::string& regime : rules::EntailmentRegimes(set.name)) regimes.push_back(std::move(regime));
   }
   return regimes;
+}
+
+std::vector<std::string> RegimesOf(const RunPorts& ports) {
+  std::vector<rules::RuleSetText> sets;
+  for (const auto& set : ports.catalog->Get()->rules) sets.push_back({set.name, *set.text});
+  return RegimesOf(sets);
 }
 
 }  // namespace docent::server

@@ -25,7 +25,8 @@ absl::StatusOr<RuleChange> PreviewRuleChange(const RunPorts& ports, const std::s
                                              const std::optional<std::string>& text, size_t shown,
                                              Cancellation* cancellation);
 
-// The entailment regimes that the graph follows, by the rule sets in use: those that shapes may name (sh:entailment).
+// The entailment regimes that the graph follows by these rule sets, or those in use: shapes may name them (sh:entailment).
+std::vector<std::string> RegimesOf(const std::vector<rules::RuleSetText>& sets);
 std::vector<std::string> RegimesOf(const RunPorts& ports);
 
 }  // namespace docent::server

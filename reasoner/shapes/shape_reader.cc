@@ -27,8 +27,7 @@ namespace {
 class ShapeReader {
  public:
   ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-              const SourceMap* places, const sparql::FunctionRegistry* functions,
-              const std::vector<std::string>* regimes)
+              const SourceMap* places, const sparql::FunctionRegistry* functions, const Regimes& regimes)
       : graph_(graph),
         dictionary_(dictionary),
         limits_(limits),
@@ -458,14 +457,15 @@ class ShapeReader {
 
   // Section 1.5: a regime that the data do not follow is a failure.
   void CheckEntailment() {
-    if (regimes_ == nullptr) return;
     graph_.ForEach(TermId(), Sh("entailment"), TermId(), [this](const Quad& q) {
-      const bool followed = q.object.IsIri() && std::find(regimes_->begin(), regimes_->end(),
-                                                          dictionary_.Lexical(q.object)) != regimes_->end();
-      if (!followed) {
+      const auto& followed = regimes_.followed;
+      if (!q.object.IsIri() ||
+          std::find(followed.begin(), followed.end(), dictionary_.Lexical(q.object)) == followed.end()) {
         Report(q.subject, "entailment",
-               Concat("the entailment regime ", Show(q.object), " is not supported here"),
-               "put the rule set of that regime in use at the server, rdfs or owl2rl, or remove the triple");
+               Concat("the entailment regime ", Show(q.object),
+                      " is not followed here, and a validation needs it"),
+               "put the rule set of that regime in use at the server, rdfs or owl2rl, or remove the triple",
+               regimes_.otherwise);
       }
       return true;
     });
@@ -475,7 +475,7 @@ class ShapeReader {
   void CheckWords() {
     for (const TermId predicate : graph_.version().predicates()) {
       const std::string_view iri = dictionary_.Lexical(predicate);
-      if (!iri.starts_with(kShaclNs) || (regimes_ != nullptr && predicate == Sh("entailment"))) continue;
+      if (!iri.starts_with(kShaclNs) || predicate == Sh("entailment")) continue;
       const std::string word(iri.substr(kShaclNs.size()));
       TermId last;
       graph_.ForEach(TermId(), predicate, TermId(), [&](const Quad& q) {
@@ -550,7 +550,7 @@ class ShapeReader {
   const Dictionary& dictionary_;
   const CheckLimits& limits_;
   const SourceMap* places_;
-  const std::vector<std::string>* const regimes_;  // null: not known
+  const Regimes& regimes_;
   PathReader paths_;
   const TermId type_;
   NodeRoles roles_;
@@ -565,7 +565,7 @@ class ShapeReader {
 
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
                         const SourceMap* places, const sparql::FunctionRegistry* functions,
-                        const std::vector<std::string>* regimes) {
+                        const Regimes& regimes) {
   return ShapeReader(graph, dictionary, limits, places, functions, regimes).Run();
 }
 

@@ -18,6 +18,13 @@ class FunctionRegistry;
 
 namespace docent::shapes {
 
+// The entailment regimes that the data follow (IRIs), and what it is where shapes name another one (sh:entailment): an error where
+// something is validated.
+struct Regimes {
+  std::vector<std::string> followed = {};
+  Diagnostic::Severity otherwise = Diagnostic::Severity::kWarning;
+};
+
 struct ParsedShapes {
   ShapeSet shapes;
   Diagnostics diagnostics;
@@ -30,17 +37,16 @@ struct ParsedShapes {
 //  error    an ill-formed path, list, parameter or target; a regular expression that cannot be compiled; a
 //           query that is not SPARQL, or that SHACL does not allow with given variables (appendix A); an
 //           ill-formed component that is used; shapes nested deeper than shape_nesting; a shape that refers to
-//           itself (section 3.4.3 leaves its meaning open: it is refused, with the cycle); a sh:entailment that
-//           is not among `regimes`, the IRIs that the data follow
+//           itself (section 3.4.3 leaves its meaning open: it is refused, with the cycle)
 //  warning  other triples with words of the sh: namespace that are not evaluated: unknown words (with the
 //           nearest known), words without effect at their node, or of unsupported features (rules, JavaScript,
-//           node expressions; entailment without `regimes`); unused nodes that look like shapes; unused ill-formed components
+//           node expressions); unused nodes that look like shapes; unused ill-formed components
+//  either   a sh:entailment of a regime that is not among `regimes`
 // At most CheckLimits::check_diagnostics of them. `places` may be null; `functions` too: then the functions of
 // a query are checked at its evaluation.
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits = {},
                         const SourceMap* places = nullptr,
-                        const sparql::FunctionRegistry* functions = nullptr,
-                        const std::vector<std::string>* regimes = nullptr);
+                        const sparql::FunctionRegistry* functions = nullptr, const Regimes& regimes = {});
 
 }  // namespace docent::shapes
 

@@ -84,9 +84,8 @@ struct NotEvaluated {
   std::string_view name, advice;
 };
 constexpr std::string_view kSayItOtherwise = "say it with SHACL Core, with sh:sparql, or as a rule";
-constexpr std::array<NotEvaluated, 24> kNotEvaluated = {{
+constexpr std::array<NotEvaluated, 23> kNotEvaluated = {{
     {"rule", "a sh:SPARQLRule is put in use by docent rules use FILE"},
-    {"entailment", "validation sees what the rule sets in use infer; put one in use, such as owl2rl"},
     {"expression", kSayItOtherwise},
     {"values", "write a rule that infers them"},
     {"js", kSayItOtherwise},

@@ -145,16 +145,18 @@ TEST_F(SparqlShapesTest, AnEntailmentThatIsNotFollowedIsAFailure) {
   Add("shapes.ttl",
       ":g sh:entailment <http://www.w3.org/ns/entailment/RDFS> . :S sh:targetNode :a ; "
       "sh:property [ sh:path :p ; sh:minCount 1 ] .");
-  const auto read = [&](const std::vector<std::string>* regimes) {
+  const auto read = [&](const Regimes& regimes) {
     return docent::Render(ReadShapes(graph_.View("urn:shapes.ttl"), graph_.dictionary(), {},
                                      &graph_.Places("urn:shapes.ttl"), nullptr, regimes)
                               .diagnostics,
                           "");
   };
-  const std::vector<std::string> none, rdfs = {"http://www.w3.org/ns/entailment/RDFS"};
-  EXPECT_THAT(read(&none), AllOf(HasSubstr("error"), HasSubstr("entailment/RDFS> is not supported here")));
-  EXPECT_THAT(read(&rdfs), IsEmpty());
-  EXPECT_THAT(read(nullptr), HasSubstr("warning"));
+  constexpr auto kError = Diagnostic::Severity::kError;
+  EXPECT_THAT(read({{}, kError}),
+              AllOf(HasSubstr("error"), HasSubstr("entailment/RDFS> is not followed here")));
+  EXPECT_THAT(read({{"http://www.w3.org/ns/entailment/RDFS"}, kError}), IsEmpty());
+  EXPECT_THAT(read({}), AllOf(HasSubstr("warning"), HasSubstr("a validation needs it")));
+  EXPECT_THAT(read({{"http://www.w3.org/ns/entailment/RDFS"}}), IsEmpty());
 }
 
 TEST_F(SparqlShapesTest, WhatIsDeactivatedSaysNothing) {
@@ -273,7 +275,7 @@ TEST_F(SparqlShapesTest, WhatIsNotEvaluatedIsAWarning) {
         "sh:js is not evaluated", "sh:values is not evaluated", "sh:select says nothing here",
         "sh:minCount says nothing here", "sh:ask says nothing here", "is not evaluated: it has no sh:select",
         "did you mean sh:minCount?", "did you mean sh:targetClass?", "<http://e/Lost>: is never used",
-        "sh:entailment is not evaluated", "sh:SPARQLFunction is not evaluated"}) {
+        "entailment/RDFS> is not followed here", "sh:SPARQLFunction is not evaluated"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }
