@@ -1,7 +1,9 @@
 // Context.Assert and Context.AssertStream: a message becomes a batch for the door.
 #include <chrono>
 #include <deque>
+#include <optional>
 
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -79,10 +81,11 @@ class AssertStreamReactor final : public AssertStreamPump {
   static void Push(const LinkPtr& stream, AssertStreamReactor* self, const RunPorts& ports,
                    const ClientPtr& client, uint64_t slot, const v1::AssertRequest& request) {
     Cancellation cancellation{std::chrono::milliseconds(ports.limits.query_timeout_ms)};
-    absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation);
+    const std::shared_ptr<MemoryUse> memory = IsLarge(request) ? MemoryOfRequest(ports) : nullptr;
+    absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation, memory.get());
     if (!batch.ok()) return AnswerAndReadOn(stream, self, ports, slot, batch.status());
     BringJudged(ports, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
-                [stream, self, &ports, slot](const absl::StatusOr<BatchOutcome>& outcome) {
+                [stream, self, &ports, slot, memory](const absl::StatusOr<BatchOutcome>& outcome) {
                   AnswerAndReadOn(stream, self, ports, slot, outcome);
                 });
   }
@@ -150,10 +153,15 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
   }
   const ClientPtr client = ClientOf(*context, ports_.clients);
   const auto push = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
-    absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits, cancellation.get());
+    const std::shared_ptr<MemoryUse> memory = cancellation ? MemoryOfRequest(ports_) : nullptr;
+    absl::StatusOr<WriteBatch> batch = [&] {
+      std::optional<WorkerPool::SharedWork> shared;
+      if (cancellation) shared.emplace(ports_.workers, cancellation.get());
+      return FromProto(*request, ports_.limits, cancellation.get(), memory.get());
+    }();
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     BringJudged(ports_, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
-                [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+                [reactor, reply, memory](const absl::StatusOr<BatchOutcome>& outcome) {
                   if (outcome.ok()) ToProto(*outcome, reply);
                   reactor->Finish(ToGrpc(outcome.status()));
                 });

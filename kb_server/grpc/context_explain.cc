@@ -7,6 +7,7 @@
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/door/history_port.h"
+#include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -95,7 +96,8 @@ explain::Prefixes PrefixesOf(const v1::ExplainRequest& request, const sparql::Qu
 }
 
 absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::ExplainRequest& request,
-                                            const ReadPorts& ports) {
+                                            const ReadPorts& ports, MemoryUse* memory,
+                                            Cancellation* cancellation) {
   const Limits& limits = ports.limits;
   if (text.size() > limits.query_text_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(
@@ -104,9 +106,11 @@ absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::E
   const auto known = KnownNames(ports);
   sparql::ParseOptions options = sparql::ParseOptionsWith(limits, ports.functions);
   options.known = known.get();
+  options.memory = memory;
+  options.cancellation = cancellation;
   for (const auto& [name, iri] : request.prefixes()) options.prefixes.emplace_back(name, iri);
   sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
+  if (!parsed.ok()) return ToStatus(parsed, text);
   if (parsed.query.form != sparql::Query::Form::kAsk && parsed.query.form != sparql::Query::Form::kSelect)
     return absl::InvalidArgumentError("ask about an ASK or a SELECT query");
   return std::move(parsed.query);
@@ -114,6 +118,7 @@ absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::E
 
 absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request, Cancellation* cancellation,
                     v1::ExplainReply* reply) {
+  const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
   std::optional<sparql::Query> query;
   TermQuad fact;
   if (request.question_case() == v1::ExplainRequest::kWhyFact) {
@@ -124,7 +129,8 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     return absl::InvalidArgumentError("no question; give why_fact, why_ask or why_not");
   } else {
     const bool why = request.question_case() == v1::ExplainRequest::kWhyAsk;
-    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports);
+    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports, memory.get(),
+                                cancellation);
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }

@@ -5,12 +5,14 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/memory_budget.h"
 #include "graph/base/overload.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/term_check.h"
+#include "graph/rdf/text_bytes.h"
 #include "graph/store/server_graphs.h"
 #include "graph/wire/message_bytes.h"
 #include "kb_server/robots/measures.h"
@@ -93,7 +95,7 @@ absl::Status CheckBase(const std::string& base_iri) {
 }
 
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
-                                     Cancellation* cancellation) {
+                                     Cancellation* cancellation, MemoryUse* memory) {
   if (absl::Status id = CheckRequestId(request.request_id()); !id.ok()) return id;
   if (!request.source().empty()) {
     if (absl::Status source = CheckIri(request.source(), "source"); !source.ok()) return source;
@@ -115,6 +117,12 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
       request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
   batch.lifetime_ms = request.lifetime_ms();
   batch.operations.reserve(request.remove_size() + request.add_size());
+  const auto count = [memory, &limits](size_t bytes) {
+    if (memory == nullptr || memory->Add(bytes)) return absl::OkStatus();
+    return memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
+        "the batch says more than fits into the limit query_memory_bytes = ", limits.query_memory_bytes,
+        "; send it in parts")));
+  };
   const auto measured = [&batch](const TermQuad& quad, const std::string& what) {
     if (batch.mode != WriteBatch::Mode::kAssert) return absl::OkStatus();
     return CheckMeasure(quad.predicate.lexical, quad.object, what);
@@ -127,6 +135,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     if (kind == QuadOperation::Kind::kAdd) {
       if (absl::Status status = measured(*out, what); !status.ok()) return status;
     }
+    if (absl::Status room = count(sizeof(QuadOperation) + TextBytes(*out)); !room.ok()) return room;
     batch.operations.push_back({kind, *std::move(out)});
     return absl::OkStatus();
   };
@@ -154,8 +163,10 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     options.limits = limits;
     options.blank_node_scope = BlankLabelStart(request.rdf());
     options.cancellation = cancellation;
+    options.memory = memory;
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
     if (!parsed.ok()) return ToStatus(parsed, request.rdf());
+    if (absl::Status room = count(2 * parsed.quads.size() * sizeof(QuadOperation)); !room.ok()) return room;
     for (TermQuad& quad : parsed.quads) {
       if (absl::Status status = measured(quad, "rdf"); !status.ok()) return status;
       batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});

@@ -21,6 +21,10 @@
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/request_memory.h"
 
+namespace docent {
+class MemoryUse;
+}
+
 namespace docent::server {
 
 using docent::FromProto;  // of terms: graph/wire/term_proto.h
@@ -43,9 +47,9 @@ uint64_t DigestOf(const std::string& request_id, const google::protobuf::Message
 absl::Status CheckBase(const std::string& base_iri);
 
 // The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for
-// `rdf`, line and column; RESOURCE_EXHAUSTED names the limit.
+// `rdf`, line and column; RESOURCE_EXHAUSTED names the limit. `memory` counts the batch, which stays counted; null: it is not.
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
-                                     Cancellation* cancellation = nullptr);
+                                     Cancellation* cancellation = nullptr, MemoryUse* memory = nullptr);
 
 // Names and values as they came; `what` names the field. INVALID_ARGUMENT, RESOURCE_EXHAUSTED as above.
 absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(

@@ -8,6 +8,7 @@
 
 #include "absl/time/clock.h"
 #include "docent/v1/replays.grpc.pb.h"
+#include "tests/kb_server/http/read_metric.h"
 #include "tests/kb_server/server_world.h"
 
 namespace docent::server::test {
@@ -173,10 +174,55 @@ TEST_F(ServerBoundsTest, EachCallEndsWithItsClientAndWithTheServer) {
     calls.push_back(
         std::async(std::launch::async, [entry, context = contexts.back().get()] { return entry(context); }));
   }
-  absl::SleepFor(absl::Milliseconds(300));
+  // All are at work; the simulation, which has workers of its own, may wait or be at work.
+  const double beside_simulation = static_cast<double>(calls.size() - 1);
+  while (ReadMetric(http_port(), "docent_work_begun") < beside_simulation)
+    absl::SleepFor(absl::Milliseconds(10));
   for (size_t i = 0; i < contexts.size(); i += 2) contexts[i]->TryCancel();
   StopServer();  // waits for all work
   for (std::future<grpc::Status>& call : calls) EXPECT_FALSE(call.get().ok());
+}
+
+// Each entry that takes a text counts what that says; and all of it is given back.
+TEST_F(ServerBoundsTest, WhatATextSaysIsMemoryOfItsRequest) {
+  settings_.limits.query_memory_bytes = 1 << 20;
+  StartServer();
+  std::string text = "@prefix : <urn:w:> . :a :b 0";
+  for (int i = 1; i < 30000; ++i) absl::StrAppend(&text, ",", i);
+  text += " .";
+  const auto expect_refused = [](const grpc::Status& status, const char* entry) {
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << entry;
+    EXPECT_THAT(status.error_message(), HasSubstr("query_memory_bytes = 1048576")) << entry;
+  };
+  v1::AssertRequest told;
+  told.set_rdf(text);
+  expect_refused(Assert(told), "rdf of Assert");
+  v1::AssertRequest added;
+  for (int i = 0; i < 20000; ++i) Go(added.add_add());
+  expect_refused(Assert(added), "facts of Assert");
+  expect_refused(Load(v1::LoadRequest::DATA, "", text), "data");
+  expect_refused(Load(v1::LoadRequest::ONTOLOGY, "m.ttl", text), "module");
+  v1::LoadRequest check;
+  check.set_kind(v1::LoadRequest::ONTOLOGY);
+  check.set_name("m.ttl");
+  check.set_text(text);
+  v1::CheckModuleReply checked;
+  expect_refused(Call(ontologies_, &v1::Ontologies::Stub::Check, check, &checked), "check of a module");
+  v1::ValidateRequest validate;
+  validate.add_shapes()->set_text(text);
+  v1::ValidateReply validated;
+  expect_refused(Call(ontologies_, &v1::Ontologies::Stub::Validate, validate, &validated), "shapes");
+  std::string question = "ASK { ?s ?p ?o VALUES ?o {";
+  for (int i = 0; i < 30000; ++i) absl::StrAppend(&question, " ", i);
+  question += " } }";
+  expect_refused(Query(question).status, "query");
+  for (const bool why : {true, false}) {
+    v1::ExplainRequest explain;
+    why ? explain.set_why_ask(question) : explain.set_why_not(question);
+    v1::ExplainReply explained;
+    expect_refused(Call(context_, &v1::Context::Stub::Explain, explain, &explained), "explain");
+  }
+  EXPECT_EQ(ReadMetric(http_port(), "docent_query_memory_bytes"), 0);
 }
 
 }  // namespace
