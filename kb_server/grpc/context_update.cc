@@ -29,7 +29,11 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
     update.cancellation = cancellation;
     options.memory = update.memory.get();
     options.cancellation = update.cancellation.get();
-    sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
+    sparql::ParsedUpdate parsed;
+    {
+      const WorkerPool::SharedWork shared(ports_.workers, cancellation.get());
+      parsed = sparql::ParseUpdate(request->update(), options);
+    }
     if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed, request->update())));
     update.update = std::move(parsed.update);
     update.request_id = request->request_id();

@@ -1,5 +1,6 @@
 #include "kb_server/grpc/grpc_server.h"
 
+#include <google/protobuf/stubs/logging.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/support/server_interceptor.h>
@@ -93,6 +94,7 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(const std::string&
 }
 
 absl::Status GrpcServer::Build(const Limits& limits, grpc::Service* replays) {
+  google::protobuf::SetLogHandler(nullptr);  // a line for each message that is wrong: its client is told
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;

@@ -119,8 +119,10 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
   const auto work = [this, client, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     Diagnostics of_text;
     const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports_);
-    absl::StatusOr<WriteBatch> batch =
-        ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text, memory.get());
+    absl::StatusOr<WriteBatch> batch = [&] {
+      const WorkerPool::SharedWork shared(ports_.workers, cancellation.get());
+      return ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text, memory.get());
+    }();
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadCallback done = [reactor, reply, memory, of_text = std::move(of_text)](
                             const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {

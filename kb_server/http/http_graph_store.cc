@@ -231,6 +231,7 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
 Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const Address& address,
                     Cancellation* cancellation) {
   const HttpRequest& http = exchange.request();
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   Content content;
   content.memory = MemoryOfRequest(ports);
   const std::string type = http.Header("content-type");
@@ -402,7 +403,11 @@ void Patch(const WritePorts& ports, Address address, std::shared_ptr<Cancellatio
   change->request.cancellation = std::move(cancellation);
   options.memory = change->request.memory.get();
   options.cancellation = change->request.cancellation.get();
-  sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
+  sparql::ParsedUpdate parsed;
+  {
+    const WorkerPool::SharedWork shared(ports.workers, options.cancellation);
+    parsed = sparql::ParseUpdate(body.text, options);
+  }
   if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed, body.text)));
   if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
     return exchange->Respond(TextResponse(422, std::string(status.message())));

@@ -105,7 +105,11 @@ void Update(const WritePorts& ports, const Measured& measured, const SparqlReque
   const std::shared_ptr<MemoryUse> memory = MemoryOfRequest(ports);
   options.memory = memory.get();
   options.cancellation = cancellation.get();
-  sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
+  sparql::ParsedUpdate parsed;
+  {
+    const WorkerPool::SharedWork shared(ports.workers, cancellation.get());
+    parsed = sparql::ParseUpdate(request.text, options);
+  }
   absl::Status status = ToStatus(parsed, request.text);
   if (status.ok()) status = SetUsing(request, &parsed.update, memory.get());
   if (!status.ok()) return Respond(exchange, measured, ErrorResponse(status));

@@ -35,6 +35,7 @@ absl::StatusOr<Query> Parse(const ReadPorts& ports, const QueryRequest& request,
   options.base_iri = request.base_iri;
   options.memory = memory;
   options.cancellation = cancellation;
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.text, options);
   if (!parsed.ok()) return ToStatus(parsed, request.text);
   if (!request.default_graphs.empty() || !request.named_graphs.empty()) {
