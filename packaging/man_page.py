@@ -43,10 +43,14 @@ class Help:
         self.usage = lines[usage].removeprefix("Usage: ")
         self.sections, self.footer = [], []
         for line in lines[usage + 1:]:
-            if self.footer or re.match(r"(Exit code|Examples?:|SIG)", line):
+            if self.footer and line[:1].islower():  # goes on with the line before
+                self.footer[-1] += f" {line}"
+            elif self.footer or re.match(r"(Exit code|Examples?:|SIG)", line):
                 self.footer.append(line)
-            elif line and not line.startswith(" "):
+            elif line and not line.startswith(" ") and line.endswith(":"):
                 self.sections.append((line.rstrip(":"), []))
+            elif line and not line.startswith(" "):
+                self.footer.append(line)
             elif line.strip():
                 self.item(line)
 

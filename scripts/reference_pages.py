@@ -36,7 +36,7 @@ def sentence(text):
     text = text.strip()
     if not text:
         return text
-    if re.match(r"[a-z]+( |$|; )", text):
+    if re.match(r"[a-z]+( |$|[,;] )", text):
         text = text[0].upper() + text[1:]
     return text if text.endswith((".", "?", "!", "…")) else text + "."
 
@@ -140,8 +140,8 @@ ontology modules, rule sets and workflows declare. The same prefixes may be used
 # ---- metrics ----------------------------------------------------------------------------------------------------------------
 
 
-def metrics_page(text):
-    """`text`: what /metrics answers."""
+def metric_families(text):
+    """Of what /metrics answers: name → its TYPE, HELP and labels."""
     families = {}
     for line in text.splitlines():
         told = re.match(r"# (HELP|TYPE) (\S+) (.*)", line)
@@ -152,6 +152,11 @@ def metrics_page(text):
         name = series and next((n for n in (series[1], re.sub(r"_(bucket|sum|count)$", "", series[1])) if n in families), None)
         if name and series[2]:
             families[name]["labels"] |= set(re.findall(r'(\w+)="', series[2])) - {"le"}
+    return families
+
+
+def metrics_page(text):
+    families = metric_families(text)
     rows = [[f"`{name}`", family["TYPE"], ", ".join(f"`{label}`" for label in sorted(family["labels"])),
              sentence(cell(family["HELP"]))] for name, family in sorted(families.items())]
     return "# Metrics\n" + NOTE + """
@@ -207,28 +212,49 @@ def read_limits(text):
         statement += " " + code.strip()
         field = re.fullmatch(r"\s*[\w:]+ (\w+)\s*=\s*([^;]+);\s*", statement)
         if field:
-            sentences = [text.rstrip(".") for text in (comment, " ".join(pending)) if text]
-            rows.append((section, field[1], number_of(field[2]), ". ".join(text[0].upper() + text[1:] for text in sentences)))
+            rows.append((section, field[1], number_of(field[2]), " ".join(sentence(text) for text in (comment, " ".join(pending)) if text)))
         if statement.rstrip().endswith((";", "}")):
             statement, pending = "", []
     return rows
 
 
-def limits_page():
-    parts = []
-    for path in sorted((ROOT / "graph/base").glob("*limits.h"), key=lambda p: (p.name != "limits.h", p.name)):
+# Where the headers are separate only for those who include them: what a heading of the page stands for.
+CHAPTERS = {
+    "of one query, or one operation of an update": "queries", "of an update": "updates and other servers", "memory of a turn": "turn",
+    "rdf/xml documents": "documents", "packed documents": "documents", "run": "workflow", "explain": "explanations", "proof": "explanations",
+    "regex": "regular expressions", "rule": "rules and standing queries", "map": "imports of maps", "web": "browser app and live connections",
+    "check": "checks", "replay": "replays", "subscription": "subscriptions", "text": "texts", "prefix": "prefixes"}
+
+
+def limit_headers():
+    return sorted((ROOT / "graph/base").glob("*limits.h"), key=lambda p: (p.name != "limits.h", p.name))
+
+
+def limits_page(metrics):
+    """`metrics`: what /metrics answers. A limit's metrics are those that say its name; else, the one of its name."""
+    names = {limit[1] for path in limit_headers() for limit in read_limits(path.read_text())}
+    seen = {}
+    for metric, family in sorted(metric_families(metrics).items()):
+        said = names.intersection(re.findall(r"\w+", family["HELP"])) or names.intersection([metric.removeprefix("docent_")])
+        for name in said:
+            seen.setdefault(name, []).append(f"`{metric}`")
+    chapters = {}
+    for path in limit_headers():
         of_file = {"limits.h": ""}.get(path.name, path.name.removesuffix("_limits.h"))
-        sections = {}
         for section, name, value, meaning in read_limits(path.read_text()):
             if not meaning:
                 raise ValueError(f"{path}: the limit {name} has no comment that says what it limits")
-            sections.setdefault(section or of_file, []).append([f"`{name}`", quantity(name, value), sentence(cell(meaning))])
-        for section, rows in sections.items():
-            parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "meaning"], rows))
+            heading = (section or of_file).lower()
+            chapters.setdefault(CHAPTERS.get(heading, heading), (section or of_file, []))[1].append(
+                [f"`{name}`", quantity(name, value), sentence(cell(meaning)), ", ".join(seen.get(name, []))])
+    parts = []
+    for chapter, (written, rows) in chapters.items():
+        title = written if written.lower() == chapter else chapter
+        parts.append(f"## {sentence(title).rstrip('.')}\n\n" + table(["limit", "value", "meaning", "[metric](metrics.md)"], rows))
     return "# Limits\n" + NOTE + """
 Every queue, loop, query, message and document of Docent has a named limit. An error at a limit gives its name and value. Limits
 that the [command line](cli.md#docent-serve) of `docent serve` sets have an option of the same name; the others are fixed when the
-program is built.
+program is built. The metrics of a limit show what is charged to it now, or what it refused.
 
 """ + "\n".join(parts)
 
