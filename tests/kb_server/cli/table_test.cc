@@ -66,7 +66,7 @@ TEST(TableTest, WhatIsToStayWholeStaysWholeAndWhatIsEmptyGoes) {
   EXPECT_EQ(Wide().Render(terminal),
             "robot          state    pose          adapter\n"
             "-------------  -------  ------------  ------------\n"
-            "expo:Robot-17  standby  3.10, 4.20 …  127.0.0.1:…\n");
+            "expo:Robot-17  standby  3.10, 4.20 …  127.0.0.1:7…\n");
   terminal.columns = 0;
   EXPECT_NE(Wide().Render(terminal).find("held by"), std::string::npos) << "there is room";
 }
