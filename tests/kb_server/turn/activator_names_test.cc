@@ -13,13 +13,12 @@ namespace {
 
 using test::Fact;
 using test::Iri;
+using test::kSecond;
 using test::Put;
 using test::Tell;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-constexpr TimeMicros kSecond = 1'000'000;
 
 std::string Constraint(const std::string& subject, const std::string& verb, const std::string& object) {
   return absl::StrCat("<constraint><subject>", subject, "</subject><verb>", verb, "</verb><object>", object,

@@ -12,6 +12,7 @@ namespace {
 
 using test::Fact;
 using test::Iri;
+using test::kSecond;
 using test::Put;
 using test::StateInFormat;
 using test::Tell;
@@ -19,8 +20,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-constexpr TimeMicros kSecond = 1'000'000;
 
 std::string Cawl(const std::string& activator, const std::string& flow) {
   return absl::StrCat(R"(<CAWL name="Bell" xmlns:docent="https://w3id.org/docent#" xmlns:w="urn:w:"

@@ -1,15 +1,20 @@
 // A workflow that waits for a time, turn by turn: it fires once, at the tick; a snapshot and a replay in
 // between give the same decisions.
 #include "gmock/gmock.h"
+#include "graph/rdf/date_time.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/store/graph_reader.h"
 #include "gtest/gtest.h"
 #include "kb_server/turn/turn.h"
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/test_world.h"
+#include "tests/kb_server/turn/turn_fixture.h"
 
 namespace docent::server {
 namespace {
 
 using test::Fact;
+using test::kSecond;
 using test::Put;
 using test::Tell;
 using ::testing::ElementsAre;
@@ -64,7 +69,43 @@ WriteBatch Tick() {
   return tick;
 }
 
-constexpr TimeMicros kSecond = 1'000'000;
+// A node that opens when a visitor was at the door for 10 s and the door was open for 20 s.
+constexpr char kDoor[] = R"(<CAWL name="Door" xmlns:w="urn:w:" xmlns:ext="https://w3id.org/docent/cawl-ext#">
+  <flow name="Door">
+    <source name="s"/>
+    <node name="N"><condition><context>
+      <rule ext:for="10s"><constraint><subject>?who</subject><verb>w:at</verb><object>w:Door</object></constraint></rule>
+      <rule ext:for="20s"><constraint><subject>w:Door</subject><verb>w:is</verb><object>w:Open</object></constraint></rule>
+    </context></condition></node>
+    <sink name="e"/>
+    <link from="s" to="N"/><link from="N" to="e"/>
+  </flow>
+</CAWL>
+)";
+
+TEST(LastingTurnTest, TheGraphSaysWhenANodeThatWaitsWillOpen) {
+  Side side;
+  const auto opens = [&side]() -> TimeMicros {
+    const GraphReader graph(side.dictionary, side.stages->writer.current());
+    const std::string at = graph.Object("urn:docent:run:Door-1/N", DocentIri("opensAt"));
+    return at.empty() ? 0 : MicrosOfDateTime(at);
+  };
+  side.Turn(Put(Document::Kind::kCawl, "door.xml", kDoor), kSecond);
+  side.Turn(test::Start("Door"), 2 * kSecond);
+  EXPECT_EQ(opens(), 0);
+  side.Turn(Tell({Fact("Door", "is", "Open")}), 10 * kSecond);
+  EXPECT_EQ(opens(), 0) << "nobody is there";
+  side.Turn(Tell({Fact("Ann", "at", "Door")}), 15 * kSecond);
+  EXPECT_EQ(opens(), 30 * kSecond) << "both have to have held";
+  side.Turn(Tell({Fact("Bob", "at", "Door")}, {Fact("Ann", "at", "Door")}), 25 * kSecond);
+  EXPECT_EQ(opens(), 35 * kSecond);
+  side.Turn(Tell({}, {Fact("Door", "is", "Open")}), 26 * kSecond);
+  EXPECT_EQ(opens(), 0);
+  side.Turn(Tell({Fact("Door", "is", "Open")}), 30 * kSecond);
+  EXPECT_EQ(opens(), 50 * kSecond);
+  EXPECT_THAT(side.Turn(Tick(), 50 * kSecond).record.transitions, ::testing::Not(IsEmpty()));
+  EXPECT_EQ(opens(), 0);
+}
 
 TEST(LastingTurnTest, WhoWasNotSeenForTheTimeStartsOneRunAtTheTick) {
   Side side;

@@ -14,6 +14,8 @@
 
 namespace docent::server::test {
 
+inline constexpr TimeMicros kSecond = 1'000'000;
+
 class TurnTest : public ::testing::Test {
  protected:
   TurnResult Turn(WriteBatch batch) {
