@@ -33,7 +33,9 @@ AnswerBook::AnswerBook(const RunCase& recorded) {
   for (const CaseTurn& turn : recorded.turns) {
     for (const CommandReport& report : turn.batch.reports) {
       reports_[report.command].emplace_back(&turn, &report);
-      if (!own_.contains(report.command)) others_.emplace(AttemptOf(report.command), report.command);
+      // A report about a command that nobody has sent by then is of none.
+      if (!own_.contains(report.command) && SentAt(report.command) <= turn.time_us)
+        others_.emplace(AttemptOf(report.command), report.command);
     }
   }
 }
@@ -71,7 +73,7 @@ bool AnswerBook::Answer(const Decision& command, std::vector<DueReport>* due) {
 
 void AnswerBook::AnswerOther(const RobotCommand& command, TimeMicros now_us, std::vector<DueReport>* due) {
   const auto known = others_.find(AttemptOf(command.id));
-  if (known == others_.end() || known->second == command.id) return;
+  if (known == others_.end() || reports_.contains(command.id)) return;  // told in the recorded turns
   for (const auto& [turn, report] : reports_[known->second]) {
     DueReport moved{now_us + std::max<TimeMicros>(0, turn->time_us - SentAt(known->second)), *report};
     moved.report.command = command.id;
