@@ -29,7 +29,7 @@ namespace {
 
 constexpr absl::Duration kPause = absl::Milliseconds(50);  // after an error
 constexpr absl::Duration kClosing =
-    absl::Seconds(5);  // is waited for gRPC to close what it was told to close
+    absl::Seconds(1);  // is waited for gRPC to close what it was told to close
 constexpr absl::Duration kScanPause = absl::Milliseconds(200);
 constexpr int kUnansweredMs =
     20000;  // what was sent to a peer and is not taken by its system: the connection ends
