@@ -287,8 +287,10 @@ absl::Status Server::StartGrpc(size_t connections) {
   auto server =
       GrpcServer::Start(settings_.grpc_address, connections, ports_, &leases_, replays_service_.get());
   if (!server.ok()) {
-    return absl::Status(server.status().code(),
-                        absl::StrCat(server.status().message(), "; choose another with --grpc"));
+    return absl::Status(
+        server.status().code(),
+        absl::StrCat(server.status().message(),
+                     "; choose another with --grpc, and give it to clients as DOCENT_SERVER"));
   }
   grpc_server_ = *std::move(server);
   grpc_address_ = absl::StrCat(address->host, ":", grpc_server_->listener().port());

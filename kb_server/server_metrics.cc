@@ -44,7 +44,7 @@ void AddTurnMetrics(const MeasuredParts& parts, Metrics* metrics) {
         "Firings of activators that started no run: by ext:mode, ext:max or a limit, or while the workflow "
         "was paused or disabled",
         &counters->firings_ignored);
-  metrics->AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
+  metrics->AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended (runs_live)",
                             [counters] { return static_cast<double>(counters->live_runs.load()); });
   metrics->AddGaugeFunction("docent_commands_open", "Commands that have no final report yet",
                             [parts] { return static_cast<double>(parts.proxies->open()); });
@@ -102,9 +102,10 @@ void AddMemoryMetrics(const MeasuredParts& parts, Metrics* metrics) {
                             [parts] { return static_cast<double>(parts.history->kept_versions()); });
   metrics->AddGaugeFunction("docent_history_bytes", "Memory that these versions alone hold",
                             [parts] { return static_cast<double>(parts.history->kept_bytes()); });
-  metrics->AddGaugeFunction("docent_query_memory_bytes",
-                            "Memory that queries and updates hold, beyond what is small",
-                            [parts] { return static_cast<double>(parts.query_memory->taken()); });
+  metrics->AddGaugeFunction(
+      "docent_query_memory_bytes",
+      "Memory that queries and updates hold, beyond what is small (queries_memory_bytes)",
+      [parts] { return static_cast<double>(parts.query_memory->taken()); });
   metrics->AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary",
                             [parts] { return static_cast<double>(parts.dictionary->bytes()); });
 }
@@ -135,14 +136,16 @@ void AddSubscriptionMetrics(const MeasuredParts& parts, Metrics* metrics) {
   const auto read = [](const std::atomic<uint64_t>* value) {
     return [value] { return static_cast<double>(value->load()); };
   };
-  metrics->AddGaugeFunction("docent_subscriptions",
-                            "Queries that clients follow, each as often as it is followed",
-                            read(&counters->open));
+  metrics->AddGaugeFunction(
+      "docent_subscriptions",
+      "Queries that clients follow, each as often as it is followed (subscriptions_open)",
+      read(&counters->open));
   metrics->AddGaugeFunction("docent_subscription_queries", "Different queries that are followed",
                             read(&counters->queries));
   metrics->AddGaugeFunction("docent_subscription_revision",
                             "Revision up to which followed queries are looked at", read(&counters->revision));
-  metrics->AddGaugeFunction("docent_subscription_bytes", "Memory of followed answers, about",
+  metrics->AddGaugeFunction("docent_subscription_bytes",
+                            "Memory of followed queries and their answers, about (subscriptions_bytes)",
                             [parts] { return static_cast<double>(parts.subscriptions->bytes()); });
   metrics->AddCounterFunction("docent_subscription_evaluations_total",
                               "Followed queries evaluated because a change could match them",

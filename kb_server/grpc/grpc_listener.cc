@@ -22,6 +22,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "kb_server/door/port_in_use.h"
 #include "spdlog/spdlog.h"
 
 namespace docent::server {
@@ -134,11 +135,6 @@ absl::StatusOr<std::unique_ptr<GrpcListener>> GrpcListener::Listen(const std::st
   return listener;
 }
 
-// Clients without --server would go on to the server that is there.
-constexpr char kInUse[] =
-    "; another program listens there, such as a docent that is a service (systemctl stop docent ends it); or "
-    "choose addresses by --grpc and --http, and for clients by DOCENT_SERVER";
-
 absl::Status GrpcListener::Bind(const std::string& address) {
   const std::string what = absl::StrCat("cannot listen on ", address, " for gRPC: ");
   const size_t colon = address.rfind(':');
@@ -171,7 +167,7 @@ absl::Status GrpcListener::Bind(const std::string& address) {
   }
   freeaddrinfo(found);
   if (error == EADDRINUSE || error == EACCES || listening_.empty()) {
-    return absl::UnavailableError(absl::StrCat(what, strerror(error), error == EADDRINUSE ? kInUse : ""));
+    return absl::UnavailableError(absl::StrCat(what, strerror(error), error == EADDRINUSE ? kPortInUse : ""));
   }
   stop_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   return stop_ >= 0 ? absl::OkStatus() : absl::UnavailableError(absl::StrCat(what, strerror(errno)));

@@ -1,4 +1,5 @@
 #include "kb_server/http/http_server.h"
+#include "kb_server/door/port_in_use.h"
 
 #include "kb_server/http/http_connection.h"  // before Asio's own headers: it includes <utility>, which they forget
 
@@ -214,7 +215,10 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOp
   if (!error) bound.set_option(net::socket_base::reuse_address(true), error);
   if (!error) bound.bind(endpoint, error);
   if (!error) bound.listen(net::socket_base::max_listen_connections, error);
-  if (error) return absl::FailedPreconditionError(absl::StrCat(what, ": ", error.message()));
+  if (error) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(what, ": ", error.message(), error == net::error::address_in_use ? kPortInUse : ""));
+  }
   const Tcp::endpoint listening = bound.local_endpoint();
 
   auto impl = std::make_unique<Impl>(options, std::move(routes), listening.port());

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
+#include "kb_server/door/port_in_use.h"
 #include "tests/kb_server/http/http_client.h"
 
 namespace docent::server {
@@ -558,8 +559,9 @@ TEST(HttpServerTest, PortInUseAndBadAddressesAreOneLine) {
   options.listen = server->address();
   const auto second = HttpServer::Start(options, {});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(std::string(second.status().message()),
-            absl::StrCat("cannot listen for HTTP on ", server->address(), ": Address already in use"));
+  EXPECT_EQ(
+      std::string(second.status().message()),
+      absl::StrCat("cannot listen for HTTP on ", server->address(), ": Address already in use", kPortInUse));
   for (const char* listen : {"", "127.0.0.1", "127.0.0.1:70000", "127.0.0.1:x", ":80"}) {
     options.listen = listen;
     EXPECT_EQ(HttpServer::Start(options, {}).status().code(), absl::StatusCode::kInvalidArgument) << listen;
