@@ -10,6 +10,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 
 namespace docent {
 namespace {
@@ -64,10 +65,12 @@ std::string HelpLayout::make_description(const CLI::App* app) const {
 }
 
 std::string HelpLayout::make_subcommand(const CLI::App* command) const {
-  std::stringstream out;
-  CLI::detail::format_help(out, command->get_name(), Wrapped(command->get_description(), column_width_),
-                           column_width_);
-  return out.str();
+  return Entry(command->get_name(), Wrapped(command->get_description(), column_width_));
+}
+
+std::string HelpLayout::make_option(const CLI::Option* option, bool is_positional) const {
+  return Entry(absl::StrCat(make_option_name(option, is_positional), make_option_opts(option)),
+               make_option_desc(option));
 }
 
 std::string HelpLayout::make_option_name(const CLI::Option* option, bool is_positional) const {
@@ -91,6 +94,18 @@ std::string HelpLayout::make_option_desc(const CLI::Option* option) const {
     absl::StrAppend(&text, " (default: ", option->get_default_str(), ")");
   if (!option->get_envname().empty()) absl::StrAppend(&text, " (environment: ", option->get_envname(), ")");
   return Wrapped(text, column_width_);
+}
+
+std::string HelpLayout::Entry(const std::string& name, const std::string& text) const {
+  std::string out = absl::StrCat("  ", name);
+  const std::string indent = absl::StrCat("\n", std::string(column_width_, ' '));
+  if (text.empty()) return out + "\n";
+  if (out.size() + 2 > column_width_) {
+    out += indent;
+  } else {
+    out.resize(column_width_, ' ');
+  }
+  return absl::StrCat(out, absl::StrReplaceAll(text, {{"\n", indent}}), "\n");
 }
 
 std::string HelpLayout::Wrapped(const std::string& text, size_t indent) const {

@@ -71,6 +71,7 @@ int List(const OntologyArguments& arguments) {
   }
   const Presenter presenter(arguments.client, {}, IriNames::WellKnown());
   Table table({"module", "size", "since revision", "version", "ontology"});
+  table.KeepWhole({0});
   for (const auto& module : reply.modules()) {
     table.Add({module.name(), absl::StrCat(module.size(), IsRules(module) ? " rules" : " triples"),
                absl::StrCat(module.revision()), VersionText(module.version_info(), module.version_iri()),

@@ -65,6 +65,7 @@ class RulesClient {
     const grpc::Status status = stub_->List(&context, {}, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     Table table({"rule set", "rules", "since revision"});
+    table.KeepWhole({0});
     for (const auto& module : reply.modules()) {
       if (module.kind() != v1::LoadRequest::RULES) continue;
       if (arguments_.client.json)

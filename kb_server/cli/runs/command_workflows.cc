@@ -52,6 +52,7 @@ class WorkflowsClient {
       return kExitOk;
     }
     Table table({"workflow", "version", "state", "live runs", "starts", "flows", "since revision"});
+    table.KeepWhole({0, 2, 3});
     for (const v1::Workflow& workflow : reply.workflows()) {
       const std::string number = absl::StrCat(workflow.deployed_version());
       table.Add(
@@ -91,6 +92,7 @@ class WorkflowsClient {
       return kExitOk;
     }
     Table table({"number", "version", "deployed", "revision", ""});
+    table.KeepWhole({0, 2, 3, 4});
     for (const v1::DeployedVersion& version : versions.versions()) {
       table.Add({absl::StrCat(version.number()), version.version(),
                  LocalTime(version.time_us(), "%Y-%m-%d %H:%M:%S"), absl::StrCat(version.revision()),

@@ -77,6 +77,7 @@ int ListServices(const ServiceArguments& arguments) {
   }
   const Presenter presenter(options);
   Table table({"service", "steps", "robots that offer all of it", "from"});
+  table.KeepWhole({0});
   for (const v1::RobotService& service : reply.services()) {
     const auto operation = [](std::string* out, const auto& step) { out->append(step.operation()); };
     const auto named = [&](std::string* out, const std::string& iri) { out->append(presenter.Iri(iri)); };

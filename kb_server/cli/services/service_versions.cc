@@ -60,6 +60,7 @@ int ListServiceVersions(const ServiceArguments& arguments) {
     return kExitOk;
   }
   Table table({"number", "version", "revision", "registered", ""});
+  table.KeepWhole({0, 2, 3, 4});
   for (const v1::DeployedVersion& version : reply.versions()) {
     table.Add({absl::StrCat(version.number()), version.version(), absl::StrCat(version.revision()),
                version.time_us() == 0 ? "" : TimeText(version.time_us()), version.live() ? "live" : ""});
