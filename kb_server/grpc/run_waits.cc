@@ -221,10 +221,14 @@ class WaitCollector {
                                            DateTimeTerm(until_us).lexical, " on, ", after,
                                            " after it was entered"));
     }
-    wait->set_detail(lasting.empty()
-                         ? std::string("its condition holds, but not yet for as long as it has to")
-                         : absl::StrCat("its condition holds, but not yet for the ",
-                                        absl::StrJoin(lasting, " and the "), " that it has to hold"));
+    const std::string opens = graph_.Object(
+        absl::StrCat(RunIri(RunId(run.id())), "/", IriSegment(node.name())), DocentIri("opensAt"));
+    if (!opens.empty()) wait->set_until_us(MicrosOfDateTime(opens));
+    wait->set_detail(absl::StrCat(
+        "its condition holds, but not yet for ",
+        lasting.empty() ? "as long as it has to"
+                        : absl::StrCat("the ", absl::StrJoin(lasting, " and the "), " that it has to hold"),
+        opens.empty() ? "" : absl::StrCat("; it opens it at ", opens)));
   }
 
   // Without the prologue.

@@ -73,15 +73,22 @@ void GraphRobotDirectory::ReadStatus(TermId robot, engine::RobotOffer* offer) co
     const std::string status = dictionary_.Decode(quad.object).lexical;
     if (status == DocentIri("Offline")) offer->offline = true;
     if (status == DocentIri("Busy")) offer->busy = true;
-    if (status == DocentIri("Charging")) offer->out_of_service = "is charging";
-    if (status == DocentIri("Maintenance")) offer->out_of_service = "is in maintenance";
+    for (const auto& [name, why] :
+         {std::pair("Charging", "is charging"), {"Maintenance", "is in maintenance"}}) {
+      if (status == DocentIri(name))
+        offer->out_of_service = std::max<std::string>(offer->out_of_service, why);
+    }
     return true;
   });
   if (const std::optional<TermId> out = dictionary_.FindIri(DocentIri("outOfService"))) {
+    std::optional<std::string>
+        reason;  // of several the first in the order of texts: that of ids is another one after a start
     version_->ForEach({robot, *out, {}, {}}, [&](const Quad& quad) {
-      offer->out_of_service = absl::StrCat("is out of service: ", dictionary_.Decode(quad.object).lexical);
-      return false;
+      std::string other = dictionary_.Decode(quad.object).lexical;
+      if (!reason || other < *reason) reason = std::move(other);
+      return true;
     });
+    if (reason) offer->out_of_service = absl::StrCat("is out of service: ", *reason);
   }
 }
 

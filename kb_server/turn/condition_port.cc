@@ -173,6 +173,7 @@ void ConditionPort::Gather(engine::ConditionEdge edge) {
   net.handle = edge.handle;
   net.rose = edge.rose || (before.rose && !edge.fell);
   net.fell = before.fell || (edge.fell && !before.rose);
+  net.moved = before.moved || edge.moved;
   auto without = [](const std::vector<engine::TermBinding>& all, const std::vector<engine::TermBinding>& gone,
                     std::vector<engine::TermBinding>* out) {
     const std::set<engine::TermBinding> left_out(gone.begin(), gone.end());
@@ -274,6 +275,7 @@ void ConditionPort::Rollback() {
   }
   for (const std::shared_ptr<Lasting>& lasting : changed_) {
     lasting->condition.Rollback();
+    lasting->opens_us = lasting->condition.OpensAt();
     if (conditions_.contains(lasting->handle)) List(*lasting, lasting->condition.NextDeadline());
   }
   unsettled_.clear();

@@ -68,6 +68,7 @@ class ConditionPort final : public engine::ConditionView {
 
   const std::vector<engine::ConditionEdge>& edges() const override { return edges_; }
   bool Holds(engine::ConditionHandle handle) const override;
+  std::optional<TimeMicros> OpensAt(engine::ConditionHandle handle) const override;
   absl::StatusOr<std::vector<engine::TermBinding>> Solutions(engine::ConditionHandle handle,
                                                              const engine::TermBinding& fixed,
                                                              size_t limit) const override;
@@ -84,6 +85,7 @@ class ConditionPort final : public engine::ConditionView {
     conditions::LastingCondition condition;
     std::vector<conditions::ConditionId> parts;
     std::optional<TimeMicros> listed_us;  // its place in deadlines_
+    std::optional<TimeMicros> opens_us;   // as the engine knows it
   };
   struct Condition {
     conditions::ConditionId id;

@@ -51,6 +51,8 @@ absl::Status ConditionPort::ArmParts(const engine::ConditionRequest& request, co
   for (const conditions::Binding& key : standing_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
   lasting.condition.Settle(now_us);
   List(lasting, lasting.condition.NextDeadline());
+  lasting.opens_us = lasting.condition.OpensAt();
+  if (lasting.opens_us) Gather({.handle = lasting.handle, .moved = true});
   return absl::OkStatus();
 }
 
@@ -74,6 +76,11 @@ void ConditionPort::List(Lasting& lasting, std::optional<TimeMicros> due_us) {
   if (lasting.listed_us) deadlines_.erase({*lasting.listed_us, lasting.handle});
   if (due_us) deadlines_.emplace(*due_us, lasting.handle);
   lasting.listed_us = due_us;
+}
+
+std::optional<TimeMicros> ConditionPort::OpensAt(engine::ConditionHandle handle) const {
+  const auto it = conditions_.find(handle);
+  return it == conditions_.end() || !it->second.lasting ? std::nullopt : it->second.lasting->opens_us;
 }
 
 std::optional<TimeMicros> ConditionPort::NextDeadline() const {
@@ -116,9 +123,13 @@ void ConditionPort::SettleLasting(TimeMicros now_us) {
     const std::shared_ptr<Lasting>& lasting = found->second.lasting;
     const conditions::LastingCondition::Changes changes = lasting->condition.Settle(now_us);
     List(*lasting, lasting->condition.NextDeadline());
-    if (!changes.any()) continue;
+    const std::optional<TimeMicros> before_us =
+        std::exchange(lasting->opens_us, lasting->condition.OpensAt());
+    const bool moved = before_us != lasting->opens_us;
+    if (!changes.any() && !moved) continue;
     engine::ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared),
                                Decode(changes.disappeared)};
+    edge.moved = moved;
     std::sort(edge.appeared.begin(), edge.appeared.end());
     std::sort(edge.disappeared.begin(), edge.disappeared.end());
     Gather(std::move(edge));

@@ -1,6 +1,7 @@
 #include "kb_server/turn/event_shelf.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -52,6 +53,10 @@ std::set<std::string> EventLabels(const WriteBatch& batch, const BatchApplier& a
     }
   }
   return labels;
+}
+
+std::array<Term, 4> TermsOf(const TermQuad& quad) {
+  return {quad.subject, quad.predicate, quad.object, quad.graph};
 }
 
 }  // namespace
@@ -152,11 +157,21 @@ Delta EventShelf::WithdrawThese(const std::set<TermId>& again, bool also_over, B
 }
 
 size_t EventShelf::OneTelling(absl::Span<const engine::FactWrite> writes, const BatchApplier& applier) {
-  std::set<std::pair<Term, Term>> told;  // events and their classes: one telling may give an event several
+  std::set<std::pair<Term, Term>> events;  // and their classes: one telling may give an event several
+  std::set<std::array<Term, 4>> told;
+  size_t known = 0;   // of them
+  size_t action = 0;  // where the present one begins
   for (size_t i = 0; i < writes.size(); ++i) {
     const TermQuad& quad = writes[i].quad;
-    if (writes[i].tells && TellsEvent(quad, applier) && !told.emplace(quad.subject, quad.object).second)
-      return i;
+    if (!writes[i].continues) action = i;
+    if (writes[i].tells) {
+      if (TellsEvent(quad, applier) && !events.emplace(quad.subject, quad.object).second) return action;
+    } else if (!events.empty()) {
+      for (; known < i; ++known) {
+        if (writes[known].tells) told.insert(TermsOf(writes[known].quad));
+      }
+      if (told.contains(TermsOf(quad))) return action;
+    }
   }
   return writes.size();
 }

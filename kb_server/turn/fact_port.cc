@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -55,6 +56,11 @@ absl::StatusOr<engine::FactMatches> FactPort::Match(const engine::FactPattern& p
     return absl::ResourceExhaustedError(absl::StrCat(
         "more than ", limit, " facts match; the limit of what runs write is facts_written_per_turn"));
   }
+  // in term order: what is decided in the order of ids would be decided otherwise after a start
+  std::sort(matches.told.begin(), matches.told.end(), [](const TermQuad& a, const TermQuad& b) {
+    return std::tie(a.subject, a.predicate, a.object, a.graph) <
+           std::tie(b.subject, b.predicate, b.object, b.graph);
+  });
   return matches;
 }
 

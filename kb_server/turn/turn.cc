@@ -42,8 +42,8 @@ absl::StatusOr<Delta> FollowWithdrawal(Stages* stages, Delta withdrawn, TimeMicr
   return delta;
 }
 
-// What of a round's writes is told now: of an event that is told twice, the second telling is of the next round. Where a turn has
-// gone on for long, such tellings are one.
+// What of a round's writes is told now: of an event that is told twice, the second telling is of the next round, as is its
+// withdrawal. Where a turn has gone on for long, such tellings are one.
 size_t WritesOfRound(const Stages& stages, absl::Span<const engine::FactWrite> writes, int round) {
   if (round >= stages.limits.engine_rounds_per_turn / 2) return writes.size();
   return EventShelf::OneTelling(writes, stages.applier);
@@ -141,6 +141,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
     view.robots = &stages->robots;
     view.facts = &facts;
     view.ranking = &stages->ranking;
+    view.untold = &writes;
     engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
     if (!output.refused.ok()) return output.refused;
     if (stages->cancellation != nullptr) {  // it took what it could get
@@ -153,8 +154,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
         !armed.ok()) {
       return armed;
     }
-    if (quiet && writes.empty()) break;
-    Append(std::move(output.writes), &writes);
+    if (quiet) break;
+    writes = std::move(output.writes);
     const size_t told_now = WritesOfRound(*stages, writes, round);
     const absl::Span<const engine::FactWrite> tell(writes.data(), told_now);
     withdrawn = FollowWithdrawal(stages, stages->events.Withdraw(tell, &stages->applier, &stages->writer),

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace docent::conditions {
+namespace {
+
+constexpr size_t kLookedAt = 1000;  // solutions, for OpensAt
+
+}  // namespace
 
 LastingCondition::LastingCondition(std::vector<std::string> keys, std::vector<Part> parts)
     : keys_(std::move(keys)) {
@@ -160,6 +165,22 @@ LastingCondition::Changes LastingCondition::Settle(TimeMicros now_us) {
 
 bool LastingCondition::Admits(const Binding& solution) const {
   return AllFull(RowOf(solution, variables_));
+}
+
+std::optional<TimeMicros> LastingCondition::OpensAt() const {
+  if (!open_.empty() || wholes_.size() > kLookedAt) return std::nullopt;
+  std::optional<TimeMicros> first;
+  for (const auto& [whole, open] : wholes_) {
+    TimeMicros full_us = 0;
+    bool held = true;
+    for (const PartState& part : parts_) {
+      const auto time = part.times.find(Project(whole, part.columns));
+      held = held && time != part.times.end();
+      if (held && !time->second.full) full_us = std::max(full_us, time->second.since_us + part.at_least_us);
+    }
+    if (held) first = std::min(first.value_or(full_us), full_us);
+  }
+  return first;
 }
 
 std::optional<TimeMicros> LastingCondition::NextDeadline() const {

@@ -57,6 +57,9 @@ class LastingCondition {
   bool holds() const { return !open_.empty(); }
   // True if the times of all parts have passed for this solution.
   bool Admits(const Binding& solution) const;
+  // As of the last Settle: when the first solution will be open if nothing else changes. nullopt: one is open, there is none, or
+  // there are too many to look at each.
+  std::optional<TimeMicros> OpensAt() const;
   // The time of the next Settle that is needed if nothing else changes.
   std::optional<TimeMicros> NextDeadline() const;
 

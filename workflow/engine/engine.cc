@@ -305,6 +305,8 @@ void TakeEdges(Engine::Core* core) {
   for (const ConditionEdge& edge : core->input->conditions->edges()) {
     auto it = core->owners.find(edge.handle);
     if (it == core->owners.end()) continue;
+    if (edge.moved && !it->second.run.empty()) core->Mutable(it->second.run);
+    if (edge.OnlyMoved()) continue;
     core->edges[edge.handle] = &edge;
     for (const TermBinding& match : edge.appeared) core->event_waits.Used(edge.handle, match);
     if (edge.overflowed) {
@@ -329,7 +331,8 @@ void TellChanges(Engine::Core* core) {
     core->bounds.Worked(run.nodes.size() / kNodesOfAChange);
     core->nodes_live -= std::exchange(run.counted, SizeOf(run));
     core->nodes_live += run.counted;
-    auto facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, &core->run_terms));
+    auto facts =
+        std::make_shared<const std::vector<Quad>>(RunFacts(run, &core->run_terms, core->input->conditions));
     static const std::vector<Quad> kNothing;
     DiffFacts(run.facts ? *run.facts : kNothing, *facts, &core->output->add, &core->output->remove);
     run.facts = std::move(facts);
@@ -356,6 +359,20 @@ void TellChanges(Engine::Core* core) {
   TellRobots(core);
 }
 
+// What runs wrote in earlier rounds and the graph does not have yet counts as written in this one.
+void TakeUntold(Engine::Core* core) {
+  core->written.clear();
+  core->writing_trees.clear();
+  if (core->input->untold == nullptr) return;
+  std::vector<FactWrite>& writes = core->output->writes = std::move(*core->input->untold);
+  for (size_t i = 0; i < writes.size(); ++i) {
+    const auto run = core->runs.find(writes[i].run);
+    if (run == core->runs.end()) continue;
+    core->written[run->first].push_back(i);
+    core->writing_trees.insert(core->RootOf(run->second));
+  }
+}
+
 }  // namespace
 
 EngineOutput Engine::Step(const EngineInput& input) {
@@ -378,8 +395,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
   const bool first_round = input.requests != nullptr || input.reports != nullptr;
   core_->turn_round = first_round ? 0 : core_->turn_round + 1;
   if (first_round) core_->facts_written = 0;
-  core_->written.clear();
-  core_->writing_trees.clear();
+  TakeUntold(core_.get());
   std::swap(output.arm, core_->deploy_arm);
   std::swap(output.disarm, core_->deploy_disarm);
   for (const RunId& run : std::exchange(core_->deploy_cancel, {})) {
@@ -411,6 +427,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
   output.asks_again = !core_->asking.empty();
   std::erase_if(output.arm,
                 [this](const ConditionRequest& request) { return !core_->owners.contains(request.handle); });
+  std::stable_partition(output.writes.begin(), output.writes.end(),
+                        [](const FactWrite& write) { return !write.run_ended; });
   core_->activations.Tell(&core_->run_terms.dictionary(), &output.add, &output.remove);
   for (const ConditionRequest& armed : output.arm) core_->times.Arm(armed);
   for (const ConditionHandle handle : output.disarm) core_->times.Disarm(handle);
@@ -476,6 +494,7 @@ void Engine::Rollback() {
       active[change->key] = change->count;
   }
   if (core_->undo_services) core_->services = *std::move(core_->undo_services);
+  core_->services_changed = false;  // what was refused leaves no trace: the log does not have it
   if (core_->undo_paused_workflows) core_->paused_workflows = *std::move(core_->undo_paused_workflows);
   core_->next_handle = core_->committed_handle;
   core_->next_run = core_->committed_run;

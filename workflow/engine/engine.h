@@ -42,6 +42,8 @@ struct EngineInput {
   const RobotDirectory* robots = nullptr;
   const FactView* facts = nullptr;
   const RobotRanking* ranking = nullptr;  // null: robots are taken in the order of their IRIs
+  // What Steps before wrote and the graph does not have yet; taken. Null: nothing.
+  std::vector<FactWrite>* untold = nullptr;
 };
 
 // A command without a final report.

@@ -374,12 +374,13 @@ absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
   }
   if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
   core_.Say(Subject(index), "running", "running", Summary("told", facts));
-  for (TermQuad& fact : facts) Write(true, std::move(fact), &action, Subject(index));
+  for (size_t i = 0; i < facts.size(); ++i) Write(true, std::move(facts[i]), &action, Subject(index), i > 0);
   if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
 }
 
-void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by) {
+void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by,
+                       bool continues) {
   if (tells && action->until_run_ends)
     run_.actions.until_end.insert(fact);
   else
@@ -387,7 +388,8 @@ void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action, st
   core_.written[run_.id].push_back(core_.output->writes.size());
   core_.writing_trees.insert(core_.RootOf(run_));
   const int64_t lifetime_ms = tells ? action->lifetime_ms.value_or(0) : 0;
-  core_.output->writes.push_back({tells, std::move(fact), static_cast<uint64_t>(lifetime_ms), std::move(by)});
+  core_.output->writes.push_back(
+      {tells, std::move(fact), static_cast<uint64_t>(lifetime_ms), std::move(by), run_.id, continues});
 }
 
 absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
@@ -478,7 +480,8 @@ void RunStepper::WithdrawUntilEnd() {
 void Engine::Core::WithdrawWhenEnded(const RunId& run, std::vector<TermQuad> facts) {
   if (const std::optional<CommandId> last = ledger.LastEndingOf(run))
     return ledger.Keep(*last, run, std::move(facts));
-  for (TermQuad& fact : facts) output->writes.push_back({false, std::move(fact), 0});
+  for (TermQuad& fact : facts)
+    output->writes.push_back({.tells = false, .quad = std::move(fact), .run = run, .run_ended = true});
 }
 
 }  // namespace docent::engine

@@ -145,7 +145,18 @@ const std::string& WaitsFor(const NodeState& node) {
   return node.waits_for;
 }
 
-void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index, Writer* out) {
+// When the condition that it waits for will have held for long enough, if nothing changes.
+std::optional<TimeMicros> OpensAt(const NodeState& node, const ConditionView& conditions) {
+  std::optional<TimeMicros> first;
+  for (const ArmedCondition& armed : node.armed) {
+    const std::optional<TimeMicros> opens = conditions.OpensAt(armed.handle);
+    if (opens) first = std::min(first.value_or(*opens), *opens);
+  }
+  return first;
+}
+
+void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index,
+               const ConditionView* conditions, Writer* out) {
   const NodeState& state = run.nodes[index];
   const cawl::Node& node = run.Flow().nodes[index];
   const std::string iri = absl::StrCat(run_iri, "/", IriSegment(node.name.value));
@@ -157,6 +168,9 @@ void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t
   out->SayTerm(RunTerm::kPosition, Term::Integer(static_cast<int64_t>(node.position)));
   out->SayState(RunTerm::kNodeState, state.state);
   out->SayText(RunTerm::kWaitsFor, WaitsFor(state));
+  if (conditions != nullptr && state.state == WorkState::kWaiting) {
+    if (const auto opens = OpensAt(state, *conditions)) out->SayTime(RunTerm::kOpensAt, *opens);
+  }
   out->SayText(RunTerm::kFiredBecause, state.fired_because);
   if (state.fired_us != 0) out->SayTime(RunTerm::kFiredAt, state.fired_us);
   if (state.since_us != 0) out->SayTime(RunTerm::kSince, state.since_us);
@@ -168,7 +182,7 @@ void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t
 
 }  // namespace
 
-std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
+std::vector<Quad> RunFacts(const Run& run, RunTerms* terms, const ConditionView* conditions) {
   Writer out(terms);
   const std::string run_iri = RunIri(run.id);
   const TermId id = out.Iri(run_iri);
@@ -206,7 +220,7 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
       out.SayTerm(RunTerm::kVariableValue, value);
     }
   }
-  for (size_t i = 0; i < run.nodes.size(); ++i) WriteNode(run, run_iri, id, i, &out);
+  for (size_t i = 0; i < run.nodes.size(); ++i) WriteNode(run, run_iri, id, i, conditions, &out);
   return out.Take();
 }
 

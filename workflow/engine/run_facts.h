@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "graph/store/quad.h"
+#include "workflow/engine/state/ports.h"
 #include "workflow/engine/state/run_state.h"
 #include "workflow/engine/state/run_terms.h"
 
 namespace docent::engine {
 
 // All facts of a run (urn:docent:run:ID and, beneath it, /NODE, /NODE/N for invocations from 0, /$VARIABLE and /=RESULT), sorted, none twice. New terms are interned: writer thread only.
-std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
+// `conditions` (null: none) knows when those with ext:for may hold.
+std::vector<Quad> RunFacts(const Run& run, RunTerms* terms, const ConditionView* conditions = nullptr);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.
 void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, std::vector<Quad>* add,

@@ -175,7 +175,9 @@ class RunStepper {
                                                   const absl::StatusOr<FactPattern>& wanted,
                                                   bool* of_others) const;
   // `by`: Subject of the node that tells it.
-  void Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by = "");
+  // `continues`: it belongs to the same action as the one before.
+  void Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by = "",
+             bool continues = false);
   void WithdrawUntilEnd();
   // run_reservations.cc
   absl::Status Reserve(size_t index, const cawl::Action& action);

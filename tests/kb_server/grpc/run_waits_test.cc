@@ -6,6 +6,7 @@
 
 #include "graph/base/text.h"
 #include "graph/calendar/time_spec.h"
+#include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/batch_applier.h"
@@ -65,6 +66,11 @@ TEST_F(RunWaitsTest, ATimeThatAConditionHasToHoldIsNamed) {
   ASSERT_EQ(reply.waits_size(), 1);
   EXPECT_EQ(reply.waits(0).until_us(), 0);
   EXPECT_EQ(reply.waits(0).detail(), "its condition holds, but not yet for the 5min that it has to hold");
+  Tell(Concat(RunIri(RunId("F-1")), "/N"), DocentIri("opensAt"), DateTimeTerm(1'700'000'300'000'000));
+  reply = Waits(run, 1'700'000'030'000'000);
+  EXPECT_EQ(reply.waits(0).until_us(), 1'700'000'300'000'000);
+  EXPECT_THAT(reply.waits(0).detail(),
+              HasSubstr("5min that it has to hold; it opens it at 2023-11-14T22:18:20"));
 }
 
 TEST_F(RunWaitsTest, TheFactThatLacksForWhatHasToHoldIsNamed) {

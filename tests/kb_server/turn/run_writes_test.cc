@@ -71,6 +71,15 @@ TEST_F(RunWrites, AStatePropertyHasOneValueOfEachSource) {
   EXPECT_TRUE(Has(Fact("John", "docent:isAt", "Hall")));
 }
 
+// Not that of ids, which are others after a start: a replay would say something else.
+TEST_F(RunWrites, WhatIsWithdrawnIsInTermOrder) {
+  Must(Tell({Fact("it", "p", "z"), Fact("it", "p", "b"), Fact("it", "p", "m")}));
+  Must(Tell({Fact("it", "p", "Ant")}));
+  DeployOne("<ext:withdraw source=\"any\">w:it w:p ?what</ext:withdraw>");
+  EXPECT_THAT(Said(Run()),
+              Contains(HasSubstr("withdrew 4 facts, the first: <urn:w:it> <urn:w:p> <urn:w:Ant>")));
+}
+
 TEST_F(RunWrites, RulesAndConditionsSeeItInTheSameTurn) {
   Must(Put(Document::Kind::kRules, "r.rules",
            "PREFIX w: <urn:w:>\nRULE { ?a w:knows ?b } WHERE { ?a w:met ?b }"));

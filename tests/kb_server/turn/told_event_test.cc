@@ -1,5 +1,6 @@
 // Events that runs tell are occurrences, as those of clients are.
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
@@ -23,6 +24,10 @@ std::string Cawl(const std::string& name, const std::string& activator, const st
                       "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">",
                       activator, "<flow name=\"", name, "\"><source name=\"s\"/>", flow,
                       "<sink name=\"e\"/></flow></CAWL>");
+}
+// Of flows whose runs are given who it is.
+std::string WithWho(const std::string& cawl) {
+  return absl::StrReplaceAll(cawl, {{"<source", "<variable name=\"who\"/><variable name=\"x\"/><source"}});
 }
 std::string OneNode(const std::string& node) {
   return absl::StrCat(node, "<link from=\"s\" to=\"N\"/><link from=\"N\" to=\"e\"/>");
@@ -125,6 +130,69 @@ TEST_F(ToldEventTest, TwoThatTellItInOneTurnTellItTwice) {
   WriteBatch two = test::Start("T");
   two.run_requests.push_back(two.run_requests.front());
   EXPECT_EQ(Bells(Turn(two)), 6u);
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+}
+
+TEST_F(ToldEventTest, TheOrderOfItsFactsDoesNotMatter) {
+  Deploy("bell", Bell());
+  const std::string node =
+      "<ext:tell>w:ring docent:operation \"bell\"\nw:ring w:by w:John\nw:ring a "
+      "docent:Event</ext:tell></node>";
+  Deploy("t", Cawl("T", "",
+                   absl::StrCat("<node name=\"A\">", node, "<node name=\"B\">", node,
+                                "<link from=\"s\" to=\"A\"/><link from=\"A\" to=\"B\"/><link from=\"B\" "
+                                "to=\"e\"/>")));
+  EXPECT_EQ(Bells(Turn(test::Start("T"))), 2u);
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+  EXPECT_EQ(Count("by"), 0u);
+}
+
+TEST_F(ToldEventTest, OfARunThatEndsAtOnceItCountsToo) {
+  Deploy("bell", Bell());
+  std::string tell = Rings("w:ring w:by $who");
+  tell.insert(std::string("<ext:tell").size(), " lifetime=\"run\"");
+  Deploy("t", WithWho(Cawl("T", "", OneNode(absl::StrCat("<node name=\"N\">", tell, "</node>")))));
+  const auto run = [](const std::string& who) {
+    WriteBatch batch = test::Start("T");
+    batch.run_requests[0].arguments = {{"who", test::Iri(who)}};
+    return batch;
+  };
+  EXPECT_EQ(Bells(Turn(run("John"))), 1u);
+  EXPECT_EQ(Count("by"), 0u) << "the run has ended";
+  WriteBatch two = run("John");
+  two.run_requests.push_back(run("Mary").run_requests[0]);
+  EXPECT_EQ(Bells(Turn(two)), 2u);
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+}
+
+TEST_F(ToldEventTest, WhatTheRunWithdrawsAtOnceHasHappened) {
+  Deploy("bell", Bell());
+  Deploy("t", Cawl("T", "",
+                   OneNode(absl::StrCat("<node name=\"N\">", Rings(),
+                                        "<ext:withdraw>w:ring a ?what</ext:withdraw></node>"))));
+  EXPECT_EQ(Bells(Turn(test::Start("T"))), 1u);
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+  EXPECT_EQ(Count("docent:operation"), 0u);
+}
+
+// Of two runs that tell the same event in one turn the second has to wait; what it does then is in its order all the same.
+TEST_F(ToldEventTest, WhatIsToldLaterIsSeenByTheRunThatToldIt) {
+  Deploy("bell", Bell());
+  Deploy("t", WithWho(Cawl("T", "",
+                           OneNode(absl::StrCat(
+                               "<node name=\"N\">", Rings("w:ring w:by $who\n$who w:has w:Rung"),
+                               "<ext:assign none=\"fail\">SELECT ?x WHERE { $who w:has ?x }</ext:assign>"
+                               "<ext:withdraw>$who w:has ?any</ext:withdraw></node>")))));
+  WriteBatch two = test::Start("T");
+  two.run_requests.push_back(two.run_requests.front());
+  two.run_requests[0].arguments = {{"who", test::Iri("John")}};
+  two.run_requests[1].arguments = {{"who", test::Iri("Mary")}};
+  EXPECT_EQ(Bells(Turn(two)), 2u);
+  EXPECT_EQ(Count("has"), 0u);
   Settle();
   EXPECT_EQ(Events(), 0u);
 }

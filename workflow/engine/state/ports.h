@@ -69,6 +69,11 @@ struct ConditionEdge {
   std::vector<TermBinding> disappeared;  // before those that appeared: one that is in both was told again
   // More bindings than are kept (the limit condition_matches): nothing more is told of it.
   bool overflowed = false;
+  bool moved = false;  // ConditionView::OpensAt answers otherwise than before
+
+  bool OnlyMoved() const {
+    return moved && !rose && !fell && !overflowed && appeared.empty() && disappeared.empty();
+  }
 };
 
 // Levels and edges of armed conditions at this round's graph.
@@ -80,6 +85,9 @@ class ConditionView {
   // Solutions in term order, `fixed` variables bound beforehand; at most `limit`.
   virtual absl::StatusOr<std::vector<TermBinding>> Solutions(ConditionHandle handle, const TermBinding& fixed,
                                                              size_t limit) const = 0;
+  // Of a condition with parts that must have held for some time: when it may hold if nothing else changes. nullopt: it holds, has
+  // no match, or has no such parts.
+  virtual std::optional<TimeMicros> OpensAt(ConditionHandle) const { return std::nullopt; }
   // Whether the answer may be another one once this fact is told or withdrawn. True where that is not known.
   virtual bool MayChange(ConditionHandle, const TermQuad&) const { return true; }
   // The told and inferred facts that make the condition hold under `binding`, as N-Triples, one a line.
@@ -160,7 +168,7 @@ struct FactPattern {
 };
 
 struct FactMatches {
-  std::vector<TermQuad> told;
+  std::vector<TermQuad> told;  // in term order
   bool inferred = false;  // a rule derived one that matches, whatever the source
 };
 
@@ -185,6 +193,9 @@ struct FactWrite {
   TermQuad quad;
   uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
   std::string by = {};       // RUN/NODE that tells it, of segments
+  RunId run = {};            // that writes it
+  bool continues = false;    // it belongs to the same action as the one before
+  bool run_ended = false;  // it is withdrawn since its run has ended: behind all that runs tell in this round
 };
 
 class RobotRanking {
@@ -205,7 +216,7 @@ struct EngineOutput {
   std::vector<Notification> notifications;
   std::vector<Quad> add;  // run facts, in graph docent:runs
   std::vector<Quad> remove;
-  std::vector<FactWrite> writes;  // in their order
+  std::vector<FactWrite> writes;  // in their order; first those of EngineInput::untold
   std::vector<ConditionRequest> arm;
   std::vector<ConditionHandle> disarm;
   std::vector<Transition> transitions;

@@ -56,6 +56,7 @@ constexpr std::array kNames = {
     Name{kDocentNs, "pausedAt"},
     Name{kDocentNs, "pauseReason"},
     Name{kDocentNs, "notBefore"},
+    Name{kDocentNs, "opensAt"},
     Name{kDocentNs, "wantedCapability"},
     Name{kDocentNs, "wantedRobot"},
     Name{kDocentNs, "forValue"},

@@ -56,6 +56,7 @@ enum class RunTerm : uint8_t {
   kPausedAt,
   kPauseReason,
   kNotBefore,
+  kOpensAt,
   kWantedCapability,
   kWantedRobot,
   kForValue,
