@@ -112,7 +112,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   ++impl.counters.updates;
   if (absl::Status status = impl.CheckTold(told); !status.ok()) return status;
   const bool other_rules = impl.state.wanted != impl.state.applied;
-  if (!other_rules && (told.empty() || impl.state.wanted == nullptr)) return told;
+  if (!other_rules && impl.state.wanted == nullptr) return told;
   RuleProgram& program = impl.state.wanted != nullptr ? *impl.state.wanted : impl.no_rules;
   RuleProgram& before = impl.state.applied != nullptr ? *impl.state.applied : impl.no_rules;
   if (impl.schema_of != &program) {
@@ -121,7 +121,9 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
       return status;
     impl.BuildClasses(before, program, writer.current(), told);
     impl.schema_of = &program;
+    impl.changed_since_commit = true;
   }
+  if (!other_rules && told.empty()) return told;  // with a schema: what Reads says goes by the graph alone
   impl.inconsistencies.InternWords();
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;

@@ -184,5 +184,28 @@ TEST_F(RuleEngineTest, RollbackRestoresRuleSets) {
   EXPECT_THAT(world_.Inferred(), ElementsAre("a q b", "e q f"));
 }
 
+// What decides goes by the graph and the rules alone: a turn that is replayed decides as it did.
+TEST_F(RuleEngineTest, WhatRulesReadDoesNotDependOnAStartOrARefusedTurn) {
+  const std::string rules = "RULE { ?x :q ?y } WHERE { ?x :p ?y }";
+  Put(rules);
+  Turn({"a p b"});
+  const Quad read = world_.QuadOf("a p c"), other = world_.QuadOf("a t b");
+  const auto expect = [&](const RuleEngine& engine, const char* when) {
+    EXPECT_TRUE(engine.Reads(read)) << when;
+    EXPECT_FALSE(engine.Reads(other)) << when;
+  };
+  expect(engine_, "in the life");
+  ASSERT_TRUE(engine_.Update(world_.writer, world_.Apply({"c p d"})).ok());
+  engine_.Rollback();
+  world_.writer.Rollback();
+  ASSERT_TRUE(engine_.Update(world_.writer, {}).ok());
+  expect(engine_, "after a turn that was refused, and nothing told since");
+  RuleEngine restored(world_.dictionary);
+  ASSERT_THAT(restored.PutRules("test.rules", "PREFIX : <http://example.org/>\n" + rules), IsEmpty());
+  restored.Adopt();
+  ASSERT_TRUE(restored.Update(world_.writer, {}).ok());
+  expect(restored, "after a start");
+}
+
 }  // namespace
 }  // namespace docent::rules
