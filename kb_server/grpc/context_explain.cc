@@ -10,6 +10,7 @@
 #include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/possible_changes.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/known_prefixes.h"
 #include "reasoner/explain/display.h"
@@ -149,6 +150,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
   settings.default_graph = ports.default_graph;
   settings.limits = ports.limits;
   settings.explain_limits = ports.explain_limits;
+  settings.may_change = MayChangeOf(ports, *graph, cancellation);
   settings.prefixes = PrefixesOf(request, query ? &*query : nullptr);
   auto explainer = explain::Explainer::Make(settings);
   if (!explainer.ok()) return explainer.status();

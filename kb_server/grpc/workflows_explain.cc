@@ -13,6 +13,7 @@
 #include "kb_server/door/history_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/possible_changes.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/run_waits.h"
 #include "kb_server/grpc/unary_reactors.h"
@@ -38,6 +39,7 @@ class ConditionAsker {
     settings_.now_us = now_us;
     settings_.default_graph = ports.default_graph;
     settings_.limits = ports.limits;
+    settings_.may_change = MayChangeOf(ports, graph, cancellation);
   }
 
   ConditionAnswer Ask(const std::string& text) {

@@ -136,6 +136,7 @@ absl::StatusOr<WhyNotAnswer> Explainer::WhyNot(const sparql::Query& ask, size_t 
   parts.functions = settings_.functions;
   parts.run = run_;
   parts.limits = settings_.explain_limits;
+  parts.may_change = settings_.may_change;
   parts.default_graph = default_graph_;
   parts.prefixes = settings_.prefixes;
   return WhyNotFinder(std::move(parts)).Find(ask, sets);

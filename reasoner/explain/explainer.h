@@ -33,6 +33,7 @@ class Explainer {
     sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
     Limits limits;
     ExplainLimits explain_limits;
+    MayChange may_change;  // of what WhyNot offers; null: all may be made
     // In addition to the well-known ones, for texts.
     std::vector<std::pair<std::string, std::string>> prefixes;
   };

@@ -184,6 +184,9 @@ std::string ToText(const WhyNotAnswer& answer, const Prefixes& prefixes) {
     } else {
       absl::StrAppend(&out, answer.whole ? "" : " within the limits of the search", ".\n");
     }
+    if (answer.forbidden > 0)
+      absl::StrAppend(&out, Count(answer.forbidden, "set is", "sets are"),
+                      " left out: shapes, or what their properties may have, forbid it.\n");
     return out;
   }
   for (size_t i = 0; i < answer.repairs.size(); ++i) {

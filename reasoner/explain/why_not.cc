@@ -8,6 +8,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/count_form.h"
 #include "reasoner/explain/example_picker.h"
+#include "reasoner/explain/possible_values.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent::explain {
@@ -384,8 +385,24 @@ absl::Status WhyNotFinder::Visit(const Node& node, bool expand, std::vector<Repa
     LeaveOut(0);
     return absl::OkStatus();
   }
-  if (IsNew(repair)) found.push_back(std::move(repair));
+  if (!IsNew(repair)) return absl::OkStatus();
+  const absl::StatusOr<bool> may_be = MayBe(repair);
+  if (!may_be.ok()) return may_be.status();
+  if (*may_be)
+    found.push_back(std::move(repair));
+  else
+    ++forbidden_;
   return absl::OkStatus();
+}
+
+absl::StatusOr<bool> WhyNotFinder::MayBe(const Repair& repair) const {
+  if (!HasPossibleValues(repair, *parts_.version, *parts_.dictionary)) return false;
+  if (!parts_.may_change) return true;
+  std::vector<TermQuad> add, remove;
+  for (const ToTell& tell : repair.tell) add.push_back(tell.example);
+  for (const InTheWay& way : repair.in_the_way)
+    remove.insert(remove.end(), way.withdraw.begin(), way.withdraw.end());
+  return parts_.may_change(add, remove);
 }
 
 absl::Status WhyNotFinder::SearchSize(int size, size_t sets, WhyNotAnswer& answer) {
@@ -466,6 +483,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   answer.whole = answer.repairs.empty()
                      ? left_out_ == Conflict::kNothing
                      : answer.repairs.back().size() < static_cast<size_t>(std::max(left_out_, 0));
+  answer.forbidden = forbidden_;
   if (solver_.failed_part() != nullptr && answer.repairs.empty()) {
     answer.failed_part = display_.Pattern(*InItsGraph(*solver_.failed_part(), *parts_.dictionary, "g"), {});
   }

@@ -8,11 +8,13 @@
 // (rdf:type asserted, or withdrawn only because of a rule) are listed only if no set of the same size changes
 // fewer types; axioms (of classes, properties, equality) used by a rule only if no set of facts about things,
 // of any size, is enough: not even the facts as the condition says them, which are tried alone where the search through
-// rules found none before it ended.
+// rules found none before it ended. Sets that cannot be are left out: those that give a property more values than it has at a
+// time (possible_values.h), and those that the caller forbids (shapes).
 #ifndef DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 #define DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -42,7 +44,12 @@ struct WhyNotAnswer {
   // search ended at a limit or met a construct that it does not support (a sum).
   bool whole = true;
   std::string failed_part;  // a path, aggregate or sub-SELECT without a solution; empty: none known
+  size_t forbidden = 0;     // sets that would be enough, and that cannot be
 };
+
+// Whether changes may be made. INVALID_ARGUMENT, RESOURCE_EXHAUSTED and others: it is not known, and the question ends.
+using MayChange = std::function<absl::StatusOr<bool>(const std::vector<TermQuad>& add,
+                                                     const std::vector<TermQuad>& remove)>;
 
 class WhyNotFinder {
  public:
@@ -55,6 +62,7 @@ class WhyNotFinder {
     const sparql::FunctionRegistry* functions = nullptr;
     sparql::RunOptions run;
     ExplainLimits limits;
+    MayChange may_change;  // null: all may be made
     TermId default_graph;  // none: union
     std::vector<std::pair<std::string, std::string>> prefixes;
   };
@@ -101,6 +109,7 @@ class WhyNotFinder {
   absl::StatusOr<std::vector<Conflict>> ConflictsOn(const GraphVersion& graph, Prover& prover,
                                                     const Node& node);
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);
+  absl::StatusOr<bool> MayBe(const Repair& repair) const;
   // False: no time was left to verify it.
   absl::StatusOr<bool> Minimise(Repair& repair);
   // True after half of the question's time or steps: then the sets found so far are returned.
@@ -123,6 +132,7 @@ class WhyNotFinder {
   std::unique_ptr<sparql::PreparedQuery> ask_;
   std::vector<Clause> clauses_;
   int left_out_ = Conflict::kNothing;
+  size_t forbidden_ = 0;
   bool schema_skipped_ = false;
   absl::flat_hash_set<std::string> seen_;  // sets found
 

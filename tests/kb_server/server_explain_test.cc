@@ -98,6 +98,24 @@ TEST_F(ServerExplainTest, WhyNotNamesWhatTellingMakesTrue) {
   EXPECT_EQ(reply.sets_size(), 0);
 }
 
+TEST_F(ServerExplainTest, WhyNotOffersNothingThatAShapeForbids) {
+  StartServer();
+  v1::LoadRequest shapes;
+  shapes.set_name("delivery.ttl");
+  shapes.set_text(
+      "@prefix sh: <http://www.w3.org/ns/shacl#> . @prefix : <urn:w:> .\n"
+      ":DeliveryShape a sh:NodeShape ; sh:targetClass :Delivery ;\n"
+      "  sh:property [ sh:path :forPatient ; sh:maxCount 1 ] .");
+  shapes.set_mode(v1::LoadRequest::ADD);
+  v1::LoadReply loaded;
+  ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Load, shapes, &loaded).ok());
+  MustTell(":D1 a :Delivery ; :forPatient :Ann ; :at :Ward . :D2 a :Delivery ; :forPatient :Bob .");
+  const v1::ExplainReply reply = WhyNot("ASK { ?d :forPatient :Bob ; :at :Ward }");
+  ASSERT_EQ(reply.sets_size(), 1) << reply.text();
+  EXPECT_EQ(reply.sets(0).add(0).subject().iri(), "urn:w:D2");
+  EXPECT_THAT(WhyNot("ASK { :D1 :forPatient :Bob }").text(), HasSubstr("1 set is left out"));
+}
+
 TEST_F(ServerExplainTest, RefusesWhatItCannotExplain) {
   StartServer();
   grpc::Status status;

@@ -71,6 +71,45 @@ TEST_F(WhyNotTest, WhatARuleForbidsOfAnOpenVariableIsSaidInTheQuestionsNames) {
   EXPECT_THAT(answer.repairs[0].conditions, ElementsAre("there is no { ?t :task ?t2 }"));
 }
 
+// forPatient says what a delivery is; at says in which state it is.
+TEST_F(WhyNotTest, ASecondValueOfAFunctionalPropertyIsNotOffered) {
+  Tell({"forPatient a owl:FunctionalProperty", "at a docent:StateProperty", "d1 forPatient ann", "d1 at Ward",
+        "d2 forPatient bob"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { ?d :forPatient :bob ; :at :Ward }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u);
+  EXPECT_THAT(WhyNotText("ASK { ?d :forPatient :bob ; :at :Ward }", 9),
+              HasSubstr("missing     :d2 :at :Ward"));
+  EXPECT_EQ(answer.forbidden, 1u);
+  EXPECT_THAT(WhyNotText("ASK { :d1 :forPatient :bob }"),
+              HasSubstr("1 set is left out: shapes, or what their properties may have, forbid it."));
+  EXPECT_THAT(WhyNotText("ASK { :d3 :forPatient :bob }"), HasSubstr("missing     :d3 :forPatient :bob"))
+      << "it has no value yet";
+}
+
+TEST_F(WhyNotTest, AValueOfAnInverseFunctionalPropertyIsNotOfferedTwice) {
+  Tell({"badge a owl:InverseFunctionalProperty", "ann badge b1"});
+  EXPECT_TRUE(WhyNot("ASK { :bob :badge :b1 }").repairs.empty());
+  EXPECT_EQ(WhyNot("ASK { :bob :badge :b2 }").repairs.size(), 1u);
+}
+
+TEST_F(WhyNotTest, TwoValuesOfAStatePropertyAreNotOffered) {
+  Tell({"is a docent:StateProperty", "door is Shut"});
+  EXPECT_EQ(WhyNot("ASK { :door :is :Open }").repairs.size(), 1u) << "it may change";
+  EXPECT_TRUE(WhyNot("ASK { :door :is :Open , :Shut }").repairs.empty());
+  EXPECT_TRUE(WhyNot("ASK { :door :is :Open , :Locked }").repairs.empty());
+}
+
+TEST_F(WhyNotTest, WhatTheCallerForbidsIsNotOffered) {
+  settings_.may_change = [](const std::vector<TermQuad>& add, const std::vector<TermQuad>&) {
+    return absl::StatusOr<bool>(add.empty() || !add[0].subject.lexical.ends_with("p1"));
+  };
+  Tell({"p1 a Person", "p2 a Person"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { ?p a :Person ; :likes :tea }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u);
+  EXPECT_THAT(answer.repairs[0].tell[0].example.subject.lexical, ::testing::EndsWith("p2"));
+  EXPECT_EQ(answer.forbidden, 1u);
+}
+
 TEST_F(WhyNotTest, AFactThatTwoPatternsNeedIsInferredOnce) {
   Rules("inverse.rules", "RULE { ?x :holds ?y } WHERE { ?y :isHeldBy ?x }");
   Tell({"c isHeldBy d", "d marked yes"});
