@@ -101,7 +101,7 @@ void CommandSession::OnProbed(uint64_t attempt, const grpc::Status& status, cons
 void CommandSession::Invoke() {
   v1::InvokeRequest invoke = InvokeRequestOf(command_, expected_incarnation_);
   invoke.set_time_left_us(std::max<int64_t>(1, absl::ToInt64Microseconds(TimeLeft())));
-  attach_next_ = begun_ = true;  // from here on the adapter may have it
+  attach_next_ = begun_ = invoked_ = true;  // from here on the adapter may have it
   Call(std::move(invoke));
 }
 
@@ -167,6 +167,8 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     host_->Refused(command_, unknown_because_);
     if (!IsFinal(feedback.state()) && !asks_to_end_) AskToEnd();
   }
+  // It lay unread while it was cancelled or called back, or its time went by.
+  const bool has_begun_late = !call_->is_attach() && !taken_ && asks_to_end_ && !end_known_;
   answers_as_ = feedback.incarnation();
   running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
   seen_ = taken_ = true;
@@ -186,6 +188,7 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     host_->Report(std::move(report));
     return;
   }
+  if (has_begun_late) AskToEnd();
   if (!accepted_) {
     accepted_ = true;
     CommandReport accepted = NewReport(CommandReport::Outcome::kAccepted, "");
@@ -283,11 +286,14 @@ void CommandSession::Cancel() {
 void CommandSession::Recall() {
   if (done_ || recalled_) return;
   recalled_ = true;
-  if (!begun_) FinishNotBegun();
+  if (!begun_) return FinishNotBegun();
+  // It may lie unread at the adapter. Whether one that begins now did so before is not known: it ends, and is sent again.
+  if (invoked_ && !seen_ && !asks_to_end_) AskToEnd();
 }
 
 void CommandSession::AskToEnd() {
   asks_to_end_ = true;
+  end_known_ = false;
   cancel_pause_ = absl::FromChrono(settings_.first_retry);
   SendCancel();
 }
@@ -297,7 +303,9 @@ void CommandSession::SendCancel() {
 }
 
 void CommandSession::OnCancelAnswered(uint64_t attempt, bool known) {
-  if (done_ || known || attempt != cancel_attempt_) return;
+  if (done_ || attempt != cancel_attempt_) return;
+  end_known_ = known;
+  if (known) return;
   host_->After(cancel_pause_, command_.id, [this, attempt] {
     if (attempt == cancel_attempt_) SendCancel();
   });

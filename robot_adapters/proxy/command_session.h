@@ -111,7 +111,9 @@ class CommandSession {
   std::string answers_as_;    // the incarnation that the present call names; empty: none yet
   bool cancel_requested_ = false;
   bool recalled_ = false;
+  bool invoked_ = false;      // here, not by a process before this one
   bool asks_to_end_ = false;  // a Cancel is sent with each call
+  bool end_known_ = false;    // the adapter has heard the newest one
   uint64_t cancel_attempt_ = 0;
   absl::Duration cancel_pause_;
   bool retry_at_once_ = false;  // when the present call has ended

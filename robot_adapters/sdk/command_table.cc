@@ -15,6 +15,8 @@
 namespace docent::robot {
 namespace {
 
+constexpr size_t kEarlyCancels = 1000;  // that are remembered
+
 v1::Feedback::State StateOf(CommandOutcome outcome) {
   switch (outcome) {
     case CommandOutcome::kSucceeded:
@@ -190,6 +192,8 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::Begin(const v1::In
   absl::MutexLock lock(&mutex_);
   auto known = FindLocked(id);
   if (!absl::IsNotFound(known.status())) return known;
+  if (std::find(cancelled_early_.begin(), cancelled_early_.end(), id.value()) != cancelled_early_.end())
+    return CancelledEarly(id);
 
   if (!request.expected_incarnation().empty() && request.expected_incarnation() != incarnation()) {
     return OutcomeUnknown(id, absl::StrCat("it was meant for incarnation ", request.expected_incarnation(),
@@ -305,10 +309,24 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::FindLocked(const C
   return std::make_shared<RunningCommand>(std::move(feedback));
 }
 
+std::shared_ptr<RunningCommand> CommandTable::CancelledEarly(const CommandId& command) const {
+  v1::Feedback feedback;
+  feedback.set_command_id(command.value());
+  feedback.set_state(v1::Feedback::CANCELLED);
+  feedback.set_message("cancelled before it came");
+  feedback.set_incarnation(incarnation());
+  return std::make_shared<RunningCommand>(std::move(feedback));
+}
+
 bool CommandTable::Cancel(const CommandId& command) {
   absl::MutexLock lock(&mutex_);
   auto live = live_.find(command.value());
-  if (live == live_.end()) return journal_->Find(command).has_value();
+  if (live == live_.end()) {
+    if (journal_->Find(command)) return true;
+    cancelled_early_.push_back(command.value());
+    if (cancelled_early_.size() > kEarlyCancels) cancelled_early_.pop_front();
+    return false;
+  }
   absl::MutexLock command_lock(&live->second.command->mutex_);
   live->second.command->cancel_requested_ = true;
   return true;

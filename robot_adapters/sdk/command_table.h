@@ -5,6 +5,7 @@
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_COMMAND_TABLE_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_COMMAND_TABLE_H_
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <thread>
@@ -67,7 +68,8 @@ class CommandTable {
   // NOT_FOUND: never begun here. FAILED_PRECONDITION: begun by an incarnation that is gone; the outcome is
   // unknown.
   absl::StatusOr<std::shared_ptr<RunningCommand>> Find(const CommandId& command);
-  // False: not known here. Cancelling an ended command does nothing.
+  // False: not known here. Then it does not begin either, where it comes later: it is told to be cancelled. Cancelling an ended
+  // command does nothing.
   bool Cancel(const CommandId& command);
   // Ends what runs, as failed; nothing begins any more.
   void Stop();
@@ -80,6 +82,7 @@ class CommandTable {
                size_t running_limit, FeedbackWatcher* observer);
   absl::StatusOr<std::shared_ptr<RunningCommand>> FindLocked(const CommandId& command)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::shared_ptr<RunningCommand> CancelledEarly(const CommandId& command) const;
   void Run(const Operation& operation, const v1::InvokeRequest& request,
            std::shared_ptr<RunningCommand> command);
   void Ended(const std::string& command);
@@ -98,7 +101,8 @@ class CommandTable {
   absl::Mutex mutex_;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   absl::flat_hash_map<std::string, Live> live_ ABSL_GUARDED_BY(mutex_);
-  std::vector<std::thread> ended_ ABSL_GUARDED_BY(mutex_);  // threads that only have to be joined
+  std::vector<std::thread> ended_ ABSL_GUARDED_BY(mutex_);           // threads that only have to be joined
+  std::deque<std::string> cancelled_early_ ABSL_GUARDED_BY(mutex_);  // before they came, the newest last
 };
 
 }  // namespace docent::robot

@@ -33,8 +33,9 @@ std::string ArgumentFault(const RobotOffer& offer, const rsel::Instruction& inst
 // Whether an operator's stop is why the command has ended without success.
 bool IsStopped(const OpenCommand& open, const CommandReport& report) {
   using Outcome = CommandReport::Outcome;
-  if (report.outcome == Outcome::kNotBegun)
-    return !open.overdue_until_us && (open.stopped != Stopped::kNo || open.recalled != Stopped::kNo);
+  const bool recalled = open.recalled != Stopped::kNo;  // one that begins all the same is cancelled
+  if (report.outcome == Outcome::kNotBegun || (recalled && report.outcome == Outcome::kCancelled))
+    return !open.overdue_until_us && (open.stopped != Stopped::kNo || recalled);
   if (open.stopped == Stopped::kNo) return false;
   return report.outcome != Outcome::kUnknown || !open.command.idempotent;
 }

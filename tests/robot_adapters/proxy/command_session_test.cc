@@ -347,6 +347,41 @@ TEST_F(CommandSessionTest, WhatIsCalledBackDoesNotBeginAndWhatHasBegunGoesOn) {
   EXPECT_EQ(host_.reports.back().outcome, Outcome::kSucceeded);
 }
 
+// The adapter stands still, and the command lies in its socket.
+TEST_F(CommandSessionTest, WhatIsCalledBackBeforeTheAdapterReadItEndsWhereItBegins) {
+  Begin().Recall();
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1"));
+  session_->OnCancelAnswered(host_.cancel_attempt, false);
+  host_.Go(absl::Seconds(20));
+  const size_t sent = host_.cancels.size();
+  Say(v1::Feedback::RUNNING);
+  EXPECT_EQ(host_.cancels.size(), sent + 1) << "as soon as the adapter answers";
+  session_->OnCancelAnswered(host_.cancel_attempt, true);
+  Say(v1::Feedback::RUNNING, 0.1);
+  EXPECT_EQ(host_.cancels.size(), sent + 1);
+  Say(v1::Feedback::CANCELLED);
+  EXPECT_EQ(host_.reports.back().outcome, Outcome::kCancelled);
+}
+
+TEST_F(CommandSessionTest, WhatIsOverdueBeforeTheAdapterReadItEndsWhereItBegins) {
+  Begin(Drive(), false, absl::Seconds(10));
+  host_.Go(absl::Seconds(11));
+  const size_t sent = host_.cancels.size();
+  ASSERT_GT(sent, 0u);
+  Say(v1::Feedback::ACCEPTED);
+  EXPECT_EQ(host_.cancels.size(), sent + 1);
+}
+
+TEST_F(CommandSessionTest, WhatTheAdapterHasTakenIsNotEndedByARecall) {
+  Begin();
+  Say(v1::Feedback::ACCEPTED);
+  session_->Recall();
+  End(grpc::StatusCode::UNAVAILABLE);
+  host_.Go(absl::Seconds(1));
+  Say(v1::Feedback::RUNNING);
+  EXPECT_THAT(host_.cancels, IsEmpty());
+}
+
 TEST_F(CommandSessionTest, WhatWasCalledBackWhileItWasOnItsWayDoesNotBeginAgain) {
   Begin().Recall();
   End(grpc::StatusCode::UNAVAILABLE);

@@ -38,6 +38,47 @@ TEST(CommandTable, WhatRunsIsStoppedWithIt) {
   EXPECT_TRUE(stopped) << "it ran to its own end";
 }
 
+// A Cancel may overtake its command, which lies unread in a socket.
+TEST(CommandTable, WhatIsCancelledBeforeItComesDoesNotBegin) {
+  const SystemClock clock;
+  auto journal = CommandJournal::Open("", &clock);
+  ASSERT_TRUE(journal.ok());
+  std::atomic<int> begun = 0;
+  Operation go;
+  go.name = "go";
+  go.run = [&](OperationContext&) -> absl::StatusOr<NamedTerms> {
+    ++begun;
+    return NamedTerms{};
+  };
+  auto table = CommandTable::Create({go}, journal->get(), &clock, 4, nullptr);
+  ASSERT_TRUE(table.ok()) << table.status();
+  EXPECT_FALSE((*table)->Cancel(CommandId("c/1")));
+  EXPECT_TRUE(absl::IsNotFound((*table)->Find(CommandId("c/1")).status())) << "it has not come";
+  v1::InvokeRequest request;
+  request.set_operation("go");
+  class Ends : public FeedbackWatcher {
+   public:
+    void OnFeedback(const v1::Feedback& feedback) override {
+      if (feedback.state() == v1::Feedback::CANCELLED) cancelled.Notify();
+      if (feedback.state() == v1::Feedback::SUCCEEDED) succeeded.Notify();
+    }
+    absl::Notification cancelled, succeeded;
+  };
+  Ends first, second;
+  request.set_command_id("c/1");
+  auto early = (*table)->Begin(request);
+  ASSERT_TRUE(early.ok());
+  (*early)->Watch(&first);
+  first.cancelled.WaitForNotification();
+  request.set_command_id("c/2");
+  auto other = (*table)->Begin(request);
+  ASSERT_TRUE(other.ok());
+  (*other)->Watch(&second);
+  second.succeeded.WaitForNotification();
+  EXPECT_EQ(begun, 1);
+  (*other)->Unwatch(&second);
+}
+
 class LastFeedback : public FeedbackWatcher {
  public:
   void OnFeedback(const v1::Feedback& feedback) override {

@@ -426,6 +426,21 @@ TEST_F(EngineSteeringTest, WhatARobotHasNotBegunIsCalledBackByAPauseAndSentAgain
   EXPECT_EQ(State("A"), "done");
 }
 
+// Its adapter stood still, and read the command after the pause: it was cancelled then.
+TEST_F(EngineSteeringTest, WhatIsCalledBackAndBeginsAllTheSameIsSentAgainOrAnIncident) {
+  Deploy(TwoNodes());
+  Start();
+  Ask(Kind::kPause, "F-1");
+  Turn({Report(recalls_[0], Outcome::kCancelled)});
+  EXPECT_EQ(State("A"), "incident") << "it may have done something";
+  robots_.offers[0].idempotent = true;
+  Start();
+  Ask(Kind::kPause, "F-2");
+  Turn({Report(recalls_[0], Outcome::kCancelled)});
+  Ask(Kind::kResume, "F-2");
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
 TEST_F(EngineSteeringTest, WhatWasCancelledBeforeItBeganIsNoIncident) {
   Deploy(TwoNodes());  // not idempotent
   Start();
