@@ -13,9 +13,10 @@ struct SubscriptionLimits {
   size_t subscription_kept_bytes = 4u << 20;  // texts of these changes of one answer
   size_t subscriptions_kept_bytes =
       256u << 20;  // the same of all answers; beyond, an answer keeps its newest alone
-  size_t subscriptions_bytes = 512u << 20;  // followed queries and their answers; one eighth for clients that come back
-  size_t subscription_backlog = 4096;       // turns not yet processed; beyond, they are processed together
-  int subscription_evaluation_ms = 1000;    // evaluation of one query after one turn
+  size_t subscriptions_bytes =
+      512u << 20;  // followed queries and their answers; one eighth for clients that come back
+  size_t subscription_backlog = 4096;     // turns not yet processed; beyond, they are processed together
+  int subscription_evaluation_ms = 1000;  // evaluation of one query after one turn
 };
 
 }  // namespace docent

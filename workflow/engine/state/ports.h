@@ -169,7 +169,7 @@ struct FactPattern {
 
 struct FactMatches {
   std::vector<TermQuad> told;  // in term order
-  bool inferred = false;  // a rule derived one that matches, whatever the source
+  bool inferred = false;       // a rule derived one that matches, whatever the source
 };
 
 // The graph as of this round.
