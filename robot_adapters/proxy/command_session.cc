@@ -158,6 +158,8 @@ void CommandSession::Refuse(const std::string& why) {
 void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
   if (!IsPresentCall(call)) return;
   if (const std::string fault = Fault(feedback); !fault.empty()) return Refuse(fault);
+  // It lay unread while it was cancelled or called back, or its time went by.
+  const bool has_begun_late = !call_->is_attach() && !taken_ && asks_to_end_ && !end_known_;
   // An adapter that remembers a command of an earlier incarnation may tell how it ended; one that is given a command that
   // was meant for another incarnation may have done it before.
   if (!call_->is_attach() && !expected_incarnation_.empty() && !feedback.incarnation().empty() &&
@@ -167,8 +169,6 @@ void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
     host_->Refused(command_, unknown_because_);
     if (!IsFinal(feedback.state()) && !asks_to_end_) AskToEnd();
   }
-  // It lay unread while it was cancelled or called back, or its time went by.
-  const bool has_begun_late = !call_->is_attach() && !taken_ && asks_to_end_ && !end_known_;
   answers_as_ = feedback.incarnation();
   running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
   seen_ = taken_ = true;
