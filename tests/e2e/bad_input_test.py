@@ -293,7 +293,7 @@ class Starting(StageTest):
         self.assert_refused(self.docent("query", "ASK {}", "ASK {}"), 2, "one argument too many: ASK {}; `docent query --help`")
         self.assert_refused(self.docent("load"), 2, "docent load: FILES... is missing; write `docent load FILES...`; `docent load --help`")
         self.assert_refused(self.docent("rules"), 2, "docent rules: a command is missing; there are list, use, ")
-        self.assert_refused(self.docent(), 2, "docent: a command is missing; there are serve, load, ")
+        self.assert_refused(self.docent(), 2, "docent: a command is missing; there are serve, status, load, ")
         self.assert_refused(self.docent("query", "--timeout-ms", "-5", "ASK {}"), 2, "--timeout-ms: give a whole number, 0 or more, not -5")
         self.assert_refused(self.docent("watch", "--count", "-1", "ASK {}"), 2, "--count: give a whole number, 1 or more, not -1")
         self.assert_refused(self.docent("query", "--format", "csv", "--format", "json", "ASK {}"), 2, "--format is given 2 times; give it once")

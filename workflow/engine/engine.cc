@@ -562,22 +562,6 @@ std::optional<TimeMicros> Engine::NextDeadline() const {
   return core_->timers.begin()->first;
 }
 
-std::vector<CommandUnderWay> Engine::OpenCommands() const {
-  std::map<uint64_t, const Run*> by_age;
-  for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
-  std::vector<CommandUnderWay> commands;
-  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true, false});
-  for (const auto& [number, run] : by_age) {
-    for (const NodeState& node : run->nodes) {
-      for (const InvocationState& invocation : node.invocations) {
-        for (const OpenCommand& open : invocation.commands)
-          commands.push_back({open.command, open.IsEnding(), open.recalled != Stopped::kNo});
-      }
-    }
-  }
-  return commands;
-}
-
 const RunId* Engine::HolderOf(const RobotId& robot) const {
   return core_->ledger.Holder(robot);
 }

@@ -1,7 +1,9 @@
 #include "workflow/engine/engine_state.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/term_archive.h"
@@ -387,6 +389,22 @@ void Engine::Restore(EngineState state) {
   for (const RobotId& robot : told)
     core_->robot_facts[robot] = std::make_shared<const std::vector<Quad>>(RobotFacts(robot, core_.get()));
   Commit();
+}
+
+std::vector<CommandUnderWay> Engine::OpenCommands() const {
+  std::map<uint64_t, const Run*> by_age;
+  for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
+  std::vector<CommandUnderWay> commands;
+  for (const auto& [id, ending] : core_->ledger.ending()) commands.push_back({ending.command, true, false});
+  for (const auto& [number, run] : by_age) {
+    for (const NodeState& node : run->nodes) {
+      for (const InvocationState& invocation : node.invocations) {
+        for (const OpenCommand& open : invocation.commands)
+          commands.push_back({open.command, open.IsEnding(), open.recalled != Stopped::kNo});
+      }
+    }
+  }
+  return commands;
 }
 
 }  // namespace docent::engine
