@@ -303,14 +303,20 @@ class Modules(StageTest):
         self.assertEqual(done.returncode, 2)
         self.assertIn("nothing was changed", done.stderr)
         self.assertIn("bad.ttl:1:1: violation: <http://e/A>", done.stderr)
-        server.command("tell", "<http://e/B> a <http://example.org/Room> .")
-        done = server.run("validate", "--shapes", self.file("given.ttl", "\n" + SHAPES))
-        self.assertIn("given.ttl:4:15)", done.stdout)
-        server.command("tell", "--withdraw", "<http://e/B> a <http://example.org/Room> .")
-        self.assertFalse(server.ask("<http://e/A> ?p ?o"))
+        done = server.run("tell", "<http://e/B> a <http://example.org/Room> .")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nothing was changed", done.stderr)
+        self.assertFalse(server.ask("?room a <http://example.org/Room>"))
         self.assertEqual(server.run("ontology", "check", bad).returncode, 1)
         self.assertEqual(server.run("validate").returncode, 0)
         self.assertEqual(server.command("validate").split(",")[0], "conforms (0 nodes checked)")
+
+    def test_a_graph_is_checked_by_shapes_of_a_file(self):
+        server = self.stage.server()
+        server.command("tell", "<http://e/B> a <http://example.org/Room> .")
+        done = server.run("validate", "--shapes", self.file("given.ttl", "\n" + SHAPES))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("given.ttl:4:15)", done.stdout)
 
 
 if __name__ == "__main__":

@@ -48,14 +48,15 @@ class Manners(StageTest):
 
     def test_names_that_other_commands_take_stay_whole_on_a_narrow_terminal(self):
         name = "rounds_of_the_nurses_on_the_second_floor_of_the_east_wing"
-        flow = '<flow name="F"><source name="s"/><node name="N"/><sink name="e"/><link from="s" to="N"/><link from="N" to="e"/></flow>'
+        flow = f'<flow name="{name}"><source name="s"/><node name="N"/><sink name="e"/><link from="s" to="N"/><link from="N" to="e"/></flow>'
         self.server.command("load", "--as", "ontology", self.file(f"{name}.ttl", "<urn:a> a <http://www.w3.org/2002/07/owl#Class> ."))
         self.server.command("rules", "use", self.file(f"{name}.rules", "RULE { ?x a <urn:b> } WHERE { ?x a <urn:a> }"))
         self.server.command("load", self.file("w.cawl.xml", f'<CAWL name="{name}">{flow}</CAWL>'))
         self.server.command("run", name)
         for columns in (80, 40):
-            for command in (("ontology", "list"), ("rules", "list"), ("workflows",), ("runs",)):
+            for command in (("ontology", "list"), ("rules", "list"), ("workflows",)):
                 self.assertIn(name, self.on_terminal(*command, columns=columns), command)
+            self.assertIn(f"{name}-1", self.on_terminal("runs", columns=columns))
             versions = self.on_terminal("workflows", "versions", name, columns=columns)
             self.assertRegex(versions, r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d")
 
