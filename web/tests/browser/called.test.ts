@@ -22,7 +22,7 @@ describe.skipIf(why !== "")("a workflow that is a step", () => {
   const visitor = () => page.locator('.invoke-inputs input[aria-label="User"]');
 
   it("has a field for what the other one takes, given at the start where nothing starts it by itself", async () => {
-    page = await stage.page("/compose");
+    page = await stage.page("/compose", { kept: true });
     await page.waitForSelector(".template");
     await page.getByRole("button", { name: "New workflow" }).click();
     await page.locator("#new-name").fill("Service");

@@ -17,7 +17,7 @@ describe.skipIf(why !== "")("the hall", () => {
   afterAll(() => stage?.close());
 
   it("says what a robot can do; it is reserved and released", async () => {
-    page = await stage.page("/hall");
+    page = await stage.page("/hall", { kept: true });
     await page.locator(".hall-row", { hasText: "R01" }).click();
     await page.locator(".hall-details .tag", { hasText: "Navigation" }).waitFor();
     await page.locator(".hall-details .tag", { hasText: "Speech synthesis" }).waitFor();
@@ -42,7 +42,7 @@ describe.skipIf(why !== "")("the hall", () => {
     await page.locator("dialog").waitFor({ state: "detached" });
   });
   it("shows the way of a robot that drives, and how sure it is of its place", async () => {
-    page = await stage.page("/hall?at=expo:R01");
+    page = await stage.page("/hall?at=expo:R01", { kept: true });
     await page.locator(".hall-robot").waitFor();
     await stage.call("Workflows/Start", { workflow: "BoothGuide", variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }] });
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
@@ -56,13 +56,13 @@ describe.skipIf(why !== "")("the hall", () => {
   for (const dark of [false, true])
     it(`no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
       await stage.call("Fleet/Reserve", { robots: ["https://w3id.org/docent/expo#R01"], keptFor: "BoothGuide", lastingMs: "60000" });
-      page = await stage.page("/hall?at=expo:R01", { dark });
+      page = await stage.page("/hall?at=expo:R01", { dark, kept: true });
       await page.locator(".reservation").first().waitFor();
       await stage.picture(page, `robot-${dark ? "dark" : "light"}`);
       expect(await seriousFindings(page)).toEqual([]);
     });
   it("where somebody is, is told in the panel that Ctrl-K leads to, and so is any other fact", async () => {
-    page = await stage.page("/hall");
+    page = await stage.page("/hall", { kept: true });
     await page.locator(".hall-row", { hasText: "John" }).waitFor();
     await page.keyboard.press("Control+k");
     await page.keyboard.type("John is at");
@@ -86,7 +86,7 @@ describe.skipIf(why !== "")("the hall", () => {
   });
   it("what is chosen in the list comes into view; names are as large however near the hall is, and can be read on a phone", async () => {
     for (const options of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
-      page = await stage.page("/hall", options);
+      page = await stage.page("/hall", { ...options, kept: true });
       const robot = page.locator(".hall-robot");
       await robot.waitFor();
       const name = page.locator(".shape-label.booth text").first();

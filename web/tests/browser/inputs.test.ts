@@ -18,7 +18,7 @@ describe.skipIf(why !== "")("inputs of a step", () => {
   afterAll(() => stage?.close());
 
   it("a Say step has a field for its sentence, and the edit is one step of undo", async () => {
-    page = await stage.page("/compose");
+    page = await stage.page("/compose", { kept: true });
     await page.waitForSelector(".template");
     await page.getByRole("button", { name: "New workflow" }).click();
     await page.locator("#new-name").fill("Greeter");

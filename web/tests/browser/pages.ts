@@ -3,7 +3,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { type Browser, chromium, type Locator, type Page } from "playwright-core";
-import { expect, inject, onTestFailed } from "vitest";
+import { expect, inject, onTestFinished } from "vitest";
 
 const web = join(import.meta.dirname, "../..");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -15,6 +15,7 @@ export interface PageOptions {
   height?: number;
   language?: string;
   script?: string; // runs in each page before its own
+  kept?: boolean; // for the tests of this file that come after this one; others are closed, as a page that nobody looks at works on
 }
 
 export class Pages {
@@ -34,8 +35,11 @@ export class Pages {
     const page = await context.newPage();
     page.on("pageerror", (error) => this.faults.push(error.message));
     page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));
-    // What a test saw that failed.
-    onTestFailed(({ task }) => picture(page, `failed-${task.name.replace(/\W+/g, "-").slice(0, 60)}-${context.pages().indexOf(page)}`).catch(() => undefined));
+    onTestFinished(async ({ task }) => {
+      // What a test saw that failed.
+      if (task.result?.state === "fail") await picture(page, `failed-${task.name.replace(/\W+/g, "-").slice(0, 60)}-${context.pages().indexOf(page)}`).catch(() => undefined);
+      if (!options.kept) await context.close();
+    });
     await page.goto(url);
     return page;
   }

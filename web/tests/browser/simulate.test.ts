@@ -37,7 +37,7 @@ describe.skipIf(why !== "")("simulation", () => {
 
   // The workflow as a draft of this browser, which the server does not have.
   const open = async (options = {}) => {
-    page = await stage.page("/compose", options);
+    page = await stage.page("/compose", { ...options, kept: true });
     await page.evaluate((cawl) => localStorage.setItem("docent.draft.BoothGuide", JSON.stringify({ text: cawl, base: "", savedMs: 1 })), text);
     await page.goto(`${stage.processes.url}/compose/BoothGuide`);
     await page.locator(".findings-bar", { hasText: "Nothing to mend" }).waitFor();

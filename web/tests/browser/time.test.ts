@@ -29,7 +29,7 @@ describe.skipIf(why !== "")("the time bar", () => {
   const chip = (node: string, state: string) => page.locator(`.react-flow__node[data-id="${node}"] .state-chip.${state}`);
 
   it("a run is seen as it was, step for step, and what it lacked then", async () => {
-    page = await stage.page("/runs/BoothGuide-1");
+    page = await stage.page("/runs/BoothGuide-1", { kept: true });
     await page.locator(".time-marks span").first().waitFor();
     await chip("InfoBooth", "done").waitFor();
     await backTo("Move2User of BoothGuide-1 is done");
@@ -91,12 +91,12 @@ describe.skipIf(why !== "")("the time bar", () => {
     await page.waitForFunction(() => !location.search.includes("t="));
   });
   it("a run that had not begun is said so", async () => {
-    page = await stage.page("/runs/BoothGuide-1?t=2020-01-01T00:00:00.000Z");
+    page = await stage.page("/runs/BoothGuide-1?t=2020-01-01T00:00:00.000Z", { kept: true });
     await page.getByText("BoothGuide-1 had not begun yet").waitFor();
     await stage.picture(page, "time-before");
   });
   it("the slider goes by keys, and says its time", async () => {
-    page = await stage.page("/hall");
+    page = await stage.page("/hall", { kept: true });
     const slider = page.getByRole("slider", { name: "Time that is shown" });
     await slider.focus();
     await page.keyboard.press("ArrowLeft");
@@ -109,12 +109,12 @@ describe.skipIf(why !== "")("the time bar", () => {
     it(`no serious finding of axe, and it fits (${dark ? "dark" : "light"})`, async () => {
       const { nodes } = await stage.call<{ nodes: { sinceUs: string }[] }>("Workflows/Get", { run: "BoothGuide-1" });
       const path = `/runs/BoothGuide-1?t=${new Date(Number(nodes[0]?.sinceUs) / 1000 + 1).toISOString()}`;
-      page = await stage.page(path, { dark });
+      page = await stage.page(path, { dark, kept: true });
       await page.locator(".state-chip").first().waitFor();
       await page.locator(".time-words .faint").waitFor();
       await stage.picture(page, `time-${dark ? "dark" : "light"}`);
       expect(await seriousFindings(page)).toEqual([]);
-      page = await stage.page(path.replace("/runs/BoothGuide-1", "/hall"), { dark, width: 390, height: 780 });
+      page = await stage.page(path.replace("/runs/BoothGuide-1", "/hall"), { dark, width: 390, height: 780, kept: true });
       await page.locator(".hall-robot").waitFor();
       await stage.picture(page, `time-small-${dark ? "dark" : "light"}`);
       await fitsTheWindow(page);

@@ -20,7 +20,7 @@ describe.skipIf(why !== "")("a tour", () => {
   let estimate = 0; // minutes
 
   it("is made by clicks, with what is shown and said at each booth", async () => {
-    page = await stage.page("/hall");
+    page = await stage.page("/hall", { kept: true });
     await page.waitForSelector(".hall-robot");
     await page.keyboard.press("t");
     for (const booth of ["B10", "B09", "B03"]) await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
@@ -53,7 +53,7 @@ describe.skipIf(why !== "")("a tour", () => {
     await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
     await page.locator(".toast.good", { hasText: "is deployed" }).waitFor();
     const { run } = await stage.call<{ run: string }>("Workflows/Start", { workflow: "Tour", variables: [{ name: "user", value: { iri: `${expo}John` } }] });
-    page = await stage.page(`/runs/${run}`);
+    page = await stage.page(`/runs/${run}`, { kept: true });
     await page.locator(".head .tag", { hasText: "done" }).waitFor();
     const { startedUs, endedUs } = await stage.call<{ startedUs: string; endedUs: string }>("Workflows/Get", { run });
     console.log(`estimated ${estimate} min; the simulated robot took ${(((Number(endedUs) - Number(startedUs)) / 1e6) * speed / 60).toFixed(1)} min`);

@@ -17,7 +17,7 @@ describe.skipIf(why !== "")("trials", () => {
   });
   afterAll(() => stage?.close());
   const open = async (options = {}) => {
-    page = await stage.page("/compose/BoothGuide", options);
+    page = await stage.page("/compose/BoothGuide", { ...options, kept: true });
     await page.locator(".findings-bar", { hasText: "Nothing to mend" }).waitFor();
   };
   const row = () => page.locator(".trials li", { hasText: "BoothGuide-1" });
