@@ -173,7 +173,6 @@ void Engine::Core::RebuildDerived() {
   timers.clear();
   ledger.ClearDerived();
   waiting.Clear();
-  barred.clear();
   event_waits.ClearDerived();
   trees.clear();
   nested.clear();

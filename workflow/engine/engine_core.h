@@ -116,8 +116,6 @@ struct Engine::Core {
   std::optional<RunNumbers> played;         // Engine::PlayInstead
   AskedTimes times;
   WaitingRoom waiting;
-  std::set<CommandOwner>
-      barred;  // of these, those that a reservation kept from a robot when they were looked at last
   Activations activations;
   EventWaits event_waits;  // the events that conditions have of those that they need are state
   FlowGraphs graphs;
@@ -261,7 +259,7 @@ struct Engine::Core {
   // The reservation that keeps the robot from the runs of `root`; null: none does.
   const Reservation* Bars(const RobotId& robot, const RunId& root) const;
   bool BarsRun(const RobotId& robot, const RunId& run) const;
-  // Keeps the invocation among `barred`, if that is why it waits.
+  // Tells the waiting room, if that is why the invocation waits.
   void NoteBarred(const CommandOwner& owner, const std::string& reason);
   // For people: "is reserved for run Tour-1 until …, with priority 5".
   static std::string ShowReservation(const Reservation& reservation);

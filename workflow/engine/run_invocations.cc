@@ -112,8 +112,8 @@ void RunStepper::WaitForRobot(size_t node, size_t index, std::string why) {
   WaitForOwnRobot(node, index, why);
   run_.nodes[node].invocations[index].queued = true;
   const CommandOwner owner{run_.id, node, index};
-  core_.NoteBarred(owner, why);
   core_.waiting.Wait(core_.RankOf(run_), owner, core_.WishOf(run_, owner));
+  core_.NoteBarred(owner, why);
   const InvocationState& invocation = run_.nodes[node].invocations[index];
   const TermBinding given = GivenTo(invocation);
   core_.Covet(run_, flow_.nodes[node].invokes[invocation.invoke].operation.value,

@@ -59,7 +59,7 @@ bool Engine::Core::BarsRun(const RobotId& robot, const RunId& run) const {
 }
 
 void Engine::Core::NoteBarred(const CommandOwner& owner, const std::string& reason) {
-  if (absl::StrContains(reason, ToAbsl(kIsReserved))) barred.insert(owner);
+  if (absl::StrContains(reason, ToAbsl(kIsReserved))) waiting.Bar(owner);
 }
 
 std::string Engine::Core::ShowReservation(const Reservation& reservation) {

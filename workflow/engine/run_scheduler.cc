@@ -98,6 +98,8 @@ void ReconsiderWaiting(Engine::Core* core) {
     const std::vector<RobotId> able =
         core->RobotsFor(*core->PlanOf(wish.operation), wanted, RunId(), {}, &why_not);
     core->released.insert(able.begin(), able.end());
+    // Beside the younger ones that are looked at now, lest these take what the oldest wait for.
+    for (const CommandOwner& owner : core->waiting.Oldest(wish, able.size())) core->touched.insert(owner.run);
     if (!able.empty()) why_not = std::string(kAllServeOthers);
     std::vector<CommandOwner> oldest = core->waiting.Oldest(wish, 1);
     const Run& first = core->runs.at(oldest[0].run);
@@ -109,7 +111,7 @@ void ReconsiderWaiting(Engine::Core* core) {
     for (const CommandOwner& owner : core->waiting.Oldest(wish, SIZE_MAX)) core->touched.insert(owner.run);
   });
   // Each of them has a reason of its own.
-  for (const CommandOwner& owner : std::exchange(core->barred, {})) core->touched.insert(owner.run);
+  for (const CommandOwner& owner : core->waiting.barred()) core->touched.insert(owner.run);
   for (const auto& [robot, root] : core->ledger.holders()) {
     TouchTree(core, root);
     core->coveted.insert(robot);  // a robot may say that it has ended a step after its command has

@@ -26,6 +26,7 @@ void WaitingRoom::Leave(const CommandOwner& owner) {
     if (--count->second == 0) waiting_for_.erase(count);
     changed_.insert(wish.robot);
   }
+  barred_.erase(owner);
   queue->second.erase({number, owner});
   if (queue->second.empty()) wishes_.erase(queue);
   owners_.erase(it);
@@ -100,6 +101,7 @@ std::optional<std::pair<uint64_t, RunId>> WaitingRoom::Next(
 void WaitingRoom::Clear() {
   wishes_.clear();
   owners_.clear();
+  barred_.clear();
   for (const auto& [robot, count] : waiting_for_) changed_.insert(robot);
   waiting_for_.clear();
   blocked_.clear();

@@ -40,6 +40,10 @@ class WaitingRoom {
   void Wait(uint64_t number, const CommandOwner& owner, RobotWish wish);
   void Leave(const CommandOwner& owner);
 
+  // A reservation keeps `owner`, which waits, from a robot. So it is until it leaves.
+  void Bar(const CommandOwner& owner) { barred_.insert(owner); }
+  const std::set<CommandOwner>& barred() const { return barred_; }
+
   // The run has conditions that hold with one of these robots only. Replaces what was said of it before;
   // none: it is not blocked.
   void Block(uint64_t number, const RunId& run, const std::set<RobotId>& robots);
@@ -69,6 +73,7 @@ class WaitingRoom {
 
   std::map<RobotWish, Queue> wishes_;
   std::map<CommandOwner, std::pair<uint64_t, RobotWish>> owners_;
+  std::set<CommandOwner> barred_;
   std::map<RobotId, size_t> waiting_for_;
   std::set<RobotId> changed_;
   std::map<RobotId, BlockedQueue> blocked_;
