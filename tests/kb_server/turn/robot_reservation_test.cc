@@ -101,6 +101,15 @@ class RobotReservationTest : public testing::Test {
     return ReadReservations(dictionary_, *version);
   }
 
+  void Restart() {
+    const auto bytes = EncodeState(
+        TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(head_)), now_us_), dictionary_);
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    auto state = DecodeState(*bytes, &dictionary_, &functions_, Limits());
+    ASSERT_TRUE(state.ok()) << state.status();
+    stages_ = std::move(state->stages);
+  }
+
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   std::unique_ptr<Stages> stages_;
@@ -168,6 +177,44 @@ TEST_F(RobotReservationTest, AReservationEndsWithTheRunThatItIsFor) {
   EXPECT_EQ(Commands(tour), "Tour-1 urn:w:R2") << "nothing waits for this one";
   EXPECT_EQ(Commands(Done(tour)), "W-2 urn:w:R1");
   EXPECT_TRUE(Reservations().empty());
+}
+
+// What each of them waits for was said when it was looked at last: the older one came before the reservation.
+TEST_F(RobotReservationTest, WhenAReservationEndsTheOldestGetsTheRobotAlsoAfterARestart) {
+  Deploy("W", {kDrive});
+  for (const bool restarts : {false, true}) {
+    const TurnResult tour = Start("W", "R1");
+    const std::string run = tour.record.commands.at(0).id.value();
+    Start("W", "R1");
+    const std::string older = absl::StrCat("W-", restarts ? 5 : 2);
+    ASSERT_TRUE(Reserve({{"R1"}, run.substr(0, run.find('/')), 0, 0, ""}).ok());
+    Start("W", "R1");
+    if (restarts) Restart();
+    const TurnResult freed = Done(tour);
+    EXPECT_EQ(Commands(freed), older + " urn:w:R1");
+    Done(Done(freed));
+  }
+}
+
+// A run that ceased to be kept from a robot is looked at as one that never was.
+TEST_F(RobotReservationTest, WhoWaitsIsTheSameAfterARestart) {
+  const auto play = [this](bool restarts) {
+    stages_ = std::make_unique<Stages>(&dictionary_, &functions_, Limits());
+    Turn(Tell(test::FreeRobots({"R1", "R2"}, "drive")));
+    Deploy("W", {kDrive});
+    const TurnResult first = Start("W", "R1");
+    const auto made = Reserve({{"R1"}, "", 0, 600'000, ""});
+    Start("W", "R1");
+    WriteBatch release;
+    EXPECT_TRUE(
+        ReleaseReservation(made->iri, dictionary_, *stages_->writer.Freeze(Revision(head_)), &release).ok());
+    Turn(std::move(release));
+    Start("W", "R1");
+    if (restarts) Restart();
+    return Commands(Done(first));
+  };
+  EXPECT_EQ(play(false), "W-2 urn:w:R1");
+  EXPECT_EQ(play(true), "W-2 urn:w:R1");
 }
 
 TEST_F(RobotReservationTest, AReservationForAWorkflowEndsWhenItIsUndeployed) {
@@ -306,12 +353,7 @@ TEST_F(RobotReservationTest, AReservationOutlivesARestart) {
   Deploy("W", {kDrive});
   ASSERT_TRUE(Reserve({{"R1"}, "", 0, 60'000, ""}).ok());
   EXPECT_EQ(Commands(Start("W", "R1")), "");
-  const auto bytes = EncodeState(
-      TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(head_)), now_us_), dictionary_);
-  ASSERT_TRUE(bytes.ok()) << bytes.status();
-  auto state = DecodeState(*bytes, &dictionary_, &functions_, Limits());
-  ASSERT_TRUE(state.ok()) << state.status();
-  stages_ = std::move(state->stages);
+  Restart();
   EXPECT_EQ(Commands(After(30)), "");
   EXPECT_EQ(Commands(After(40)), "W-1 urn:w:R1");
 }

@@ -35,6 +35,19 @@ TEST(WaitingRoomTest, TheOldestComesFirstWhateverItWaitsFor) {
   EXPECT_EQ(next->second, RunId("C"));  // B wants r1 only
 }
 
+TEST(WaitingRoomTest, WhoLeavesOrWishesOtherwiseIsNotBarredAnyMore) {
+  WaitingRoom room;
+  room.Wait(1, Of("A"), {RobotId(), "guide"});
+  room.Bar(Of("A"));
+  room.Wait(1, Of("A"), {RobotId(), "guide"});
+  EXPECT_THAT(room.barred(), ElementsAre(Of("A")));
+  room.Wait(1, Of("A"), {kR1, "guide"});
+  EXPECT_THAT(room.barred(), IsEmpty());
+  room.Bar(Of("A"));
+  room.Leave(Of("A"));
+  EXPECT_THAT(room.barred(), IsEmpty());
+}
+
 TEST(WaitingRoomTest, ARobotIsNotGivenToAWishThatItCannotFulfil) {
   WaitingRoom room;
   room.Wait(1, Of("A"), {RobotId(), "fly"});
