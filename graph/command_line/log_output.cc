@@ -5,12 +5,11 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <optional>
 #include <utility>
 
 #include "absl/strings/str_format.h"
 #include "graph/rdf/hidden_character.h"
-#include "graph/rdf/utf8.h"
+#include "graph/rdf/utf8_text.h"
 
 namespace docent {
 namespace {
@@ -26,18 +25,12 @@ std::string Escaped(char32_t c) {
 
 std::string LogText(std::string_view text) {
   std::string out;
-  while (!text.empty()) {
-    const std::optional<size_t> invalid = FindInvalidUtf8(text);
-    const std::string_view good = text.substr(0, invalid.value_or(text.size()));
-    for (size_t at = 0; at < good.size();) {
-      const size_t begin = at;
-      const char32_t c = NextCodePoint(good, &at);
-      out += IsHiddenCharacter(c) ? Escaped(c) : std::string(good.substr(begin, at - begin));
-    }
-    if (!invalid) break;
-    out += absl::StrFormat("\\x%02x", static_cast<unsigned char>(text[*invalid]));
-    text.remove_prefix(*invalid + 1);
-  }
+  ForEachCharacter(
+      text,
+      [&out](char32_t c, std::string_view bytes) {
+        out += IsHiddenCharacter(c) ? Escaped(c) : std::string(bytes);
+      },
+      [&out](unsigned char byte) { out += absl::StrFormat("\\x%02x", byte); });
   return out;
 }
 

@@ -1,4 +1,4 @@
-// The log of a program: lines on standard error that nobody else can write, command a terminal with, or fill a disk with.
+// The log of a program: lines on standard error. What others sent in cannot forge a line, control a terminal or fill a disk.
 #ifndef DOCENT_GRAPH_COMMAND_LINE_LOG_OUTPUT_H_
 #define DOCENT_GRAPH_COMMAND_LINE_LOG_OUTPUT_H_
 

@@ -3,12 +3,12 @@
 #include <unicode/uchar.h>
 
 #include <cstdint>
-#include <optional>
 
 #include "absl/strings/str_format.h"
 #include "graph/base/text.h"
 #include "graph/rdf/hidden_character.h"
 #include "graph/rdf/utf8.h"
+#include "graph/rdf/utf8_text.h"
 
 namespace docent::server {
 namespace {
@@ -38,22 +38,16 @@ template <typename Instead>
 std::string Rewritten(std::string_view text, const Instead& instead) {
   std::string out;
   char32_t before = 0;
-  while (!text.empty()) {
-    const std::optional<size_t> invalid = FindInvalidUtf8(text);
-    const std::string_view good = text.substr(0, invalid.value_or(text.size()));
-    for (size_t at = 0; at < good.size();) {
-      const size_t begin = at;
-      const char32_t c = NextCodePoint(good, &at);
-      if (IsHiddenCharacter(c) && !(IsJoiner(c) && before >= 0x80))
-        out += instead(c);
-      else
-        out += good.substr(begin, at - begin);
-      before = c;
-    }
-    if (!invalid) break;
-    out += kReplacement;
-    text.remove_prefix(*invalid + 1);
-  }
+  ForEachCharacter(
+      text,
+      [&](char32_t c, std::string_view bytes) {
+        if (IsHiddenCharacter(c) && !(IsJoiner(c) && before >= 0x80))
+          out += instead(c);
+        else
+          out += bytes;
+        before = c;
+      },
+      [&out](unsigned char) { out += kReplacement; });
   return out;
 }
 

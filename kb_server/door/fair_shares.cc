@@ -20,7 +20,7 @@ void FairShares::Leave(const Client* client) {
   const auto place = shares_.find(client);
   if (--place->second.pieces > 0) return;
   --active_;
-  // Where nobody has work, nobody has had too much of it.
+  // No client has work: what each has had before does not count any more.
   if (active_ == 0) {
     shares_.clear();
   } else if (place->second.time <= now_ - credit_) {

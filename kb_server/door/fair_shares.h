@@ -1,8 +1,8 @@
 // Order in which clients are served: who has had less of the processors goes first. Start-time fair queueing (Goyal, Vin and
 // Cheng, "Start-time Fair Queuing", 1997): each client has a time that grows by what it uses; the server's own time grows by
 // what all use, divided by how many of them have work. A client that begins to have work gets the server's time, less
-// `credit`: so who comes now and then passes who is always there, and nobody waits for more than its share and the credit of
-// the others. What a client did not use while it had no work, it does not get later. Not thread-safe.
+// `credit`. So a client that has work now and then goes before one that always has. No client waits longer than its share and
+// the credit of the others. What a client did not use while it had no work, it does not get later. Not thread-safe.
 #ifndef DOCENT_KB_SERVER_DOOR_FAIR_SHARES_H_
 #define DOCENT_KB_SERVER_DOOR_FAIR_SHARES_H_
 

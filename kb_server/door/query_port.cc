@@ -28,7 +28,7 @@ void QueryPort::Await(Revision revision, absl::Time deadline, std::shared_ptr<Ca
   absl::Status status;
   {
     absl::MutexLock lock(&waiting_mutex_);
-    ++count_;  // before the look at the newest: Publish passes over nobody
+    ++count_;  // before the newest revision is looked at: Publish then wakes this one, too
     const uint64_t newest = Newest()->revision().value();
     if (newest < revision.value()) {
       if (closed_) {

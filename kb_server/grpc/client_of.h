@@ -1,4 +1,4 @@
-// The client of a call: its connection, or whom a bridge of this process calls for.
+// The client of a call: its connection, or the client that a bridge of this process calls for.
 #ifndef DOCENT_KB_SERVER_GRPC_CLIENT_OF_H_
 #define DOCENT_KB_SERVER_GRPC_CLIENT_OF_H_
 
