@@ -112,6 +112,17 @@ std::shared_ptr<HttpConnection> LeastMissed(const std::list<std::weak_ptr<HttpCo
   return least;
 }
 
+// How many are neither gone nor told to close; those that are gone leave the list.
+size_t Open(std::list<std::weak_ptr<HttpConnection>>* connections) {
+  size_t open = 0;
+  connections->remove_if([&open](const std::weak_ptr<HttpConnection>& one) {
+    const auto connection = one.lock();
+    if (connection != nullptr && !connection->closing()) ++open;
+    return connection == nullptr;
+  });
+  return open;
+}
+
 struct HttpServer::Impl {
   Impl(const HttpServerOptions& options, HttpRoutes routes, uint16_t port)
       : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts, options.allowed_origins),
@@ -122,10 +133,11 @@ struct HttpServer::Impl {
 
   HttpShared shared;
   net::io_context context;
-  // One strand for accepting and for the list of connections.
+  // One strand for accepting and for the lists of connections.
   net::strand<net::io_context::executor_type> strand = net::make_strand(context);
   Tcp::acceptor acceptor{strand};
   std::list<std::weak_ptr<HttpConnection>> connections;
+  std::list<std::weak_ptr<HttpConnection>> turned_away;  // beside them: they take nobody's place
   bool stopping = false;
   std::string address;
   uint16_t port = 0;
@@ -144,25 +156,23 @@ net::awaitable<void> HttpServer::Impl::AcceptLoop() {
       continue;
     }
     ++shared.connections;
-    connections.remove_if([](const std::weak_ptr<HttpConnection>& one) { return one.expired(); });
-    const size_t most = shared.options.connections;
     // Those turned away are bounded as well: beyond them nobody even gets an answer.
-    const size_t turned_away = std::clamp<size_t>(most / 16, 1, 64);
-    while (!stopping && shared.closing > turned_away) {  // their descriptors come back in a moment
+    const size_t most = shared.options.connections;
+    const size_t most_turned_away = std::clamp<size_t>(most / 16, 1, 64);
+    while (!stopping && shared.closing > most_turned_away) {  // their descriptors come back in a moment
       net::steady_timer pause(strand, std::chrono::milliseconds(1));
       co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
     }
-    const size_t open = shared.open - shared.closing;
-    bool full = open >= most;
+    bool full = Open(&connections) >= most;
     if (const auto one = full ? LeastMissed(connections) : nullptr) {
       one->Close();
       ++shared.slow_closed;
       full = false;
     }
-    if (full && open >= most + turned_away) continue;
+    if (full && Open(&turned_away) >= most_turned_away) continue;
     const auto executor = socket.get_executor();
     auto connection = std::make_shared<HttpConnection>(std::move(socket), &shared);
-    connections.push_back(connection);
+    (full ? turned_away : connections).push_back(connection);
     net::co_spawn(executor, Serve(std::move(connection), full), net::detached);
   }
 }
@@ -172,8 +182,10 @@ void HttpServer::Impl::Stop() {
     stopping = true;
     ErrorCode ignored;
     acceptor.close(ignored);
-    for (const std::weak_ptr<HttpConnection>& one : connections) {
-      if (const auto connection = one.lock()) connection->Close();
+    for (const auto* list : {&connections, &turned_away}) {
+      for (const std::weak_ptr<HttpConnection>& one : *list) {
+        if (const auto connection = one.lock()) connection->Close();
+      }
     }
   });
   // The threads end when no connection is left.

@@ -391,12 +391,13 @@ TEST(HttpServerTest, ConnectionLimitTurnsAwayWhereAllWork) {
   auto server = StartServer(std::move(routes), options);
   HttpClient first(server->port()), second(server->port());
   const std::string wait = absl::StrCat("GET /wait HTTP/1.1\r\nHost: localhost:", server->port(), "\r\n\r\n");
-  first.Send(wait);
-  second.Send(wait);
-  {
-    const auto both = [&kept] { return kept.size() == 2; };
+  size_t asked = 0;
+  for (HttpClient* client : {&first, &second}) {  // in this order also in `kept`
+    client->Send(wait);
+    ++asked;
+    const auto is_there = [&] { return kept.size() == asked; };
     absl::MutexLock lock(&mutex);
-    mutex.Await(absl::Condition(&both));
+    mutex.Await(absl::Condition(&is_there));
   }
   HttpClient third(server->port());
   const HttpReply reply = third.Receive();
