@@ -350,7 +350,9 @@ class Simulation {
     engine::Reservation made;
     const absl::Status status = MakeReservation(request, dictionary_, *version_, now_us_, &batch, &made);
     EXPECT_TRUE(status.ok() || absl::IsNotFound(status)) << status;
-    return status.ok() ? batch : WriteBatch();
+    if (!status.ok()) return WriteBatch();
+    asked_now_ = {made};
+    return batch;
   }
 
   WriteBatch OutOfService(int robot, bool out) {
@@ -375,6 +377,7 @@ class Simulation {
   void Turn(WriteBatch batch) {
     batch.time_us = now_us_;
     const std::vector<engine::Reservation> reserved_before = reservations_;
+    const std::vector<engine::Reservation> asked = std::exchange(asked_now_, {});
     const std::map<RobotId, std::string> held_before = Holders();
     const auto result = RunTurn(stages_.get(), batch, log_.size() + 1);
     if (!result.ok()) {
@@ -421,7 +424,7 @@ class Simulation {
           std::find(result->cancels.begin(), result->cancels.end(), command.id) == result->cancels.end();
       CheckCommand(*graph, command, stays);
       const std::string root = RootOf(*graph, IdParts(command.id).run);
-      if (!reserving.contains(root)) CheckReserved(command, root, reserved_before, held_before);
+      if (!reserving.contains(root)) CheckReserved(command, root, reserved_before, asked, held_before);
       under_way_[command.id] = {command, RootOf(*graph, IdParts(command.id).run),
                                 RunAndParents(*graph, IdParts(command.id).run)};
     }
@@ -533,9 +536,11 @@ class Simulation {
     return holders;
   }
 
-  // Reservations that were there before this turn and after it were there when the command was decided.
+  // Reservations that were there before this turn and after it were there when the command was decided. One that was asked for in this
+  // turn allowed the command, also where its run ended in the turn and took it away.
   void CheckReserved(const RobotCommand& command, const std::string& root,
                      const std::vector<engine::Reservation>& before,
+                     const std::vector<engine::Reservation>& asked,
                      const std::map<RobotId, std::string>& held_before) {
     const std::string flow = root.substr(0, root.find('-'));
     const auto priority = documents_.priorities.find(flow);
@@ -554,7 +559,7 @@ class Simulation {
           });
       if (same == reservations_.end() || !one.robots.contains(command.robot) || is_own(one)) continue;
       bool may = rank > one.priority;
-      for (const auto* list : {&before, &std::as_const(reservations_)}) {
+      for (const auto* list : {&before, &asked, &std::as_const(reservations_)}) {
         for (const engine::Reservation& own : *list)
           may = may || (is_own(own) && own.robots.contains(command.robot) && in_order(own, one));
       }
@@ -798,6 +803,7 @@ class Simulation {
   size_t by_class_ = 0;  // commands of those that asked for a class
   size_t fallen_ = 0;    // nodes that were interrupted, and waited for the end of their commands
   std::vector<engine::Reservation> reservations_;
+  std::vector<engine::Reservation> asked_now_;  // by the batch that the next turn takes
 };
 
 TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
