@@ -50,7 +50,7 @@ struct Inflater {
 }  // namespace
 
 absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name,
-                                   MemoryUse* memory) {
+                                   MemoryUse* memory, Cancellation* cancellation) {
   if (bytes.size() > 2 && !IsGzip(bytes))
     return absl::InvalidArgumentError("this is not gzip data: it does not begin with the bytes 1F 8B 08");
   Inflater inflater;
@@ -64,6 +64,7 @@ absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, st
   for (int state = Z_OK;;) {
     if (state == Z_STREAM_END) {
       if (taken == bytes.size()) {
+        counted.SetTo(out.size());
         counted.Keep();
         return out;
       }
@@ -76,9 +77,16 @@ absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, st
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + taken));
     stream.avail_in = static_cast<uInt>(given);
     const size_t before = out.size();
-    const size_t room = std::min(kPiece + before, most_bytes - before + 1);  // one more than may come out
-    const size_t grown = before + std::min<size_t>(room, INT_MAX);
-    if (!counted.SetTo(grown)) return memory->Refusal(too_large);
+    const size_t room = std::min(kPiece, most_bytes - before + 1);  // one more than may come out
+    const size_t grown = before + room;
+    if (cancellation != nullptr) {
+      if (const absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
+    }
+    if (grown > out.capacity()) {
+      const size_t doubled = std::min(2 * grown, most_bytes + 1);
+      if (!counted.SetTo(doubled)) return memory->Refusal(too_large);
+      out.reserve(doubled);
+    }
     out.resize(grown);
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
     stream.avail_out = static_cast<uInt>(out.size() - before);
@@ -86,7 +94,6 @@ absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, st
     taken += given - stream.avail_in;
     out.erase(out.size() - stream.avail_out);
     if (out.size() > most_bytes) return too_large;
-    counted.SetTo(out.size());
     if (state == Z_OK || state == Z_STREAM_END) continue;
     const bool cut = state == Z_BUF_ERROR && taken == bytes.size();
     return absl::InvalidArgumentError(cut ? "the gzip data ends too early: was the file cut?"

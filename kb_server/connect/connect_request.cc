@@ -154,17 +154,20 @@ std::optional<HttpResponse> ReadPostHead(const HttpRequest& http, const pb::Meth
 
 // One message as it was sent, in its binary form.
 absl::StatusOr<std::string> ReadMessage(std::string_view bytes, bool gzip, const pb::MethodDescriptor& method,
-                                        MessageCodec codec, const Limits& limits, MemoryUse* memory) {
+                                        MessageCodec codec, const Limits& limits, MemoryUse* memory,
+                                        Cancellation* cancellation) {
   const MessageSize largest = codec == MessageCodec::kJson
                                   ? LargestJson(method.full_name(), limits, kNetworkLimits)
                                   : LargestMessage(method.full_name(), limits, kNetworkLimits);
   const absl::Status size = CheckMessageSize(method.full_name(), bytes.size(), largest);
   if (!size.ok()) return size;
-  if (!gzip) return ToBinary(*method.input_type(), codec, bytes, memory);
-  const absl::StatusOr<std::string> unpacked = Gunzip(bytes, largest.bytes, largest.limit, memory);
+  if (!gzip) return ToBinary(*method.input_type(), codec, bytes, memory, cancellation);
+  const absl::StatusOr<std::string> unpacked =
+      Gunzip(bytes, largest.bytes, largest.limit, memory, cancellation);
   if (!unpacked.ok())
     return WithMessage(unpacked.status(), absl::StrCat("the message: ", unpacked.status().message()));
-  absl::StatusOr<std::string> message = ToBinary(*method.input_type(), codec, *unpacked, memory);
+  absl::StatusOr<std::string> message =
+      ToBinary(*method.input_type(), codec, *unpacked, memory, cancellation);
   if (memory != nullptr) memory->Release(unpacked->size());
   return message;
 }
@@ -215,10 +218,11 @@ std::optional<HttpResponse> ReadConnectHead(const HttpRequest& http, const pb::M
 absl::StatusOr<std::vector<std::string>> ReadConnectMessages(const HttpRequest& http,
                                                              const pb::MethodDescriptor& method,
                                                              const ConnectHead& head, const Limits& limits,
-                                                             MemoryUse* memory) {
+                                                             MemoryUse* memory, Cancellation* cancellation) {
   std::vector<std::string> messages;
   const auto add = [&](std::string_view bytes, bool gzip) -> absl::Status {
-    absl::StatusOr<std::string> message = ReadMessage(bytes, gzip, method, head.codec, limits, memory);
+    absl::StatusOr<std::string> message =
+        ReadMessage(bytes, gzip, method, head.codec, limits, memory, cancellation);
     if (!message.ok()) return message.status();
     messages.push_back(*std::move(message));
     return absl::OkStatus();

@@ -45,11 +45,13 @@ std::optional<HttpResponse> ReadConnectHead(const HttpRequest& http,
 
 // The messages of a request whose head is good, in their binary form. INVALID_ARGUMENT, UNIMPLEMENTED (more than one for a
 // method that takes one), RESOURCE_EXHAUSTED (larger than the method's largest message, unpacked; all together larger than
-// http_body_bytes; no room for them at the moment). `memory`: of the request, which counts them; null: they are not counted.
+// http_body_bytes; no room for them at the moment). `memory`: of the request, which counts them; null: they are not counted. `cancellation`: its
+// error, where it is over; null: none.
 absl::StatusOr<std::vector<std::string>> ReadConnectMessages(const HttpRequest& http,
                                                              const google::protobuf::MethodDescriptor& method,
                                                              const ConnectHead& head, const Limits& limits,
-                                                             MemoryUse* memory = nullptr);
+                                                             MemoryUse* memory = nullptr,
+                                                             Cancellation* cancellation = nullptr);
 
 }  // namespace docent::server
 

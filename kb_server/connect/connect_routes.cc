@@ -28,8 +28,14 @@ HttpResponse NoSuchMethod(const pb::ServiceDescriptor& service, const std::strin
 
 void Call(const ConnectPorts* ports, const pb::MethodDescriptor* method, const ConnectHead& head,
           const std::shared_ptr<HttpExchange>& exchange) {
-  absl::StatusOr<std::vector<std::string>> messages =
-      ReadConnectMessages(exchange->request(), *method, head, ports->limits, exchange->memory());
+  const auto cancellation = std::make_shared<Cancellation>();
+  exchange->OnGone([cancellation] { cancellation->Cancel(); });
+  absl::StatusOr<std::vector<std::string>> messages;
+  {
+    const WorkerPool::SharedWork shared(ports->workers, cancellation.get());
+    messages = ReadConnectMessages(exchange->request(), *method, head, ports->limits, exchange->memory(),
+                                   cancellation.get());
+  }
   if (!messages.ok()) return RefuseConnect(head, messages.status(), exchange.get());
   const std::weak_ptr<RpcCall> call = ports->calls->Start(
       absl::StrCat("/", method->service()->full_name(), "/", method->name()), *std::move(messages),

@@ -1,6 +1,8 @@
 #include "kb_server/connect/message_codec.h"
 
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/io/zero_copy_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/type_resolver_util.h>
@@ -45,14 +47,49 @@ size_t MemoryOfJson(std::string_view text) {
   return kCopies * text.size() + kValue * values;
 }
 
+// Gives a text in pieces, until it is not wanted any more.
+class TextPieces : public pb::io::ZeroCopyInputStream {
+ public:
+  TextPieces(std::string_view text, Cancellation* cancellation) : text_(text), cancellation_(cancellation) {}
+
+  bool Next(const void** data, int* size) override {
+    if (status_.ok() && cancellation_ != nullptr) status_ = cancellation_->CheckNow();
+    const std::string_view piece = text_.substr(at_, kPiece);
+    if (!status_.ok() || piece.empty()) return false;
+    *data = piece.data();
+    *size = static_cast<int>(piece.size());
+    at_ += piece.size();
+    return true;
+  }
+  void BackUp(int count) override { at_ -= static_cast<size_t>(count); }
+  bool Skip(int count) override {
+    at_ = std::min(text_.size(), at_ + static_cast<size_t>(count));
+    return at_ < text_.size();
+  }
+  int64_t ByteCount() const override { return static_cast<int64_t>(at_); }
+  const absl::Status& status() const { return status_; }
+
+ private:
+  static constexpr size_t kPiece = 64u << 10;
+
+  const std::string_view text_;
+  Cancellation* const cancellation_;
+  size_t at_ = 0;
+  absl::Status status_;
+};
+
 // Straight to the binary form: an object of the message would take many times as much.
-absl::StatusOr<std::string> JsonToBinary(const pb::Descriptor& type, std::string_view text) {
+absl::StatusOr<std::string> JsonToBinary(const pb::Descriptor& type, std::string_view text,
+                                         Cancellation* cancellation) {
   static const std::string kPrefix = "type.googleapis.com";
   static pb::util::TypeResolver* const resolver =
       pb::util::NewTypeResolverForDescriptorPool(kPrefix, pb::DescriptorPool::generated_pool());
   std::string binary;
-  const auto status = pb::util::JsonToBinaryString(resolver, absl::StrCat(kPrefix, "/", type.full_name()),
-                                                   {text.data(), text.size()}, &binary);
+  TextPieces pieces(text, cancellation);
+  pb::io::StringOutputStream output(&binary);
+  const auto status =
+      pb::util::JsonToBinaryStream(resolver, absl::StrCat(kPrefix, "/", type.full_name()), &pieces, &output);
+  if (!pieces.status().ok()) return pieces.status();
   if (status.ok()) return binary;
   return NotOfType(type, "JSON", std::string_view(status.message().data(), status.message().size()));
 }
@@ -70,7 +107,7 @@ const pb::ServiceDescriptor* FindService(const std::string& name) {
 }
 
 absl::StatusOr<std::string> ToBinary(const pb::Descriptor& type, MessageCodec codec, std::string_view text,
-                                     MemoryUse* memory) {
+                                     MemoryUse* memory, Cancellation* cancellation) {
   if (text.size() > INT_MAX) return absl::ResourceExhaustedError("the message has more than 2 GiB");
   if (text.empty()) return std::string();
   const bool json = codec == MessageCodec::kJson;
@@ -79,7 +116,7 @@ absl::StatusOr<std::string> ToBinary(const pb::Descriptor& type, MessageCodec co
     memory->Release(needed);
     return memory->Refusal(absl::ResourceExhaustedError("the message is too large"), needed);
   }
-  absl::StatusOr<std::string> binary = json ? JsonToBinary(type, text) : std::string(text);
+  absl::StatusOr<std::string> binary = json ? JsonToBinary(type, text, cancellation) : std::string(text);
   if (binary.ok()) {
     const std::optional<size_t> parsed = MemoryOfMessage(type, *binary, kNetworkLimits.request_memory_bytes);
     if (!parsed) binary = NotOfType(type, "its binary form", "");

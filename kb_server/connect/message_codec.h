@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/memory_budget.h"
 
 namespace google::protobuf {
@@ -24,9 +25,11 @@ const google::protobuf::ServiceDescriptor* FindService(const std::string& name);
 // What a client sent as the binary form. An empty text as JSON is a message without fields. INVALID_ARGUMENT where it is no
 // message of this type; JSON has no fields that the type does not have. RESOURCE_EXHAUSTED where it would take more memory
 // than the limit request_memory_bytes. `memory`, if there is one, counts what the conversion needs before it begins, and
-// then the result, which the caller releases.
+// then the result, which the caller releases. `cancellation`, if there is one, is looked at all the while: where it is over, its
+// error is the result.
 absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type, MessageCodec codec,
-                                     std::string_view text, MemoryUse* memory = nullptr);
+                                     std::string_view text, MemoryUse* memory = nullptr,
+                                     Cancellation* cancellation = nullptr);
 
 // The binary form as the client wants it. INTERNAL where it is none.
 absl::StatusOr<std::string> FromBinary(const google::protobuf::Descriptor& type, MessageCodec codec,

@@ -33,10 +33,10 @@ bool IsPacked(const HttpRequest& http) {
 }
 
 void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, MemoryUse* memory,
-                HttpBody* body) {
+                Cancellation* cancellation, HttpBody* body) {
   body->text = http.body;
   if (!IsPacked(http)) return;
-  absl::StatusOr<std::string> unpacked = Gunzip(http.body, most_bytes, limit_name, memory);
+  absl::StatusOr<std::string> unpacked = Gunzip(http.body, most_bytes, limit_name, memory, cancellation);
   if (!unpacked.ok()) {
     body->refusal = ErrorResponse(
         WithMessage(unpacked.status(), absl::StrCat("the body: ", unpacked.status().message())));

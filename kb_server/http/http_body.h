@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "graph/base/cancellation.h"
 #include "graph/base/memory_budget.h"
 #include "kb_server/work/http_message.h"
 
@@ -22,8 +23,9 @@ struct HttpBody {
 };
 // Fills *body for a request that RefuseEncoding let pass. Unpacking takes time: for a worker, where IsPacked. `memory`: of
 // the request, which counts what is unpacked until it ends; null: it is not counted.
+// `cancellation`, if there is one, ends it.
 void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, MemoryUse* memory,
-                HttpBody* body);
+                Cancellation* cancellation, HttpBody* body);
 bool IsPacked(const HttpRequest& http);
 
 }  // namespace docent::server

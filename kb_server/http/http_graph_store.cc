@@ -202,7 +202,7 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   absl::StatusOr<std::string> unpacked;
   std::string_view text = part.body;
   if (IsGzip(text)) {  // a .gz file as it is
-    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes", memory);
+    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes", memory, cancellation);
     if (!unpacked.ok()) {
       content->refusal = ErrorResponse(unpacked.status());
       return;
@@ -242,7 +242,7 @@ Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const 
     return content;
   }
   HttpBody body;
-  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", exchange.memory(), &body);
+  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", exchange.memory(), cancellation, &body);
   if ((content.refusal = std::move(body.refusal))) return content;
   if (MediaTypeOnly(type) != "multipart/form-data") {
     ReadPart(ports, {type, "", body.text}, address, 1, exchange.memory(), cancellation, &content);
@@ -395,19 +395,20 @@ void Patch(const WritePorts& ports, Address address, std::shared_ptr<Cancellatio
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.known = known.get();
   options.base_iri = BaseOf(address);
-  HttpBody body;
-  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", exchange->memory(), &body);
-  if (body.refusal) return exchange->Respond(*std::move(body.refusal));
   auto change = std::make_shared<Change>();
   change->request.memory = MemoryOfRequest(ports);
   change->request.cancellation = std::move(cancellation);
   options.memory = change->request.memory.get();
   options.cancellation = change->request.cancellation.get();
+  HttpBody body;
   sparql::ParsedUpdate parsed;
   {
     const WorkerPool::SharedWork shared(ports.workers, options.cancellation);
-    parsed = sparql::ParseUpdate(body.text, options);
+    UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", exchange->memory(),
+               options.cancellation, &body);
+    if (!body.refusal) parsed = sparql::ParseUpdate(body.text, options);
   }
+  if (body.refusal) return exchange->Respond(*std::move(body.refusal));
   if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed, body.text)));
   if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
     return exchange->Respond(TextResponse(422, std::string(status.message())));

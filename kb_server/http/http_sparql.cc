@@ -173,7 +173,12 @@ void Begin(const WritePorts& ports, const Measured& measured, SparqlRequest requ
 // A large or packed body is read by a worker: the network's threads serve others meanwhile.
 void ReadAndAnswer(const WritePorts& ports, const Measured& measured,
                    const std::shared_ptr<HttpExchange>& exchange) {
-  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits, exchange->memory());
+  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  ReadSparqlRequest read;
+  {
+    const WorkerPool::SharedWork shared(ports.workers, &cancellation);
+    read = ReadSparql(exchange->request(), ports.limits, exchange->memory(), &cancellation);
+  }
   if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
   Begin(ports, measured, std::move(read.request), exchange);
 }

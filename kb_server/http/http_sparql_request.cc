@@ -102,7 +102,8 @@ bool IsQuicklyRead(const HttpRequest& http) {
   return http.body.size() <= kFew && !IsPacked(http);
 }
 
-ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, MemoryUse* memory) {
+ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, MemoryUse* memory,
+                             Cancellation* cancellation) {
   SparqlRequest request;
   request.timeout_ms = limits.query_timeout_ms;
   request.base_iri = AddressOf(http);
@@ -126,7 +127,7 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, Memo
   const std::string type = MediaTypeOnly(given);
   if (std::optional<HttpResponse> refusal = RefuseCharset(given)) return {std::move(refusal), {}};
   HttpBody body;
-  UnpackBody(http, limits.update_text_bytes, "update_text_bytes", memory, &body);
+  UnpackBody(http, limits.update_text_bytes, "update_text_bytes", memory, cancellation, &body);
   if (body.refusal) return {std::move(body.refusal), {}};
   if (type == "application/sparql-query" || type == "application/sparql-update") {
     request.kind = type == "application/sparql-update" ? Kind::kUpdate : Kind::kQuery;

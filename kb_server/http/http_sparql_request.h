@@ -8,6 +8,7 @@
 
 #include "graph/base/ids.h"
 #include "graph/base/limits.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/memory_budget.h"
 #include "graph/rdf/term.h"
 #include "kb_server/work/http_message.h"
@@ -34,7 +35,8 @@ struct ReadSparqlRequest {
   SparqlRequest request;
 };
 // `memory`: counts what is unpacked; may be null. A large or packed body takes time: see IsQuicklyRead.
-ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, MemoryUse* memory = nullptr);
+ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits, MemoryUse* memory = nullptr,
+                             Cancellation* cancellation = nullptr);
 bool IsQuicklyRead(const HttpRequest& http);
 
 // "http://host:port/path" of a request.

@@ -38,6 +38,18 @@ TEST(GzipTest, ABombIsUnpackedToItsLimitAlone) {
   EXPECT_EQ(Gunzip(bomb, 1000, "some_bytes").status().code(), absl::StatusCode::kResourceExhausted);
 }
 
+TEST(GzipTest, UnpackingEndsWhenItIsCancelled) {
+  const std::string packed = Gzip(std::string(10u << 20, 'x'));
+  Cancellation cancellation;
+  int looks = 0;
+  cancellation.OnLook([&](const Cancellation&) {
+    if (++looks == 20) cancellation.Cancel();
+  });
+  EXPECT_EQ(Gunzip(packed, 20u << 20, "some_bytes", nullptr, &cancellation).status().code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_EQ(looks, 20);
+}
+
 TEST(GzipTest, DamagedDataAreAnError) {
   const std::string packed = Gzip("some text that is long enough to be packed, packed, packed");
   for (size_t size = 3; size < packed.size(); ++size) {
