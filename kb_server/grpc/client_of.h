@@ -4,9 +4,14 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <string_view>
+
 #include "kb_server/door/client.h"
 
 namespace docent::server {
+
+// Whether a call came over a connection. gRPC gives calls within this process another peer, or none.
+bool IsOverNetwork(std::string_view peer);
 
 // Null where `clients` is null. What a call over a network says of its client counts for nothing.
 ClientPtr ClientOf(const grpc::CallbackServerContext& context, Clients* clients);

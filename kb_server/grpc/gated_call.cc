@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/wire/message_memory.h"
 #include "kb_server/door/message_sizes.h"
+#include "kb_server/grpc/client_of.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent::server {
@@ -42,11 +43,6 @@ std::optional<size_t> MemoryOf(const google::protobuf::Descriptor& type, grpc_by
   const std::optional<size_t> memory = MemoryOfMessage(type, &bytes, most);
   grpc_byte_buffer_reader_destroy(&reader);
   return memory;
-}
-
-// Of a connection; a call of this process has another one, or none.
-bool IsOverNetwork(const std::string& peer) {
-  return peer.starts_with("ipv4:") || peer.starts_with("ipv6:") || peer.starts_with("unix:");
 }
 
 }  // namespace

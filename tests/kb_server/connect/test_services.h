@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,8 @@ class TestFleet final : public v1::Fleet::CallbackService {
                                  v1::ListRobotsReply* reply) override {
     absl::MutexLock lock(&mutex_);
     reply->add_robots()->set_label(label_);
+    ++listed_;
+    if (on_list_) on_list_(*context);
     deadline_ = absl::FromChrono(context->deadline());
     auto* reactor = context->DefaultReactor();
     if (holds_) {
@@ -41,6 +44,16 @@ class TestFleet final : public v1::Fleet::CallbackService {
   void SetLabel(std::string label) {
     absl::MutexLock lock(&mutex_);
     label_ = std::move(label);
+  }
+  // Is called with each call of List.
+  void OnList(std::function<void(const grpc::CallbackServerContext&)> on_list) {
+    absl::MutexLock lock(&mutex_);
+    on_list_ = std::move(on_list);
+  }
+  // Calls of List so far.
+  size_t listed() {
+    absl::MutexLock lock(&mutex_);
+    return listed_;
   }
   // Calls of List are not answered until they are let go.
   void Hold() {
@@ -68,6 +81,8 @@ class TestFleet final : public v1::Fleet::CallbackService {
   std::string label_ = "R01";
   absl::Time deadline_;
   bool holds_ = false;
+  size_t listed_ = 0;
+  std::function<void(const grpc::CallbackServerContext&)> on_list_;
   std::vector<grpc::ServerUnaryReactor*> held_;
 };
 
