@@ -36,15 +36,7 @@ absl::Status NotOfType(const pb::Descriptor& type, std::string_view form, std::s
 // What the conversion takes: the text without its escapes, twice the result, which grows, and what is noted of each value.
 size_t MemoryOfJson(std::string_view text) {
   constexpr size_t kCopies = 3, kValue = 32;
-  size_t values = 1;
-  bool in_string = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '"') in_string = !in_string;
-    if (in_string && c == '\\') ++i;
-    if (!in_string && (c == ',' || c == '{' || c == '[')) ++values;
-  }
-  return kCopies * text.size() + kValue * values;
+  return kCopies * text.size() + kValue * ValuesInJson(text);
 }
 
 // Gives a text in pieces, until it is not wanted any more.
@@ -101,6 +93,18 @@ absl::Status TooMuchMemory(const pb::Descriptor& type) {
 }
 
 }  // namespace
+
+size_t ValuesInJson(std::string_view text) {
+  size_t values = 1;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') in_string = !in_string;
+    if (in_string && c == '\\') ++i;
+    if (!in_string && (c == ',' || c == '{' || c == '[')) ++values;
+  }
+  return values;
+}
 
 const pb::ServiceDescriptor* FindService(const std::string& name) {
   return pb::DescriptorPool::generated_pool()->FindServiceByName(name);

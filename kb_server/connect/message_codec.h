@@ -22,6 +22,9 @@ enum class MessageCodec { kJson, kProto };
 // A service of this program by its full name, "docent.v1.Fleet"; null: there is none.
 const google::protobuf::ServiceDescriptor* FindService(const std::string& name);
 
+// Number of values in a text that may be JSON, about: so many parts need memory while it is read.
+size_t ValuesInJson(std::string_view text);
+
 // What a client sent as the binary form. An empty text as JSON is a message without fields. INVALID_ARGUMENT where it is no
 // message of this type; JSON has no fields that the type does not have. RESOURCE_EXHAUSTED where it would take more memory
 // than the limit request_memory_bytes. `memory`, if there is one, counts what the conversion needs before it begins, and

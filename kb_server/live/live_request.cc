@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/message_codec.h"
@@ -46,19 +47,61 @@ absl::StatusOr<const pb::MethodDescriptor*> FindMethod(const std::string& call,
   return method;
 }
 
-// The JSON of `text`; discarded where it is none. `*fault`: what else is wrong with it.
-json Parse(std::string_view text, std::string* fault) {
-  std::vector<std::set<std::string>> seen;
-  const auto look = [&](int depth, json::parse_event_t event, json& parsed) {
-    if (depth > kDepth) *fault = "it has more than 64 objects and lists inside each other";
-    if (event == json::parse_event_t::object_start) seen.emplace_back();
-    if (event == json::parse_event_t::object_end) seen.pop_back();
-    if (event == json::parse_event_t::key && !seen.back().insert(parsed.get<std::string>()).second)
-      *fault = "a name stands twice in one object";
+// Looks through a text without keeping it. A parser that asks back for each value would take quadratic time.
+class Reading final : public nlohmann::json_sax<json> {
+ public:
+  const std::string& fault() const { return fault_; }  // empty: none
+  bool is_object() const { return is_object_; }
+  const json& id() const { return id_; }
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t value) override { return Value(value); }
+  bool number_unsigned(number_unsigned_t value) override { return Value(value); }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t& value) override { return value.size() > kIdBytes || Value(value); }
+  bool binary(binary_t&) override { return true; }
+  bool key(string_t& name) override {
+    is_id_ = names_.size() == 1 && name == "id";
+    if (!names_.back().insert(std::move(name)).second) fault_ = "a name stands twice in one object";
     return true;
-  };
-  return json::parse(text, look, /*allow_exceptions=*/false);
-}
+  }
+  bool start_object(size_t) override {
+    if (depth_ == 0) is_object_ = true;
+    names_.emplace_back();
+    return Open();
+  }
+  bool end_object() override {
+    names_.pop_back();
+    --depth_;
+    return true;
+  }
+  bool start_array(size_t) override { return Open(); }
+  bool end_array() override {
+    --depth_;
+    return true;
+  }
+  bool parse_error(size_t, const std::string&, const json::exception&) override { return false; }
+
+ private:
+  template <typename T>
+  bool Value(const T& value) {
+    if (depth_ == 1 && is_id_) id_ = value;
+    return true;
+  }
+  bool Open() {
+    if (++depth_ <= kDepth) return true;
+    fault_ = "it has more than 64 objects and lists inside each other";
+    return false;
+  }
+
+  std::string fault_;
+  bool is_object_ = false;
+  json id_;
+  bool is_id_ = false;  // the newest name
+  int depth_ = 0;
+  std::vector<absl::flat_hash_set<std::string>> names_;  // of each object that is open
+};
 
 absl::StatusOr<LiveRequest> Read(const json& message, const std::vector<std::string>& services) {
   LiveRequest request;
@@ -96,16 +139,15 @@ absl::StatusOr<LiveRequest> Read(const json& message, const std::vector<std::str
 absl::StatusOr<LiveRequest> ReadLiveRequest(std::string_view text, const std::vector<std::string>& services,
                                             std::string* id) {
   *id = "null";
-  std::string fault;
-  const json message = Parse(text, &fault);
-  if (!message.is_object()) return Invalid("a message is no JSON object");
-  const auto given = message.find("id");
-  if (given == message.end() || !(given->is_string() || given->is_number_integer()) ||
-      given->dump().size() > kIdBytes)
+  Reading reading;
+  const bool is_json = json::sax_parse(text, &reading);
+  if (!reading.is_object() || (!is_json && reading.fault().empty()))
+    return Invalid("a message is no JSON object");
+  if (reading.id().is_null() || reading.id().dump().size() > kIdBytes)
     return Invalid("\"id\" is missing, or no whole number or short string");
-  *id = given->dump();
-  if (!fault.empty()) return Invalid(fault);
-  return Read(message, services);
+  *id = reading.id().dump();
+  if (!reading.fault().empty()) return Invalid(reading.fault());
+  return Read(json::parse(text), services);
 }
 
 }  // namespace docent::server

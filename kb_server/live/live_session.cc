@@ -9,9 +9,19 @@
 #include "graph/base/memory_budget.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/connect_error.h"
+#include "kb_server/connect/message_codec.h"
 
 namespace docent::server {
 namespace {
+
+// Larger messages take more than about a millisecond to read.
+constexpr size_t kSmallBytes = 8u << 10;
+
+// What reading a message takes: copies of its texts, and each value with its name in the message and in the set of names.
+size_t BytesToRead(std::string_view text) {
+  constexpr size_t kCopies = 3, kValue = 256;
+  return kCopies * text.size() + kValue * ValuesInJson(text);
+}
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
@@ -63,12 +73,14 @@ void LiveSession::OnBytes(std::string_view bytes) {
     if (closed_) return;
     heard_ = absl::Now();
   }
-  const std::vector<WebSocketReader::Event> events = reader_.Read(bytes);
-  if (!CountHeld()) {
-    return Close(WebSocketClose(kWebSocketTryAgain,
-                                "too much is in work at the same time (http_bodies_bytes); try again later"));
+  std::vector<WebSocketReader::Event> events = reader_.Read(bytes);
+  {
+    absl::MutexLock lock(&mutex_);
+    begun_bytes_ = reader_.held();
+    begun_ = begun_bytes_ == 0 ? absl::InfiniteFuture() : std::min(begun_, absl::Now());
   }
-  for (const WebSocketReader::Event& event : events) {
+  if (!CountHeld()) return;
+  for (WebSocketReader::Event& event : events) {
     bool patient = true;
     {
       absl::MutexLock lock(&mutex_);
@@ -80,7 +92,7 @@ void LiveSession::OnBytes(std::string_view bytes) {
                                   "the tab asks and does not read the answers: live_unread_requests"));
     switch (event.opcode) {
       case WebSocketOpcode::kText:
-        Take(event.payload);
+        Receive(std::move(event.payload));
         break;
       case WebSocketOpcode::kPing:
         exchange_->Push(WebSocketFrame(WebSocketOpcode::kPong, event.payload));
@@ -95,18 +107,64 @@ void LiveSession::OnBytes(std::string_view bytes) {
 }
 
 bool LiveSession::CountHeld() {
-  const size_t held = reader_.held();
+  bool has_room = true;
   {
     absl::MutexLock lock(&mutex_);
-    if (held == 0) begun_ = absl::InfiniteFuture();
-    if (held > 0) begun_ = std::min(begun_, absl::Now());
+    const size_t held = begun_bytes_ + whole_bytes_, before = std::exchange(counted_, held);
+    MemoryUse* const memory = exchange_->memory();
+    if (memory == nullptr) return true;
+    if (held < before) memory->Release(before - held);
+    if (held == 0) memory->Settle();  // a connection that only listens keeps nothing of the budget
+    has_room = held <= before || memory->Add(held - before);
   }
-  MemoryUse* const memory = exchange_->memory();
-  const size_t before = std::exchange(held_, held);
-  if (memory == nullptr) return true;
-  if (held < before) memory->Release(before - held);
-  if (held == 0) memory->Settle();  // a connection that only listens keeps nothing of the budget
-  return held <= before || memory->Add(held - before);
+  if (!has_room)
+    Close(WebSocketClose(kWebSocketTryAgain,
+                         "too much is in work at the same time (http_bodies_bytes); try again later"));
+  return has_room;
+}
+
+void LiveSession::Receive(std::string text) {
+  bool at_once = false, begin = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    at_once = !taking_ && (text.size() <= kSmallBytes || ports_.workers == nullptr);
+    if (!at_once) {
+      const size_t bytes = BytesToRead(text);
+      whole_bytes_ += bytes;
+      waiting_.push_back({std::move(text), bytes});
+      begin = !std::exchange(taking_, true);
+    }
+  }
+  if (at_once) return Take(text);
+  if (CountHeld() && begin) TakeNextOnWorker();
+}
+
+void LiveSession::TakeNextOnWorker() {
+  ports_.workers->Submit({.run = [self = shared_from_this()] { self->TakeNext(); },
+                          .refuse =
+                              [self = shared_from_this()](const absl::Status& why) {
+                                self->Close(WebSocketClose(kWebSocketTryAgain, FromAbsl(why.message())));
+                              },
+                          .client = client()});
+}
+
+void LiveSession::TakeNext() {
+  Waiting next;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (waiting_.empty()) return;  // the connection is closed
+    next = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
+  Take(next.text);
+  bool more = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    whole_bytes_ -= next.bytes;
+    more = taking_ = !waiting_.empty();
+  }
+  CountHeld();
+  if (more) TakeNextOnWorker();
 }
 
 void LiveSession::Take(const std::string& text) {
@@ -199,6 +257,8 @@ void LiveSession::EndAll() {
     absl::MutexLock lock(&mutex_);
     closed_ = true;
     streams.swap(streams_);
+    for (const Waiting& one : waiting_) whole_bytes_ -= one.bytes;
+    waiting_.clear();
   }
   for (const auto& [id, stream] : streams) stream->End();
 }

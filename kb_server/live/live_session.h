@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_LIVE_LIVE_SESSION_H_
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -56,8 +57,12 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   const ClientPtr& client() const { return exchange_->client(); }
 
  private:
+  // Takes a message: at once where it is small and none waits, else on a worker, in the order in which they came.
+  void Receive(std::string text);
+  void TakeNextOnWorker();
+  void TakeNext();
   void Take(const std::string& text);
-  // Counts what reader_ holds, and since when. False: there is no room for it.
+  // Counts what is held of messages. False: there is no room for it.
   bool CountHeld();
   void BeginStream(const LiveRequest& request);
   // False: the tab goes on asking and does not read the answers.
@@ -67,9 +72,18 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
 
   const LivePorts& ports_;
   const std::shared_ptr<HttpExchange> exchange_;
-  WebSocketReader reader_;  // of the network thread, as is held_
-  size_t held_ = 0;         // counted of what it holds
+  WebSocketReader reader_;  // of the network thread
   absl::Mutex mutex_;
+  // A message that waits for a worker, or that one takes, and what that needs.
+  struct Waiting {
+    std::string text;
+    size_t bytes = 0;
+  };
+  std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
+  bool taking_ ABSL_GUARDED_BY(mutex_) = false;     // a worker takes one, or will
+  size_t begun_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of the message that is not whole
+  size_t whole_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of waiting_, and of what is being taken
+  size_t counted_ ABSL_GUARDED_BY(mutex_) = 0;      // of both
   absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
   absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
   absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged

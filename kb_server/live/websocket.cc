@@ -108,13 +108,12 @@ std::vector<WebSocketReader::Event> WebSocketReader::Read(std::string_view bytes
   buffer_ += bytes;
   size_t at = 0;
   while (!closed_) {
-    buffer_.erase(0, std::exchange(at, 0));
-    const std::optional<Head> head = ReadHead(&events);
-    if (!head || buffer_.size() - head->bytes < head->length) break;
-    std::string payload = buffer_.substr(head->bytes, head->length);
+    const std::optional<Head> head = ReadHead(at, &events);
+    if (!head || buffer_.size() - at - head->bytes < head->length) break;
+    std::string payload = buffer_.substr(at + head->bytes, head->length);
     for (size_t i = 0; i < payload.size(); ++i)
       payload[i] = static_cast<char>(payload[i] ^ head->mask[i % 4]);
-    at = head->bytes + head->length;
+    at += head->bytes + head->length;
     TakeFrame(*head, std::move(payload), &events);
   }
   buffer_.erase(0, at);
@@ -123,9 +122,10 @@ std::vector<WebSocketReader::Event> WebSocketReader::Read(std::string_view bytes
 }
 
 // Section 5.2.
-std::optional<WebSocketReader::Head> WebSocketReader::ReadHead(std::vector<Event>* events) {
-  if (buffer_.size() < 2) return std::nullopt;
-  const auto byte = [this](size_t i) { return static_cast<uint8_t>(buffer_[i]); };
+std::optional<WebSocketReader::Head> WebSocketReader::ReadHead(size_t at, std::vector<Event>* events) {
+  const size_t there = buffer_.size() - at;
+  if (there < 2) return std::nullopt;
+  const auto byte = [this, at](size_t i) { return static_cast<uint8_t>(buffer_[at + i]); };
   Head head;
   head.last = (byte(0) & kLast) != 0;
   head.opcode = static_cast<WebSocketOpcode>(byte(0) & kOpcode);
@@ -141,7 +141,7 @@ std::optional<WebSocketReader::Head> WebSocketReader::ReadHead(std::vector<Event
   if (IsControl(head.opcode) && (!head.last || long_bytes > 0))
     return fail(kWebSocketProtocolError, "a control frame is in pieces, or too long");
   head.bytes = 2 + long_bytes + sizeof(head.mask);
-  if (buffer_.size() < head.bytes) return std::nullopt;
+  if (there < head.bytes) return std::nullopt;
   if (long_bytes > 0) head.length = 0;
   for (size_t i = 0; i < long_bytes; ++i) head.length = head.length << 8 | byte(2 + i);
   for (size_t i = 0; i < sizeof(head.mask); ++i) head.mask[i] = byte(2 + long_bytes + i);

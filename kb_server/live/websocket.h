@@ -61,8 +61,8 @@ class WebSocketReader {
     size_t bytes = 0;  // of the head itself
     uint8_t mask[4] = {};
   };
-  // The head at the front of buffer_; nullopt: it is not whole, or (closed_) not good.
-  std::optional<Head> ReadHead(std::vector<Event>* events);
+  // The head at `at` in buffer_; nullopt: it is not whole, or (closed_) not good.
+  std::optional<Head> ReadHead(size_t at, std::vector<Event>* events);
   void TakeFrame(const Head& head, std::string payload, std::vector<Event>* events);
   void TakeClose(const std::string& payload, std::vector<Event>* events);
   void Fail(uint16_t code, std::string_view reason, std::vector<Event>* events);

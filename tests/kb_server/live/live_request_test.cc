@@ -70,8 +70,23 @@ TEST(LiveRequestTest, SaysWhatIsWrong) {
   std::string id;
   EXPECT_FALSE(Read(R"({"id":7,"call":1})", &id).ok());
   EXPECT_EQ(id, "7");
+  EXPECT_FALSE(Read(R"({"id":7,"call":1,"call":1})", &id).ok());
+  EXPECT_EQ(id, "7");
   EXPECT_FALSE(Read(R"({"id":")" + std::string(100, 'x') + "\"}", &id).ok());
   EXPECT_EQ(id, "null");
+}
+
+// A list of so many objects, or so many names, would take minutes if each were compared with all before it.
+TEST(LiveRequestTest, ManyPartsAreReadInLinearTime) {
+  std::string objects, names;
+  for (int i = 0; i < 300000; ++i) objects += "{},";
+  for (int i = 0; i < 100000; ++i) names += "\"" + std::to_string(i) + "\":{},";
+  const auto with = [](const std::string& request) {
+    return Read(R"({"id":1,"call":"docent.v1.Fleet/List","request":{)" + request + "}}");
+  };
+  EXPECT_TRUE(with("\"a\":[" + objects + "1]").ok());
+  EXPECT_TRUE(with(names + "\"a\":1").ok());
+  EXPECT_THAT(with(names + "\"7\":1").status().message(), HasSubstr("twice"));
 }
 
 TEST(LiveRequestTest, NestingIsBounded) {
