@@ -142,6 +142,7 @@ absl::Status Server::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   ports.snapshots = snapshots_.get();
   ports.history = history_.get();
   ports.subscriptions = subscriptions_.get();
+  ports.followed = &followed_;
   ports.dictionary = &dictionary_;
   ports.functions = &functions_;
   ports.limits = settings_.limits;
@@ -182,6 +183,7 @@ void Server::MakeWorkers() {
   ports_.prefixes = &prefixes_;
   ports_.workers = workers_.get();
   ports_.clients = &clients_;
+  ports_.followed = &followed_;
   ports_.query_memory = &query_memory_;
   ports_.history = history_.get();
   ports_.remote = remote_.get();
@@ -314,8 +316,8 @@ absl::Status Server::StartHttp(size_t connections) {
   calls_ = std::make_unique<RpcChannel>(grpc_server_->InProcess());
   connect_ = {calls_.get(), workers_.get(), settings_.limits};
   AddConnectRoutes(&routes, GrpcServer::ServiceNames(), &connect_);
-  live_ = std::make_unique<Live>(
-      LivePorts{calls_.get(), workers_.get(), &queries_, GrpcServer::ServiceNames(), WebLimits{}});
+  live_ = std::make_unique<Live>(LivePorts{calls_.get(), workers_.get(), &queries_, &followed_,
+                                           GrpcServer::ServiceNames(), WebLimits{}});
   live_->AddRoute(&routes);
   AddAppRoutes(&routes, &app_);
   HttpServerOptions options;

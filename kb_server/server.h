@@ -117,6 +117,7 @@ class Server {
   std::unique_ptr<log::ContextLog> log_;
   Inbox inbox_;
   QueryPort queries_;
+  FollowedReads followed_{&dictionary_};
   CatalogPort catalog_;
   KnownPrefixes prefixes_{&catalog_};
   RunFeed feed_;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "graph/store/index_order.h"
+#include "graph/store/read_trace.h"
 
 namespace docent {
 namespace {
@@ -19,12 +20,14 @@ IndexOrder OrderWithoutGraph(unsigned bound) {
 }  // namespace
 
 bool GraphVersion::Contains(const Quad& quad) const {
+  ReadTrace::Note({quad.subject, quad.predicate, quad.object, quad.graph});
   return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
 }
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
   const unsigned bound = BoundIn(pattern);
   if (pattern.graph.IsNone()) {  // then some order has all bound positions first
+    ReadTrace::Note(pattern);
     const IndexOrder order = OrderWithoutGraph(bound);
     const QuadTree::Key key =
         KeyOf(Quad{pattern.subject, pattern.predicate, pattern.object, TermId()}, order);
@@ -64,6 +67,7 @@ void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const 
 }
 
 void GraphVersion::Rescan(const QuadPattern& pattern, const AccessPath& path, QuadCursor* cursor) const {
+  ReadTrace::Note(pattern);
   Place(RangeOf(pattern, path), path.order, cursor);
 }
 
@@ -76,6 +80,7 @@ std::optional<AccessPath> GraphVersion::PathFor(unsigned bound) {
 
 void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder order,
                         QuadCursor* cursor) const {
+  ReadTrace::Note(pattern);
   const KeyRange range = RangeOf(pattern, bound, order);
   Place(range, order, cursor);
   if (range.exact) return;
@@ -95,7 +100,9 @@ void GraphVersion::Place(const KeyRange& range, IndexOrder order, QuadCursor* cu
   cursor->filter_ = !range.exact;
 }
 
+// Of an estimate, both parts count.
 uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
+  ReadTrace::Note(pattern);
   const unsigned bound = BoundIn(pattern);
   const IndexOrder order = OrderWithoutGraph(bound);
   KeyRange without = RangeOf(pattern, bound, order);
@@ -106,10 +113,13 @@ uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
   KeyRange within = RangeOf(pattern, bound, IndexOrder::kGspo);
   uint64_t in_graph = tree(IndexOrder::kGspo).CountRange(within.first, within.last);
   if (within.exact) return in_graph;
+  ReadTrace::Note({pattern.subject, pattern.predicate, pattern.object, TermId()});
+  ReadTrace::Note({TermId(), TermId(), TermId(), pattern.graph});
   return std::min(in_graph, tree(order).CountRange(without.first, without.last));
 }
 
 std::vector<Quad> GraphVersion::Sample(const QuadPattern& pattern, size_t n) const {
+  ReadTrace::Note(pattern);
   const unsigned bound = BoundIn(pattern);
   const IndexOrder order = OrderFor(pattern, bound);
   const KeyRange range = RangeOf(pattern, bound, order);
@@ -143,10 +153,12 @@ std::vector<TermId> FirstWords(const QuadTree& tree) {
 }  // namespace
 
 std::vector<TermId> GraphVersion::graphs() const {
+  ReadTrace::NoteNames();
   return FirstWords(tree(IndexOrder::kGspo));
 }
 
 std::vector<TermId> GraphVersion::predicates() const {
+  ReadTrace::NoteNames();
   return FirstWords(tree(IndexOrder::kPosg));
 }
 

@@ -8,14 +8,25 @@
 #include "graph/store/index_order.h"
 #include "graph/store/key_sort.h"
 #include "graph/store/quad_tree_edit.h"
+#include "graph/store/read_trace.h"
 
 namespace docent {
+namespace {
+
+// Who adds or removes learns whether the quad was there.
+void NoteRead(const Quad& quad) {
+  ReadTrace::Note({quad.subject, quad.predicate, quad.object, quad.graph});
+}
+
+}  // namespace
+
 GraphWriter::GraphWriter(GraphVersionPtr start)
     : start_(start != nullptr ? std::move(start) : std::make_shared<GraphVersion>()),
       version_(new GraphVersion(*start_)),
       epoch_(QuadTree::NewEpoch()) {}
 
 bool GraphWriter::Add(const Quad& quad) {
+  NoteRead(quad);
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_))
       return false;  // after the first: all indexes hold the same quads
@@ -25,6 +36,7 @@ bool GraphWriter::Add(const Quad& quad) {
 }
 
 bool GraphWriter::Remove(const Quad& quad) {
+  NoteRead(quad);
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_))
       return false;  // after the first: all indexes hold the same quads
@@ -80,7 +92,7 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
     return quads;
   }
   const auto erase_known = [this](auto& fresh, auto quad_of) {
-    if (version_->size() == 0) return;
+    if (version_->size() == 0) return ReadTrace::NoteAnything();
     QuadCursor cursor;
     std::erase_if(fresh, [&](const auto& each) {
       const Quad& quad = quad_of(each);
@@ -129,6 +141,7 @@ size_t GraphWriter::RemoveAll(std::vector<Quad> quads) {
   }
   SortQuads(quads);
   std::erase_if(quads, [this](const Quad& quad) {
+    NoteRead(quad);
     return !version_->trees_[0].Erase(KeyOf(quad, IndexOrder::kSpog), epoch_);
   });
   std::vector<QuadTree::Key> scratch;

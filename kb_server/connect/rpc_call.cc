@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "kb_server/door/followed_reads.h"
+
 namespace docent::server {
 namespace {
 
@@ -47,9 +49,10 @@ RpcChannel::Place::~Place() {
 
 std::shared_ptr<RpcCall> RpcChannel::Start(const std::string& method, std::vector<std::string> requests,
                                            absl::Time deadline, std::shared_ptr<RpcSink> sink,
-                                           const ClientPtr& client) {
+                                           const ClientPtr& client, const std::string& trace) {
   std::shared_ptr<RpcCall> call(new RpcCall(this, std::move(requests), std::move(sink)));
   if (client != nullptr) call->context_.AddMetadata(kClientKey, client->name());
+  if (!trace.empty()) call->context_.AddMetadata(kTraceKey, trace);
   call->Begin(&stub_, method, deadline);
   return call;
 }

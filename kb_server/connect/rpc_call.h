@@ -44,10 +44,10 @@ class RpcChannel {
   RpcChannel& operator=(const RpcChannel&) = delete;
 
   // Calls "/docent.v1.Fleet/List" with `requests` and then no more. Until `deadline`; InfiniteFuture: as long as it takes. The
-  // call counts as one of `client`.
+  // call counts as one of `client`. `trace`: the name of what notes the read (FollowedReads); empty: nothing does.
   std::shared_ptr<RpcCall> Start(const std::string& method, std::vector<std::string> requests,
                                  absl::Time deadline, std::shared_ptr<RpcSink> sink,
-                                 const ClientPtr& client = nullptr);
+                                 const ClientPtr& client = nullptr, const std::string& trace = "");
   // Calls that have not ended.
   size_t open() const;
 

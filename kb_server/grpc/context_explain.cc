@@ -183,8 +183,11 @@ grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext* c
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  const auto answer = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+  // A past version is not followed.
+  const auto trace = request->as_of().empty() ? TraceOf(*context, ports_.followed) : nullptr;
+  const auto answer = [this, cancellation, request, reply, trace](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(
+        ToGrpc(Traced(trace.get(), [&] { return Answer(ports_, *request, cancellation.get(), reply); })));
   };
   return OnWorker(ports_, context, cancellation, answer, Revision(request->min_revision()));
 }

@@ -243,9 +243,13 @@ grpc::ServerUnaryReactor* FleetService::Leave(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
                                              const v1::ListRobotsRequest* request,
                                              v1::ListRobotsReply* reply) {
-  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    const GraphVersionPtr version = ports_.queries->Newest();
-    FillPage(ReadRobots(*ports_.dictionary, *version), *request, reply);
+  const auto trace = TraceOf(*context, ports_.followed);
+  return OnWorker(ports_, context, [this, request, reply, trace](grpc::ServerUnaryReactor* reactor) {
+    std::vector<RobotRecord> robots = Traced(trace.get(), [this] {
+      const GraphVersionPtr version = ports_.queries->Newest();
+      return ReadRobots(*ports_.dictionary, *version);
+    });
+    FillPage(std::move(robots), *request, reply);
     reactor->Finish(grpc::Status::OK);
   });
 }

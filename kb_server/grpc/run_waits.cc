@@ -17,6 +17,7 @@
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/read_trace.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/robots/robot_records.h"
 #include "kb_server/robots/service_state.h"
@@ -185,6 +186,7 @@ class WaitCollector {
     const auto words = calendar::WordsOfTimeIri(iri);
     calendar::TimeFault fault;
     const auto spec = words ? calendar::ParseTimeSpec(*words, &fault) : std::nullopt;
+    ReadTrace::NoteAnything();  // the time
     if (!spec || !spec->is_level() || spec->Holds(sources_.now_us)) return std::nullopt;
     TimeMicros at = sources_.now_us;
     for (int looks = 0; looks < kLooksAhead; ++looks) {
@@ -215,6 +217,7 @@ class WaitCollector {
       }
     }
     const TimeMicros until_us = node.since_us() + after_ms * 1000;
+    if (after_ms > 0) ReadTrace::NoteAnything();  // the time
     if (after_ms > 0 && until_us > sources_.now_us) {
       wait->set_until_us(until_us);
       return wait->set_detail(absl::StrCat("its condition holds, and may open it from ",

@@ -6,11 +6,13 @@
 
 #include <functional>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "graph/base/cancellation.h"
 #include "graph/base/ids.h"
 #include "kb_server/door/await_version.h"
+#include "kb_server/door/followed_reads.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/door/worker_pool.h"
 #include "kb_server/grpc/client_of.h"
@@ -36,6 +38,25 @@ class CancellableReactor final : public grpc::ServerUnaryReactor {
  private:
   const std::shared_ptr<Cancellation> cancellation_;
 };
+
+// The trace that a call within this process fills; null: none.
+inline std::shared_ptr<ReadTrace> TraceOf(const grpc::CallbackServerContext& context,
+                                          FollowedReads* followed) {
+  const auto named = context.client_metadata().find(kTraceKey);
+  if (followed == nullptr || named == context.client_metadata().end()) return nullptr;
+  if (IsOverNetwork(context.peer())) return nullptr;
+  return followed->Find(std::string_view(named->second.data(), named->second.size()));
+}
+
+// What `read` says, which reads the newest version and the catalog on this thread and rests on nothing else of the server. A clock
+// that it looks at is noted by it (ReadTrace::NoteAnything).
+template <typename Read>
+auto Traced(ReadTrace* trace, Read read) {
+  const ReadTrace::Scope scope(trace);
+  auto status = read();
+  if (trace != nullptr) trace->SetWhole();
+  return status;
+}
 
 // Work of a unary call, which finishes the reactor.
 using UnaryWork = std::function<void(grpc::ServerUnaryReactor*)>;

@@ -49,7 +49,10 @@ class ConditionAsker {
     auto explainer = explain::Explainer::Make(settings_);
     if (!parsed.ok() || !explainer.ok()) return answer;
     auto why_not = (*explainer)->WhyNot(parsed.query, 1);
-    if (!why_not.ok()) return answer;
+    if (!why_not.ok()) {
+      ReadTrace::NoteAnything();  // it may have been the time
+      return answer;
+    }
     answer.holds = why_not->holds;
     if (!answer.holds) {
       if (why_not->repairs.empty()) return answer;
@@ -62,6 +65,7 @@ class ConditionAsker {
       return answer;
     }
     auto proof = (*explainer)->WhyAsk(parsed.query);
+    if (!proof.ok()) ReadTrace::NoteAnything();
     if (!proof.ok() || !*proof) return answer;
     for (const auto& [name, value] : (*proof)->bindings) {
       if (name == "robot" && value.IsIri()) answer.robot = value.lexical;
@@ -114,8 +118,11 @@ grpc::ServerUnaryReactor* WorkflowsService::Explain(grpc::CallbackServerContext*
                                                     v1::ExplainRunReply* reply) {
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-  const auto answer = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), reply)));
+  // A past version is not followed.
+  const auto trace = request->as_of().empty() ? TraceOf(*context, ports_.followed) : nullptr;
+  const auto answer = [this, cancellation, request, reply, trace](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(
+        ToGrpc(Traced(trace.get(), [&] { return Answer(ports_, *request, cancellation.get(), reply); })));
   };
   return OnWorker(ports_, context, cancellation, answer);
 }

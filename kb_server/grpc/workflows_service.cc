@@ -1,5 +1,7 @@
 // Workflows: check, deploy, start, look at and end runs.
 #include <algorithm>
+#include <chrono>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,14 +24,20 @@
 namespace docent::server {
 namespace {
 
-cawl::CheckReport CheckText(const RunPorts& ports, const std::string& text, const std::string& name) {
+// It ends early by `cancellation`.
+absl::StatusOr<cawl::CheckReport> CheckText(const RunPorts& ports, const std::string& text,
+                                            const std::string& name, Cancellation* cancellation) {
+  if (absl::Status size = CheckDocumentSize(name, text, ports.limits); !size.ok()) return size;
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   const std::shared_ptr<const Catalog> catalog = ports.catalog->Get();
   auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), catalog, ports.functions);
   std::vector<cawl::DocumentPtr> beside;
   for (const auto& [workflow, revision] : catalog->workflows) {
     if (catalog->disabled_workflows.count(workflow->name.value) == 0) beside.push_back(workflow);
   }
-  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits, beside);
+  cawl::CheckReport report =
+      cawl::CheckDocument(text, name, environment.get(), ports.limits, beside, cancellation);
+  if (!report.stopped.ok()) return report.stopped;
   for (Diagnostic& warning : CostWarnings(report, name, ports))
     report.diagnostics.push_back(std::move(warning));
   return report;
@@ -71,41 +79,43 @@ absl::Status CheckVariables(const Catalog& catalog, const RunRequest& start) {
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
-  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-      return reactor->Finish(ToGrpc(size));
-    }
-    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-    for (const cawl::ConditionText& condition : report.conditions) {
+  const auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto check = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    const auto report = CheckText(ports_, request->cawl(), request->name(), cancellation.get());
+    if (!report.ok()) return reactor->Finish(ToGrpc(report.status()));
+    for (const Diagnostic& diagnostic : report->diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    for (const cawl::ConditionText& condition : report->conditions) {
       v1::CompiledCondition* out = reply->add_conditions();
       out->set_place(condition.place);
       out->set_ask(condition.ask);
     }
     reactor->Finish(grpc::Status::OK);
-  });
+  };
+  return OnWorker(ports_, context, cancellation, check);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
-  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-      return reactor->Finish(ToGrpc(size));
-    }
-    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-    if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
-    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-    reply->set_workflow(report.document->name.value);
+  const auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto deploy = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    const auto report = CheckText(ports_, request->cawl(), request->name(), cancellation.get());
+    if (!report.ok()) return reactor->Finish(ToGrpc(report.status()));
+    if (!report->ok()) return reactor->Finish(ToGrpc(ToStatus(report->diagnostics, request->cawl())));
+    for (const Diagnostic& diagnostic : report->diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    reply->set_workflow(report->document->name.value);
     WriteBatch batch;
     Document& document = batch.documents.emplace_back(
         Document{Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl(),
-                 std::make_shared<const ParsedDocument>(report.document)});
+                 std::make_shared<const ParsedDocument>(report->document)});
     if (request->has_replaces()) document.replaces = request->replaces();
     ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
       if (outcome.ok()) reply->set_revision(outcome->offset);
       reactor->Finish(ToGrpc(outcome.status()));
     });
-  });
+  };
+  return OnWorker(ports_, context, cancellation, deploy);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
@@ -139,8 +149,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
 
 grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* context,
                                                 const v1::GetRunRequest* request, v1::Run* reply) {
-  GraphVersionPtr version = ports_.queries->Newest();
-  if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
+  const auto trace = TraceOf(*context, ports_.followed);
+  const bool known = Traced(trace.get(), [&] {
+    const GraphVersionPtr version = ports_.queries->Newest();
+    return ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply);
+  });
+  if (!known) {
     return FinishNow(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
                                            absl::StrCat("there is no run \"", request->run(), "\"")));
   }
@@ -151,9 +165,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  return OnWorker(ports_, context, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    GraphVersionPtr version = ports_.queries->Newest();
-    reactor->Finish(ToGrpc(ReadRuns(GraphReader(*ports_.dictionary, *version), *request, reply)));
+  const auto trace = TraceOf(*context, ports_.followed);
+  return OnWorker(ports_, context, [this, request, reply, trace](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(Traced(trace.get(), [&] {
+      const GraphVersionPtr version = ports_.queries->Newest();
+      return ReadRuns(GraphReader(*ports_.dictionary, *version), *request, reply);
+    })));
   });
 }
 

@@ -71,8 +71,10 @@ void Live::Loop() {
     {
       absl::MutexLock lock(&mutex_);
       std::erase_if(sessions_, [](const std::weak_ptr<LiveSession>& one) { return one.expired(); });
+      if (sessions_.empty() && ports_.followed != nullptr) ports_.followed->Keep(false);
       mutex_.Await(absl::Condition(&has_work));
       if (stopping_) return;
+      if (ports_.followed != nullptr) ports_.followed->Keep(true);
     }
     const absl::Time now = absl::Now();
     const uint64_t revision = ports_.queries->Newest()->revision().value();

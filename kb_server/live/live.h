@@ -11,6 +11,10 @@
 //
 // A method can be followed if it changes nothing (NO_SIDE_EFFECTS); one that is new in proto needs no code. A tab that lost
 // its connection gives the newest `resume` of each stream: nothing is lost and nothing comes twice.
+//
+// A read is asked again where a turn changed what its answer rests on (FollowedReads). That is known of handlers that note what
+// they look at (Traced in unary_reactors.h); the others are asked again at each new revision. Of the former, an answer in which
+// nothing but its `revision` is new is not told: that may be the revision of an earlier turn.
 #ifndef DOCENT_KB_SERVER_LIVE_LIVE_H_
 #define DOCENT_KB_SERVER_LIVE_LIVE_H_
 
@@ -24,6 +28,7 @@
 #include "absl/synchronization/mutex.h"
 #include "graph/base/web_limits.h"
 #include "kb_server/connect/rpc_call.h"
+#include "kb_server/door/followed_reads.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/worker_pool.h"
 #include "kb_server/http/http_server.h"
@@ -36,12 +41,13 @@ struct LivePorts {
   RpcChannel* calls = nullptr;
   WorkerPool* workers = nullptr;  // for large messages; null: none are large
   const QueryPort* queries = nullptr;
+  FollowedReads* followed = nullptr;  // null: all reads are asked again at each new revision
   std::vector<std::string> services;  // full names, "docent.v1.Fleet"
   WebLimits limits;
 };
 
-// All live connections. A thread of its own asks followed reads again when there is a new revision, and probes connections
-// on which nothing happens.
+// All live connections. A thread of its own asks followed reads again when there is a new revision that may change their
+// answers, and probes connections on which nothing happens.
 class Live {
  public:
   explicit Live(LivePorts ports);

@@ -1,4 +1,4 @@
-// The two kinds of what a tab follows: a stream of a service, and a read that is asked again when there is a new revision.
+// The two kinds of what a tab follows: a stream of a service, and a read that is asked again when its answer may have changed.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
@@ -79,9 +79,10 @@ class StreamBase : public LiveStream, public std::enable_shared_from_this<Stream
     }
     session_->StreamEnded(this, request_.id, status);
   }
-  void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink) {
+  void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink,
+             const std::string& trace = "") {
     const std::shared_ptr<RpcCall> call = session_->ports().calls->Start(
-        PathOf(method_), {std::move(request)}, deadline, std::move(sink), session_->client());
+        PathOf(method_), {std::move(request)}, deadline, std::move(sink), session_->client(), trace);
     bool ended = false;
     {
       absl::MutexLock lock(&mutex_);
@@ -177,17 +178,20 @@ class FollowedRead final : public StreamBase {
   }
   // A tab that reads slowly, or follows much, gets the newest answer later.
   void Look(absl::Time now, uint64_t newest) override {
+    FollowedReads::Begun begun;
     {
       absl::MutexLock lock(&state_mutex_);
-      if (!begun_ || asking_ || now < due_ || newest == asked_) return;
+      if (!begun_ || asking_ || now < due_ || !MayBeNew(newest)) return;
       if (session_->exchange()->full() || !session_->TakeReadPlace(now)) return;
       asking_ = true;
       asked_ = newest;
       asked_at_ = now;
       due_ = now + every_;
+      if (session_->ports().followed != nullptr) begun = session_->ports().followed->Begin();
+      trace_ = begun.trace;
     }
     Start(binary_, now + kReadTime,
-          std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())));
+          std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())), begun.name);
   }
   absl::Time asked() const override {
     absl::MutexLock lock(&state_mutex_);
@@ -215,6 +219,26 @@ class FollowedRead final : public StreamBase {
     std::string answer;
   };
 
+  // Whether the answer of `newest` may be another one than that of asked_; where it is not, it is as if `newest` had been asked.
+  bool MayBeNew(uint64_t newest) ABSL_EXCLUSIVE_LOCKS_REQUIRED(state_mutex_) {
+    if (newest == asked_) return false;
+    if (trace_ == nullptr || session_->ports().followed->MayHaveChanged(*trace_, *asked_, newest))
+      return true;
+    asked_ = newest;
+    return false;
+  }
+
+  // What tells answers apart. Where the turns that change an answer are known, others are not asked, and its revision is not news.
+  std::string MarkOf(const std::string& answer) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(state_mutex_) {
+    const pb::FieldDescriptor* revision = method_.output_type()->FindFieldByName("revision");
+    if (revision == nullptr || trace_ == nullptr || !trace_->whole())
+      return absl::StrCat(absl::Hex(Fingerprint(answer), absl::kZeroPad16));
+    const std::unique_ptr<pb::Message> message = Parse(*method_.output_type(), answer);
+    if (message != nullptr) message->GetReflection()->ClearField(message.get(), revision);
+    return absl::StrCat(
+        absl::Hex(Fingerprint(message == nullptr ? answer : message->SerializeAsString()), absl::kZeroPad16));
+  }
+
   // The answer is there, or will not come.
   void LeavePlace() {
     absl::MutexLock lock(&state_mutex_);
@@ -222,10 +246,11 @@ class FollowedRead final : public StreamBase {
   }
 
   void Tell(const std::string& answer) {
-    const std::string mark = absl::StrCat(absl::Hex(Fingerprint(answer), absl::kZeroPad16));
+    std::string mark;
     bool is_new = false;
     {
       absl::MutexLock lock(&state_mutex_);
+      mark = MarkOf(answer);
       is_new = mark != told_ && !(told_.empty() && mark == request_.resume);
       told_ = mark;
     }
@@ -244,7 +269,8 @@ class FollowedRead final : public StreamBase {
   mutable absl::Mutex state_mutex_;
   bool begun_ ABSL_GUARDED_BY(state_mutex_) = false;
   bool asking_ ABSL_GUARDED_BY(state_mutex_) = false;
-  std::optional<uint64_t> asked_ ABSL_GUARDED_BY(state_mutex_);  // the revision
+  std::optional<uint64_t> asked_ ABSL_GUARDED_BY(state_mutex_);     // the revision
+  std::shared_ptr<ReadTrace> trace_ ABSL_GUARDED_BY(state_mutex_);  // of the newest asking
   absl::Time asked_at_ ABSL_GUARDED_BY(state_mutex_) = absl::InfinitePast();
   absl::Time due_ ABSL_GUARDED_BY(state_mutex_) = absl::InfinitePast();
   std::string told_ ABSL_GUARDED_BY(state_mutex_);  // mark of the answer that the tab has

@@ -157,13 +157,22 @@ void Committer::Publish(const Groups& groups, std::vector<GraphVersionPtr>* gone
     if (group->turns.empty()) continue;
     newest = group->version;
     if (group->catalog != nullptr) catalog = group->catalog;
+    NoteChanges(*group);
     if (ports_.history != nullptr) ports_.history->Keep(newest, StepsOf(*group), gone);
   }
   if (newest == nullptr) return;
-  gone->push_back(ports_.queries->Publish(std::move(newest)));
+  // The version last: who sees it sees the catalog, and what has changed.
   if (catalog != nullptr) ports_.catalog->Publish(std::move(catalog));
+  gone->push_back(ports_.queries->Publish(std::move(newest)));
   if (ports_.subscriptions == nullptr) return;
   for (const DecidedGroup* group : groups) TellFollowers(*group);
+}
+
+void Committer::NoteChanges(const DecidedGroup& group) {
+  if (ports_.followed == nullptr) return;
+  std::vector<const Delta*> turns;
+  for (const DecidedTurn& turn : group.turns) turns.push_back(&turn.result.delta);
+  ports_.followed->Add(*group.version, turns, group.catalog != nullptr);
 }
 
 void Committer::TellFollowers(const DecidedGroup& group) {

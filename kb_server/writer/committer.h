@@ -29,6 +29,7 @@
 #include "absl/synchronization/mutex.h"
 #include "graph/log/context_log.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/followed_reads.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/notification_sink.h"
 #include "kb_server/door/query_port.h"
@@ -79,7 +80,8 @@ struct DecidedGroup {
   std::shared_ptr<const Catalog> catalog;  // after the turns; null: they have not changed it
 };
 
-// Where turns go once they are decided. These may be null: `proxies`, `notifications` (nothing is sent), `history`, `subscriptions`.
+// Where turns go once they are decided. These may be null: `proxies`, `notifications` (nothing is sent), `history`, `subscriptions`,
+// `followed`.
 struct CommitPorts {
   log::ContextLog* log = nullptr;
   QueryPort* queries = nullptr;
@@ -89,6 +91,7 @@ struct CommitPorts {
   NotificationSink* notifications = nullptr;
   History* history = nullptr;
   Subscriptions* subscriptions = nullptr;
+  FollowedReads* followed = nullptr;
 };
 
 class Committer {
@@ -136,6 +139,7 @@ class Committer {
   Groups Next();
   absl::Status Append(const Groups& groups);
   void Publish(const Groups& groups, std::vector<GraphVersionPtr>* gone);
+  void NoteChanges(const DecidedGroup& group);
   void TellFollowers(const DecidedGroup& group);
   void Send(const TurnResult& result);
   void Tell(DecidedTurn* turn);

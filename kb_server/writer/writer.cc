@@ -56,9 +56,10 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   absl::Status status = Replay(progress);
   if (!status.ok()) return status;
   GraphVersionPtr version = stages_->writer.Freeze(Revision(newest_));
+  if (ports_.followed != nullptr) ports_.followed->Add(*version, {}, /*others=*/true);
+  ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
   ports_.queries->Publish(version);
   if (ports_.subscriptions != nullptr) ports_.subscriptions->PublishWhole(std::move(version));
-  ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
   committer_.TellAddresses(AdapterAddresses(*ports_.dictionary, stages_->writer.current()));
   committer_.Start(newest_, epoch_);
   PublishCounters();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/read_trace.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent::explain {
@@ -30,6 +31,7 @@ absl::StatusOr<std::unique_ptr<Explainer>> Explainer::Make(const Settings& setti
 
 absl::Status Explainer::LookUpTellings(Proof& proof) {
   if (settings_.history == nullptr) return absl::OkStatus();
+  ReadTrace::NoteAnything();  // a fact may be told again, which does not change the graph
   std::vector<TermQuad> quads;
   std::vector<Told*> places;
   for (ProofStep& step : proof.steps) {
@@ -139,7 +141,9 @@ absl::StatusOr<WhyNotAnswer> Explainer::WhyNot(const sparql::Query& ask, size_t 
   parts.may_change = settings_.may_change;
   parts.default_graph = default_graph_;
   parts.prefixes = settings_.prefixes;
-  return WhyNotFinder(std::move(parts)).Find(ask, sets);
+  auto found = WhyNotFinder(std::move(parts)).Find(ask, sets);
+  if (!found.ok() || !found->whole) ReadTrace::NoteAnything();  // the limits count more than what is read
+  return found;
 }
 
 }  // namespace docent::explain

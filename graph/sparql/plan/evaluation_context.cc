@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "graph/sparql/syntax/algebra_memory.h"
+#include "graph/store/read_trace.h"
 
 namespace docent::sparql {
 
@@ -106,6 +107,7 @@ std::string_view EvaluationContext::LexicalOf(const Value& value, std::string* s
 }
 
 uint64_t EvaluationContext::Random() {
+  ReadTrace::NoteAnything();
   uint64_t z = (random_ += 0x9E3779B97F4A7C15u);
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;

@@ -7,6 +7,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/expression_evaluator.h"
 #include "graph/sparql/values/text.h"
+#include "graph/store/read_trace.h"
 
 namespace docent::sparql {
 
@@ -186,6 +187,7 @@ Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, Evalua
     case Builtin::kTz:
       return CallTimeBuiltin(e.builtin, arguments[0]);
     case Builtin::kNow:
+      ReadTrace::NoteAnything();
       return Value::DateTime(context.now_us);
     case Builtin::kMd5:
     case Builtin::kSha1:

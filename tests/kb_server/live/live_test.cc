@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "graph/store/graph_writer.h"
 #include "tests/kb_server/connect/test_services.h"
@@ -35,8 +37,12 @@ class LiveTest : public ::testing::Test {
     calls_ = std::make_unique<RpcChannel>(grpc_->InProcessChannel({}));
     workers_ = std::make_unique<WorkerPool>(WorkerPoolLimits{2, /*open=*/8, 100});
     Publish(41);
-    live_ = std::make_unique<Live>(LivePorts{
-        calls_.get(), workers_.get(), &queries_, {"docent.v1.Fleet", "docent.v1.Workflows"}, limits});
+    live_ = std::make_unique<Live>(LivePorts{calls_.get(),
+                                             workers_.get(),
+                                             &queries_,
+                                             &followed_,
+                                             {"docent.v1.Fleet", "docent.v1.Workflows"},
+                                             limits});
     HttpRoutes routes;
     live_->AddRoute(&routes);
     HttpServerOptions options;
@@ -56,6 +62,16 @@ class LiveTest : public ::testing::Test {
     GraphWriter writer(std::make_shared<const GraphVersion>());
     queries_.Publish(writer.Freeze(Revision(revision)));
   }
+  // A turn that tells, or withdraws, a fact of a predicate.
+  void Turn(uint64_t revision, const std::string& predicate, bool add = true) {
+    const Quad fact{dictionary_.InternIri("s"), dictionary_.InternIri(predicate), dictionary_.InternIri("o"),
+                    dictionary_.InternIri("g")};
+    GraphWriter writer(queries_.Newest());
+    const Delta delta = add ? writer.Apply({fact}, {}) : writer.Apply({}, {fact});
+    const GraphVersionPtr version = writer.Freeze(Revision(revision));
+    followed_.Add(*version, {&delta}, /*others=*/false);
+    queries_.Publish(version);
+  }
   static bool Soon(const std::function<bool()>& what) {
     for (int i = 0; i < 3000 && !what(); ++i) absl::SleepFor(absl::Milliseconds(10));
     return what();
@@ -63,7 +79,9 @@ class LiveTest : public ::testing::Test {
 
   TestFleet fleet_;
   TestWorkflows workflows_;
+  Dictionary dictionary_;
   QueryPort queries_;
+  FollowedReads followed_{&dictionary_};
   std::unique_ptr<grpc::Server> grpc_;
   std::unique_ptr<RpcChannel> calls_;
   std::unique_ptr<WorkerPool> workers_;
@@ -110,6 +128,47 @@ TEST_F(LiveTest, BegunMessagesCountInTheServersBudget) {
   EXPECT_LE(http_->counts().body_bytes, kBodiesBytes);
 }
 
+// They would hold up the others on the network thread. What comes behind them on the same connection waits.
+TEST_F(LiveTest, LargeMessagesAreReadByWorkersInOrder) {
+  absl::Notification go_on;
+  for (int i = 0; i < 2; ++i) {  // all workers
+    workers_->Submit({.run = [&] { go_on.WaitForNotification(); }, .refuse = [](const absl::Status&) {}});
+  }
+  WebSocketClient tab(http_->port()), other(http_->port());
+  tab.Receive();
+  other.Receive();
+  const std::string blanks(100000, ' ');
+  tab.Send(R"({"id":1,)" + blanks + R"("call":"docent.v1.Workflows/Watch","request":{"run":"hang"}})");
+  tab.Send(R"({"id":1,"end":true})");
+  tab.Send(R"({"id":1,"call":"nothing"})");
+  tab.Send("[" + blanks + "]");
+  other.Send(R"({"id":1,"call":"docent.v1.Fleet/List"})");
+  EXPECT_EQ(other.Receive(), R"({"id":1,"begun":true})");
+  EXPECT_TRUE(Soon([this] { return http_->counts().body_bytes > 0; }));
+  EXPECT_EQ(workflows_.ended, false);
+  go_on.Notify();
+  EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":1,"begun":true)"));
+  EXPECT_EQ(tab.Receive(), R"({"id":1,"end":{}})");
+  EXPECT_THAT(tab.Receive(), StartsWith(R"({"id":1,"refused":{"code":"not_found")"));
+  EXPECT_THAT(tab.Receive(), HasSubstr("no JSON object"));
+  EXPECT_TRUE(Soon([this] { return calls_->open() == 0 && http_->counts().body_bytes == 0; }));
+}
+
+TEST_F(LiveTest, ATabThatLeavesTakesItsLargeMessagesAlong) {
+  absl::Notification go_on;
+  for (int i = 0; i < 2; ++i) {
+    workers_->Submit({.run = [&] { go_on.WaitForNotification(); }, .refuse = [](const absl::Status&) {}});
+  }
+  {
+    WebSocketClient tab(http_->port());
+    tab.Receive();
+    for (int i = 0; i < 5; ++i) tab.Send("[" + std::string(100000, ' ') + "]");
+    EXPECT_TRUE(Soon([this] { return http_->counts().body_bytes > 0; }));
+  }
+  go_on.Notify();
+  EXPECT_TRUE(Soon([this] { return live_->open() == 0 && http_->counts().body_bytes == 0; }));
+}
+
 // Pings come meanwhile: the connection is not silent.
 TEST_F(LiveTest, AMessageThatDoesNotArriveEndsTheConnection) {
   WebLimits limits;
@@ -151,6 +210,39 @@ TEST_F(LiveTest, AReadIsToldWhenItsAnswerChanges) {
   fleet_.SetLabel("R03");
   Publish(44);
   EXPECT_THAT(again.Receive(), HasSubstr("R03"));
+}
+
+// Lists what is read of facts "p".
+TEST_F(LiveTest, AReadIsAskedAgainWhereItsAnswerMayHaveChanged) {
+  fleet_.OnList([this](const grpc::CallbackServerContext& context) {
+    const auto named = context.client_metadata().find(kTraceKey);
+    ASSERT_NE(named, context.client_metadata().end());
+    const auto trace = followed_.Find(std::string_view(named->second.data(), named->second.size()));
+    ASSERT_NE(trace, nullptr);
+    const ReadTrace::Scope scope(trace.get());
+    queries_.Newest()->Scan({{}, *dictionary_.FindIri("p"), {}, {}});
+    trace->SetWhole();
+  });
+  WebSocketClient tab(http_->port());
+  tab.Receive();  // turns are kept soon
+  Turn(42, "p");
+  Turn(43, "q");
+  tab.Send(R"({"id":1,"call":"docent.v1.Fleet/List","everyMs":1})");
+  tab.Receive();
+  EXPECT_THAT(tab.Receive(), HasSubstr("R01"));
+  uint64_t revision = 43;
+  std::map<std::string, bool> there = {{"p", true}, {"q", true}};
+  const auto asked_again = [&](const std::string& predicate) {
+    const size_t before = fleet_.listed();
+    there[predicate] = !there[predicate];
+    Turn(++revision, predicate, there[predicate]);
+    for (int i = 0; i < 15 && fleet_.listed() == before; ++i) absl::SleepFor(absl::Milliseconds(20));
+    return fleet_.listed() > before;
+  };
+  EXPECT_TRUE(Soon([&] { return asked_again("p") && !asked_again("q"); }));
+  fleet_.SetLabel("R02");
+  EXPECT_TRUE(Soon([&] { return asked_again("p"); }));
+  EXPECT_THAT(tab.Receive(), HasSubstr("R02"));
 }
 
 TEST_F(LiveTest, ATabEndsItsStreams) {
