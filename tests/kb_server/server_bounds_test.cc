@@ -147,6 +147,30 @@ TEST_F(ServerBoundsTest, EachCallEndsAtItsTime) {
   MustTell(":a :p 1 .");
 }
 
+TEST_F(ServerBoundsTest, TheCheckOfADocumentEndsAtItsTime) {
+  settings_.limits.query_timeout_ms = 1;
+  StartServer();
+  std::string text = "<CAWL name=\"W\"><flow name=\"F\"><source name=\"s\"/>", links;
+  for (int i = 0; i < 3900; ++i) {
+    absl::StrAppend(&text, "<node name=\"n", i, "\"/>");
+    absl::StrAppend(&links, "<link from=\"s\" to=\"n", i, "\"/><link from=\"n", i, "\" to=\"t\"/>");
+  }
+  absl::StrAppend(&text, "<sink name=\"t\"/>", links, "</flow></CAWL>");
+  grpc::ClientContext checked, deployed;
+  v1::CheckRequest check;
+  v1::CheckReply report;
+  check.set_cawl(text);
+  v1::DeployRequest deploy;
+  v1::DeployReply reply;
+  deploy.set_name("W");
+  deploy.set_cawl(text);
+  for (const grpc::Status& status :
+       {workflows_->Check(&checked, check, &report), workflows_->Deploy(&deployed, deploy, &reply)}) {
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr("query_timeout_ms = 1"));
+  }
+}
+
 TEST_F(ServerBoundsTest, WhatAppliesRulesEndsAtTheStepsOfATurn) {
   settings_.limits.steps_per_turn = 1000000;
   Begin();

@@ -20,7 +20,10 @@ class FlowChecker {
       reader_.Error(flow_.sink.span, Concat("source and sink have the same name ", flow_.sink.value));
       return;
     }
-    for (const Node& node : flow_.nodes) nodes_.insert(node.name.value);
+    for (const Node& node : flow_.nodes) {
+      nodes_.insert(node.name.value);
+      if (node.holds_condition || node.hold) with_hold_.insert(node.name.value);
+    }
     for (const Link& link : flow_.links) CheckLink(link);
     CheckReachable();
     CheckCycles();
@@ -45,7 +48,7 @@ class FlowChecker {
         (link.on_failure || link.on_interrupt || link.while_text.given())) {
       reader_.Error(link.from.span, "a link out of the source has neither onFailure, onInterrupt nor while",
                     "the source cannot fail and is done at once");
-    } else if (link.on_interrupt && !link.on_failure && !HasHold(link.from.value)) {
+    } else if (link.on_interrupt && !link.on_failure && !with_hold_.contains(link.from.value)) {
       reader_.Warning(link.from.span, Concat("this link is never followed: node ", link.from.value,
                                              " has no ext:while-holds that could fall"));
     }
@@ -67,12 +70,6 @@ class FlowChecker {
         node.on_failure_text.span,
         Concat("node ", node.name.value, " cannot fail: it does nothing, and its wait has no end"),
         "take ext:onFailure away, or give its <condition> an ext:timeout");
-  }
-
-  bool HasHold(const std::string& name) const {
-    return std::any_of(flow_.nodes.begin(), flow_.nodes.end(), [&name](const Node& node) {
-      return node.name.value == name && (node.holds_condition || node.hold);
-    });
   }
 
   bool End(const Text& name, const std::string& allowed, const std::string& wrong_end,
@@ -97,11 +94,12 @@ class FlowChecker {
   }
 
   void CheckReachable() {
-    std::set<std::string> from_source = Reachable(all_, flow_.source.value);
-    std::set<std::string> to_end = Reachable(back_, flow_.sink.value);
+    const std::set<std::string> from_source = Reachable(all_, {flow_.source.value});
+    std::vector<std::string> ends{flow_.sink.value};
     for (const Node& node : flow_.nodes) {
-      if (Fails(node)) to_end.merge(Reachable(back_, node.name.value));
+      if (Fails(node)) ends.push_back(node.name.value);
     }
+    const std::set<std::string> to_end = Reachable(back_, std::move(ends));
     for (const Node& node : flow_.nodes) {
       if (node.name.empty()) continue;
       if (!from_source.contains(node.name.value)) {
@@ -127,42 +125,18 @@ class FlowChecker {
     }
   }
 
-  // The nodes that no order of the forward links can place: those of cycles, and those behind a cycle.
-  std::set<std::string> NotInOrder() const {
-    std::map<std::string, int> before;
-    for (const auto& [from, targets] : forward_) {
-      before.emplace(from, 0);
-      for (const std::string& to : targets) ++before[to];
-    }
-    std::vector<std::string> free;
-    for (const auto& [name, count] : before) {
-      if (count == 0) free.push_back(name);
-    }
-    while (!free.empty()) {
-      std::string here = std::move(free.back());
-      free.pop_back();
-      before.erase(here);
-      auto it = forward_.find(here);
-      if (it == forward_.end()) continue;
-      for (const std::string& to : it->second) {
-        if (--before[to] == 0) free.push_back(to);
-      }
-    }
-    std::set<std::string> out;
-    for (const auto& [name, unused] : before) out.insert(name);
-    return out;
-  }
-
-  // Reported once a cycle, at the link that closes it in document order.
+  // Reported once a cycle, at the link that closes it in document order. Nodes of a reported cycle begin no other one.
   void CheckCycles() {
     constexpr size_t kMaxReported = 10;
-    std::set<std::set<std::string>> reported;
-    std::set<std::string> suspects = NotInOrder();
+    const LinkGraph cycles = LinksOnCycles(forward_);
+    std::set<std::string> told;
+    size_t reported = 0;
     for (const Node& node : flow_.nodes) {
-      if (reported.size() == kMaxReported) return;
-      if (!suspects.contains(node.name.value)) continue;
-      std::vector<std::string> way = CycleThrough(forward_, node.name.value);
-      if (way.empty() || !reported.insert(std::set<std::string>(way.begin(), way.end())).second) continue;
+      if (reported == kMaxReported) return;
+      if (!cycles.contains(node.name.value) || told.contains(node.name.value)) continue;
+      const std::vector<std::string> way = ShortestWay(cycles, node.name.value, node.name.value);
+      told.insert(way.begin(), way.end());
+      ++reported;
       const Text* place = &node.name;
       for (const Link& link : flow_.links) {
         if (link.from.value == way[way.size() - 2] && link.to.value == way.back()) place = &link.from;
@@ -191,7 +165,7 @@ class FlowChecker {
 
   const Flow& flow_;
   xml::ElementReader& reader_;
-  std::set<std::string> nodes_;
+  std::set<std::string> nodes_, with_hold_;  // with_hold_: those with ext:while-holds
   std::set<std::pair<std::string, std::string>> seen_;
   LinkGraph all_, back_, forward_;  // forward_: without `while` links
 };
@@ -210,11 +184,13 @@ void CheckFlows(const Document& document, xml::ElementReader* reader) {
       }
     }
   }
-  std::set<std::set<std::string>> reported;
+  const LinkGraph cycles = LinksOnCycles(contains);
+  std::set<std::string> told;
   for (const Flow& flow : document.flows) {
     if (reader->full()) return;
-    std::vector<std::string> way = CycleThrough(contains, flow.name.value);
-    if (way.empty() || !reported.insert(std::set<std::string>(way.begin(), way.end())).second) continue;
+    if (!cycles.contains(flow.name.value) || told.contains(flow.name.value)) continue;
+    const std::vector<std::string> way = ShortestWay(cycles, flow.name.value, flow.name.value);
+    told.insert(way.begin(), way.end());
     reader->Error(flow.name.span, Concat("flow ", flow.name.value, " contains itself: ", Arrows(way)),
                   "repeat with a while link instead");
   }

@@ -11,11 +11,15 @@ namespace docent::cawl {
 
 using LinkGraph = std::map<std::string, std::set<std::string>>;
 
-// `start` and what a way leads to from it.
-std::set<std::string> Reachable(const LinkGraph& graph, const std::string& start);
+// `starts` and what a way leads to from them.
+std::set<std::string> Reachable(const LinkGraph& graph, std::vector<std::string> starts);
 
-// The names of a shortest way from `start` back to it, `start` first and last; empty if there is none.
-std::vector<std::string> CycleThrough(const LinkGraph& graph, const std::string& start);
+// The links that are part of a cycle. Takes time in proportion to the links.
+LinkGraph LinksOnCycles(const LinkGraph& graph);
+
+// The names of a shortest way of one link or more from `start` to `end`, which may be the same; empty if there is none.
+std::vector<std::string> ShortestWay(const LinkGraph& graph, const std::string& start,
+                                     const std::string& end);
 
 // "A → B → A".
 std::string Arrows(const std::vector<std::string>& way);

@@ -253,6 +253,12 @@ class NameChecker {
     Scope flow_scope(cawl_, flow);
     CheckScope(flow_scope, Concat("flow ", flow.name.value));
     Unique(flow.nodes, "node", Concat("flow ", flow.name.value));
+    std::set<std::string> assigned;
+    for (const Node& node : flow.nodes) {
+      for (const Action& action : node.actions) {
+        for (const Text& output : action.computed.outputs) assigned.insert(output.value);
+      }
+    }
     for (const Node& node : flow.nodes) {
       if (!node.name.empty() &&
           (node.name.value == flow.source.value || node.name.value == flow.sink.value)) {
@@ -269,7 +275,7 @@ class NameChecker {
         CheckOutputs(scope, invoke.outputs,
                      [](const Output& output) -> const Text& { return output.variable; });
       }
-      CheckForEach(flow, node);
+      CheckForEach(node, assigned);
     }
     CheckOutputs(flow_scope, flow.outputs, [](const Output& output) -> const Text& {
       return output.part.given() ? output.part : output.variable;
@@ -279,16 +285,14 @@ class NameChecker {
     }
   }
 
-  void CheckForEach(const Flow& flow, const Node& node) {
+  // `assigned`: what nodes of the flow give a value.
+  void CheckForEach(const Node& node, const std::set<std::string>& assigned) {
     if (node.for_each.empty()) return;
     std::vector<std::string> bound = node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
-    for (const Node& other : flow.nodes) {
-      for (const Action& action : other.actions) {
-        for (const Text& output : action.computed.outputs) bound.push_back(output.value);
-      }
-    }
     for (const std::string& name : node.for_each) {
-      if (std::find(bound.begin(), bound.end(), name) != bound.end()) continue;
+      if (assigned.contains(name) || std::find(bound.begin(), bound.end(), name) != bound.end()) continue;
+      if (reader_.full()) return;
+      bound.insert(bound.end(), assigned.begin(), assigned.end());
       reader_.Error(
           node.for_each_text.span, Concat("forEach: the node's condition does not bind ?", name),
           reader_.DidYouMean(name, bound,

@@ -28,32 +28,41 @@ bool CheckSizes(const Document& document, xml::ElementReader* reader) {
   return too_large;
 }
 
+// All that is said of a document whose text is read.
+void CheckAll(const Document& document, const Environment* environment, const Limits& limits,
+              const std::vector<DocumentPtr>& beside, Cancellation* cancellation, xml::ElementReader* reader,
+              CheckReport* out) {
+  const bool too_large = CheckSizes(document, reader);
+  if (environment != nullptr && !too_large) CheckAgainst(document, *environment, reader, cancellation);
+  // What is wrong in the text alone may leave words out of conditions.
+  if (HasErrors(out->diagnostics) || too_large || IsOver(cancellation)) return;
+  out->conditions = ConditionTexts(document, limits, reader);
+  CheckConditions(document, environment, reader, cancellation);
+  CheckFeedback(document, reader);
+  CheckSharedStarts(document, beside, reader, cancellation);
+  CheckRaces(document, reader, cancellation);
+  CheckRuns(document, reader, cancellation);
+  CheckExchange(document, environment, reader, cancellation);
+  CheckValues(document, environment, reader, cancellation);
+  CheckTypes(document, environment, reader, cancellation);
+  if (IsOver(cancellation)) return;
+  CheckDatatypes(document, reader);
+  CheckTimeouts(document, environment, reader);
+}
+
 }  // namespace
 
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
-                          const Limits& limits, const std::vector<DocumentPtr>& beside) {
+                          const Limits& limits, const std::vector<DocumentPtr>& beside,
+                          Cancellation* cancellation) {
   ParsedCawl parsed = ParseCawl(text, file, limits);
   CheckReport out;
   out.document = std::move(parsed.document);
   out.diagnostics = std::move(parsed.diagnostics);
   if (out.document == nullptr) return out;
   xml::ElementReader reader(out.document->source, file, kExtensionNs);
-  const bool too_large = CheckSizes(*out.document, &reader);
-  if (environment != nullptr && !too_large) CheckAgainst(*out.document, *environment, &reader);
-  // What is wrong in the text alone may leave words out of conditions.
-  if (!HasErrors(out.diagnostics) && !too_large) {
-    out.conditions = ConditionTexts(*out.document, limits, &reader);
-    CheckConditions(*out.document, environment, &reader);
-    CheckFeedback(*out.document, &reader);
-    CheckSharedStarts(*out.document, beside, &reader);
-    CheckRaces(*out.document, &reader);
-    CheckRuns(*out.document, &reader);
-    CheckExchange(*out.document, environment, &reader);
-    CheckValues(*out.document, environment, &reader);
-    CheckTypes(*out.document, environment, &reader);
-    CheckDatatypes(*out.document, &reader);
-    CheckTimeouts(*out.document, environment, &reader);
-  }
+  CheckAll(*out.document, environment, limits, beside, cancellation, &reader, &out);
+  if (cancellation != nullptr) out.stopped = cancellation->CheckNow();
   for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
   std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });

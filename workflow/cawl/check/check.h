@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/limits.h"
 #include "workflow/cawl/ask_compiler.h"
@@ -18,7 +20,8 @@ struct CheckReport {
   DocumentPtr document;                   // as ParsedCawl::document
   Diagnostics diagnostics;                // errors and warnings, in order of the text
   std::vector<ConditionText> conditions;  // empty when there are errors
-  bool ok() const { return document != nullptr && !HasErrors(diagnostics); }
+  absl::Status stopped;                   // why the check ended early; OK: it is complete
+  bool ok() const { return stopped.ok() && document != nullptr && !HasErrors(diagnostics); }
 };
 
 // Beyond ParseCawl, an error for each condition that can never be asked: one that is too long, or has too many
@@ -29,9 +32,10 @@ struct CheckReport {
 //           operation a warning
 //  warning  a class, property or resource that the ontology does not have, with the nearest that it has
 // and, in a document without errors, the warnings of static_checks.h. docs/reference/findings.md has all kinds.
-// `beside`: workflows that are deployed, too (shared_starts.h).
+// `beside`: workflows that are deployed, too (shared_starts.h). `cancellation`: ends the check early; null: nothing does.
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
-                          const Limits& limits = {}, const std::vector<DocumentPtr>& beside = {});
+                          const Limits& limits = {}, const std::vector<DocumentPtr>& beside = {},
+                          Cancellation* cancellation = nullptr);
 
 }  // namespace docent::cawl
 

@@ -99,7 +99,7 @@ class ConditionChecker {
     for (const auto& [prefix, iri] : document.prefixes) names_.Add(prefix, iri);
   }
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     const Scope cawl(document_);
     if (document_.activator) {
       const Activator& activator = *document_.activator;
@@ -116,6 +116,7 @@ class ConditionChecker {
       const Scope flow_scope(cawl, flow);
       for (const Node& node : flow.nodes) {
         if (!node.condition) continue;
+        if (IsOver(cancellation)) return;
         const Scope scope(flow_scope, node);
         if (CanNeverHold(*node.condition, scope, /*no_values=*/false)) {
           Warn(node.name.span,
@@ -357,8 +358,9 @@ class ConditionChecker {
 
 }  // namespace
 
-void CheckConditions(const Document& document, const Environment* environment, xml::ElementReader* reader) {
-  ConditionChecker(document, environment, reader).Check();
+void CheckConditions(const Document& document, const Environment* environment, xml::ElementReader* reader,
+                     Cancellation* cancellation) {
+  ConditionChecker(document, environment, reader).Check(cancellation);
 }
 
 }  // namespace docent::cawl

@@ -1,11 +1,15 @@
 #include "workflow/cawl/check/environment_checks.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/function_registry.h"
+#include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/rule_names.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
@@ -28,7 +32,7 @@ class EnvironmentChecker {
         reader_(*reader),
         operations_(environment.OperationNames()) {}
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     for (const ServiceProvider& provider : document_.providers) {
       for (const Service& service : provider.services) CheckOperation(service.operation);
     }
@@ -37,7 +41,7 @@ class EnvironmentChecker {
       CheckTypes(*document_.activator);
       CheckCondition(document_.activator->condition);
     }
-    for (const Flow& flow : document_.flows) CheckFlow(flow);
+    for (const Flow& flow : document_.flows) CheckFlow(flow, cancellation);
   }
 
  private:
@@ -50,7 +54,7 @@ class EnvironmentChecker {
     otherwise_ = kDeclare;
     const auto check = [&](const std::optional<Term>& type, const SourceSpan& span) {
       if (type && type->IsIri() && !environment_.IsKnown(type->lexical))
-        CheckWord(type->lexical, span, "class", &Environment::IsClass, &Environment::Classes);
+        CheckWord(type->lexical, span, kClasses);
     };
     for (const Message& message : element.messages) {
       for (const Part& part : message.parts) check(part.type_term, part.type.span);
@@ -97,20 +101,33 @@ class EnvironmentChecker {
     return seen;
   }
 
+  // Of operations that robots offer now.
+  struct Offered {
+    bool known = false;  // false: it is not known which robots there are
+    std::vector<std::string> classes;
+    std::set<std::string> with_superclasses;
+  };
+  const Offered& OfferedClasses() {
+    if (offered_) return *offered_;
+    Offered& out = offered_.emplace();
+    std::optional<std::vector<std::string>> classes = environment_.OfferedCapabilities();
+    out.known = classes.has_value();
+    if (classes) out.classes = *std::move(classes);
+    for (const std::string& iri : out.classes) out.with_superclasses.merge(WithSuperclasses(iri));
+    return out;
+  }
+
   void CheckCapability(const Invoke& invoke) {
     const std::string& quoted = invoke.operation.value;
     if (quoted.size() < 2) return;  // a mistake that is reported already
     const std::string wanted = quoted.substr(1, quoted.size() - 2);
     otherwise_ = "an invoke of it waits until a robot joins that offers an operation of this class";
-    CheckWord(wanted, invoke.operation.span, "class", &Environment::IsClass, &Environment::Classes);
+    CheckWord(wanted, invoke.operation.span, kClasses);
     otherwise_ = kNeverHolds;
-    const std::optional<std::vector<std::string>> offered = environment_.OfferedCapabilities();
-    if (!offered || reader_.full()) return;
+    const Offered& offered = OfferedClasses();
+    if (!offered.known || offered.with_superclasses.contains(wanted) || reader_.full()) return;
     std::vector<std::string> shown;
-    for (const std::string& iri : *offered) {
-      if (WithSuperclasses(iri).contains(wanted)) return;
-      shown.push_back(ToDisplay(Term::Iri(iri)));
-    }
+    for (const std::string& iri : offered.classes) shown.push_back(ToDisplay(Term::Iri(iri)));
     const std::string known = shown.empty() ? "no robot describes what class its operations are of"
                                             : Concat("there are: ", xml::ListOf(shown));
     reader_
@@ -123,8 +140,12 @@ class EnvironmentChecker {
   void CheckSubflow(const Text& name) {
     if (name.empty() || document_.FindFlow(name.value) != nullptr || reader_.full()) return;
     if (!environment_.KnowsServices()) return;
-    std::vector<std::string> known = environment_.ApplicationServices();
-    if (std::find(known.begin(), known.end(), name.value) != known.end()) return;
+    if (!services_) {
+      const std::vector<std::string> names = environment_.ApplicationServices();
+      services_.emplace(names.begin(), names.end());
+    }
+    if (services_->contains(name.value)) return;
+    std::vector<std::string> known(services_->begin(), services_->end());
     for (const Flow& flow : document_.flows) known.push_back(flow.name.value);
     reader_.Error(name.span, Concat("there is no flow or deployed workflow ", name.value),
                   reader_.DidYouMean(name.value, known, Concat("there are: ", xml::ListOf(known))));
@@ -150,10 +171,12 @@ class EnvironmentChecker {
     return out;
   }
 
-  void CheckFlow(const Flow& flow) {
+  void CheckFlow(const Flow& flow, Cancellation* cancellation) {
+    if (IsOver(cancellation)) return;
     CheckTypes(flow);
     std::set<std::string> keys = KeysOf(flow);
     for (const Node& node : flow.nodes) {
+      if (IsOver(cancellation)) return;
       CheckTypes(node);
       if (node.condition) CheckCondition(*node.condition);
       if (node.hold) CheckConstraint(*node.hold);
@@ -254,41 +277,49 @@ class EnvironmentChecker {
       return;
     }
     if (constraint.verb.kind == Word::Kind::kTerm) {
-      CheckWord(constraint.verb.term.lexical, constraint.verb.span, "property", &Environment::IsProperty,
-                &Environment::Properties);
+      CheckWord(constraint.verb.term.lexical, constraint.verb.span, kProperties);
     }
     bool types = constraint.verb.kind == Word::Kind::kTerm && constraint.verb.term.lexical == kRdfType;
     for (const Word* word : {&constraint.subject, &constraint.object}) {
       if (word->type_term && word->type_term->IsIri()) {
-        CheckWord(word->type_term->lexical, word->type.span, "class", &Environment::IsClass,
-                  &Environment::Classes);
+        CheckWord(word->type_term->lexical, word->type.span, kClasses);
       }
       if (word->kind != Word::Kind::kTerm || !word->term.IsIri()) continue;
       if (types && word == &constraint.object) {
-        CheckWord(word->term.lexical, word->span, "class", &Environment::IsClass, &Environment::Classes);
+        CheckWord(word->term.lexical, word->span, kClasses);
       } else {
         CheckResource(word->term.lexical, word->span);
       }
     }
   }
 
+  using List = std::vector<std::string> (Environment::*)(std::string_view) const;
+  enum Kind { kClasses, kProperties, kWords };
+  static constexpr List kLists[] = {&Environment::Classes, &Environment::Properties, &Environment::Words};
+
+  // What the ontologies have in a namespace. Many words are of few namespaces.
+  const std::vector<std::string>& KnownIn(std::string_view space, Kind kind) {
+    const auto [it, is_new] = known_in_.try_emplace({std::string(space), kind});
+    if (is_new) it->second = (environment_.*kLists[kind])(space);
+    return it->second;
+  }
+
   // Only in namespaces of which the ontology describes words of this kind.
-  void CheckWord(const std::string& iri, const SourceSpan& span, std::string_view kind,
-                 bool (Environment::*is_known)(const std::string&) const,
-                 std::vector<std::string> (Environment::*list)(std::string_view) const) {
+  void CheckWord(const std::string& iri, const SourceSpan& span, Kind kind) {
+    const bool of_class = kind == kClasses;
     std::string_view space = NamespaceOf(iri);
-    if (space == kXsdNs || space == kRdfNs || (environment_.*is_known)(iri) || reader_.full()) return;
-    std::vector<std::string> known = (environment_.*list)(space);
-    if (known.empty()) return;
-    Warn(iri, span, kind, known);
+    if (space == kXsdNs || space == kRdfNs || reader_.full()) return;
+    if (of_class ? environment_.IsClass(iri) : environment_.IsProperty(iri)) return;
+    const std::vector<std::string>& known = KnownIn(space, kind);
+    if (!known.empty()) Warn(iri, span, of_class ? "class" : "property", known);
   }
 
   // An individual: only where its namespace is an ontology's own (it defines classes or properties).
   void CheckResource(const std::string& iri, const SourceSpan& span) {
     std::string_view space = NamespaceOf(iri);
     if (environment_.IsKnown(iri) || reader_.full()) return;
-    if (environment_.Classes(space).empty() && environment_.Properties(space).empty()) return;
-    Warn(iri, span, "word", environment_.Words(space));
+    if (KnownIn(space, kClasses).empty() && KnownIn(space, kProperties).empty()) return;
+    Warn(iri, span, "word", KnownIn(space, kWords));
   }
 
   void Warn(const std::string& iri, const SourceSpan& span, std::string_view kind,
@@ -306,13 +337,17 @@ class EnvironmentChecker {
   const Environment& environment_;
   xml::ElementReader& reader_;
   std::vector<std::string> operations_;
+  std::optional<std::set<std::string>> services_;
+  std::optional<Offered> offered_;
+  std::map<std::pair<std::string, Kind>, std::vector<std::string>> known_in_;
   std::string otherwise_ = kNeverHolds;  // the hint where no word is near
 };
 
 }  // namespace
 
-void CheckAgainst(const Document& document, const Environment& environment, xml::ElementReader* reader) {
-  EnvironmentChecker(document, environment, reader).Check();
+void CheckAgainst(const Document& document, const Environment& environment, xml::ElementReader* reader,
+                  Cancellation* cancellation) {
+  EnvironmentChecker(document, environment, reader).Check(cancellation);
 }
 
 }  // namespace docent::cawl

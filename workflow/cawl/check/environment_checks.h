@@ -2,14 +2,16 @@
 #ifndef DOCENT_WORKFLOW_CAWL_CHECK_ENVIRONMENT_CHECKS_H_
 #define DOCENT_WORKFLOW_CAWL_CHECK_ENVIRONMENT_CHECKS_H_
 
+#include "graph/base/cancellation.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/cawl/check/environment.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::cawl {
 
-// As CheckDocument (check.h) says.
-void CheckAgainst(const Document& document, const Environment& environment, xml::ElementReader* reader);
+// As CheckDocument (check.h) says. `cancellation`: ends it early; null: nothing does.
+void CheckAgainst(const Document& document, const Environment& environment, xml::ElementReader* reader,
+                  Cancellation* cancellation);
 
 }  // namespace docent::cawl
 

@@ -67,9 +67,10 @@ class ExchangeChecker {
   ExchangeChecker(const Document& document, const Environment* environment, xml::ElementReader* reader)
       : document_(document), environment_(environment), reader_(*reader), cawl_(document) {}
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     for (const Flow& flow : document_.flows) {
       for (const Node& node : flow.nodes) {
+        if (IsOver(cancellation)) return;
         for (const Invoke& invoke : node.invokes) Check(invoke);
       }
     }
@@ -187,8 +188,9 @@ class ExchangeChecker {
 
 }  // namespace
 
-void CheckExchange(const Document& document, const Environment* environment, xml::ElementReader* reader) {
-  ExchangeChecker(document, environment, reader).Check();
+void CheckExchange(const Document& document, const Environment* environment, xml::ElementReader* reader,
+                   Cancellation* cancellation) {
+  ExchangeChecker(document, environment, reader).Check(cancellation);
 }
 
 }  // namespace docent::cawl

@@ -67,27 +67,31 @@ FlowValues::NodeValues FlowValues::ValuesOf(const Node& node, const Environment*
 }
 
 FlowValues::FlowValues(const Document& document, const Flow& flow, const Environment* environment)
-    : flow_(flow) {
-  for (const Link& link : flow.links) {
-    links_[link.from.value].insert(link.to.value);
-    if (link.on_failure || link.on_interrupt) exceptional_[link.from.value].insert(link.to.value);
+    : flow_(flow),
+      links_(flow, [](const Link&) { return true; }),
+      exceptional_(flow, [](const Link& link) { return link.on_failure || link.on_interrupt; }),
+      without_(flow.nodes.size()) {
+  for (const Node& node : flow.nodes) {
+    const NodeValues& values = nodes_.emplace_back(ValuesOf(node, environment));
+    for (const Keys* keys : {&values.matched, &values.assigned, &values.given}) {
+      for (const std::string& key : *keys) givers_[key].set(PlaceOf(node));
+    }
+    give_anything_.set(PlaceOf(node), values.gives_anything);
   }
-  for (const Node& node : flow.nodes) nodes_.push_back(ValuesOf(node, environment));
   const Scope cawl(document), of_activator(cawl, *document.activator), of_flow(cawl, flow);
   start_ = MatchedBy(document.activator->condition);
   for (const Scope* scope : {&cawl, &of_activator, &of_flow}) AddInitial(*scope, &start_);
 }
 
 bool FlowValues::MayHaveBefore(const std::string& key, const Node& node) const {
-  if (start_.contains(key) || Of(node).matched.contains(key)) return true;
-  for (const Node& other : flow_.nodes) {
-    if (Of(other).Gives(key) && LeadsTo(other.name.value, node.name.value)) return true;
-  }
-  return false;
+  const size_t place = PlaceOf(node);
+  if (start_.contains(key) || nodes_[place].matched.contains(key)) return true;
+  return (GiversOf(key) & links_.Before(place)).any();
 }
 
 bool FlowValues::MayHaveIn(const std::string& key, const Node& node, const Action* action) const {
-  const NodeValues& own = Of(node);
+  const size_t place = PlaceOf(node);
+  const NodeValues& own = nodes_[place];
   if (start_.contains(key) || own.matched.contains(key)) return true;
   const auto when = action == nullptr ? Action::When::kOpen : action->when;
   if (when != Action::When::kOpen && (own.gives_anything || own.given.contains(key))) return true;
@@ -99,40 +103,24 @@ bool FlowValues::MayHaveIn(const std::string& key, const Node& node, const Actio
   }
   // Without a solution for its values it invokes nothing, and is done.
   const bool goes_on = MayBeSkipped(flow_, node) || (!node.for_each.empty() && action == nullptr);
-  for (const Node& other : flow_.nodes) {
-    if (!Of(other).Gives(key) || !LeadsTo(other.name.value, node.name.value)) continue;
-    if (goes_on || (&other != &node && ReachedWithout(node).contains(other.name.value))) return true;
-  }
-  return false;
+  NodeSet givers = GiversOf(key) & links_.Before(place);
+  if (goes_on || givers.none()) return givers.any();
+  return (givers.reset(place) & ReachedWithout(place)).any();
 }
 
 bool FlowValues::MayHaveAfter(const std::string& key, const Node& node) const {
-  return MayHaveBefore(key, node) || Of(node).Gives(key);
+  return MayHaveBefore(key, node) || GiversOf(key)[PlaceOf(node)];
 }
 
-// By a way of one link at least.
-bool FlowValues::LeadsTo(const std::string& from, const std::string& to) const {
-  const auto [it, is_new] = after_.try_emplace(from);
-  if (is_new) {
-    const auto first = links_.find(from);
-    if (first != links_.end()) {
-      for (const std::string& next : first->second) it->second.merge(Reachable(links_, next));
-    }
-  }
-  return it->second.contains(to);
+NodeSet FlowValues::GiversOf(const std::string& key) const {
+  const auto it = givers_.find(key);
+  return it == givers_.end() ? give_anything_ : give_anything_ | it->second;
 }
 
-// What a run reaches before the node is done for the first time.
-const std::set<std::string>& FlowValues::ReachedWithout(const Node& node) const {
-  const auto [it, is_new] = without_.try_emplace(node.name.value);
-  if (is_new) {
-    LinkGraph links = links_;
-    const auto exceptional = exceptional_.find(node.name.value);
-    links[node.name.value] =
-        exceptional == exceptional_.end() ? std::set<std::string>() : exceptional->second;
-    it->second = Reachable(links, flow_.source.value);
-  }
-  return it->second;
+const NodeSet& FlowValues::ReachedWithout(size_t node) const {
+  std::optional<NodeSet>& reached = without_[node];
+  if (!reached) reached = links_.ReachedWith(node, exceptional_.Next(node));
+  return *reached;
 }
 
 }  // namespace docent::cawl

@@ -4,13 +4,14 @@
 #define DOCENT_WORKFLOW_CAWL_CHECK_FLOW_VALUES_H_
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "workflow/cawl/ast.h"
 #include "workflow/cawl/check/environment.h"
-#include "workflow/cawl/link_graph.h"
+#include "workflow/cawl/check/node_reach.h"
 
 namespace docent::cawl {
 
@@ -21,7 +22,7 @@ Keys MatchedBy(const Condition& condition);
 
 class FlowValues {
  public:
-  // `environment` null: what an invoked operation gives is not known.
+  // `environment` null: what an invoked operation gives is not known. `flow`: of at most kMaxPairedNodes nodes.
   FlowValues(const Document& document, const Flow& flow, const Environment* environment);
 
   const Keys& at_start() const { return start_; }
@@ -39,22 +40,22 @@ class FlowValues {
   struct NodeValues {
     Keys matched, assigned, given;
     bool gives_anything = false;  // an operation or sub-flow of which the results are not known
-
-    bool Gives(const std::string& key) const {
-      return gives_anything || given.contains(key) || assigned.contains(key) || matched.contains(key);
-    }
   };
 
   static NodeValues ValuesOf(const Node& node, const Environment* environment);
-  const NodeValues& Of(const Node& node) const { return nodes_[&node - flow_.nodes.data()]; }
-  bool LeadsTo(const std::string& from, const std::string& to) const;
-  const std::set<std::string>& ReachedWithout(const Node& node) const;
+  size_t PlaceOf(const Node& node) const { return static_cast<size_t>(&node - flow_.nodes.data()); }
+  // The nodes that may give the key a value.
+  NodeSet GiversOf(const std::string& key) const;
+  // What a run reaches before the node is done for the first time.
+  const NodeSet& ReachedWithout(size_t node) const;
 
   const Flow& flow_;
-  LinkGraph links_, exceptional_;  // all; those with onFailure and onInterrupt
-  std::vector<NodeValues> nodes_;  // in the order of the flow's
+  const NodeReach links_, exceptional_;  // all; those with onFailure and onInterrupt
+  std::vector<NodeValues> nodes_;        // in the order of the flow's
+  std::map<std::string, NodeSet> givers_;
+  NodeSet give_anything_;
   Keys start_;
-  mutable std::map<std::string, std::set<std::string>> after_, without_;
+  mutable std::vector<std::optional<NodeSet>> without_;
 };
 
 }  // namespace docent::cawl

@@ -1,6 +1,5 @@
 // Nodes of a flow that may be active at the same time and are in each other's way: they command one robot, or set one variable.
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -9,8 +8,8 @@
 
 #include "graph/base/text.h"
 #include "workflow/cawl/check/node_claims.h"
+#include "workflow/cawl/check/node_reach.h"
 #include "workflow/cawl/check/static_checks.h"
-#include "workflow/cawl/link_graph.h"
 #include "workflow/cawl/rule_names.h"
 #include "workflow/cawl/structure_checks.h"
 
@@ -27,30 +26,15 @@ bool HasOr(const Expression& expression) {
 class RaceChecker {
  public:
   RaceChecker(const Document& document, const Flow& flow, xml::ElementReader* reader)
-      : document_(document), flow_(flow), reader_(*reader) {
+      : document_(document), flow_(flow), reader_(*reader), starts_with_robot_(StartsWithRobot()) {
     for (const Node& node : flow.nodes) {
-      nodes_.emplace(node.name.value, &node);
-      if (Bound(node).contains(kRobot)) binds_robot_.insert(node.name.value);
-    }
-    starts_with_robot_ = StartsWithRobot();
-    for (const Link& link : flow.links) {
-      if (link.while_text.given()) continue;
-      forward_[link.from.value].insert(link.to.value);
-      if (!link.on_failure && !link.on_interrupt) together_[link.from.value].insert(link.to.value);
+      if (Bound(node).contains(kRobot)) binds_robot_.insert(&node);
     }
   }
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     for (const Node& node : flow_.nodes) CheckNode(node);
-    if (flow_.nodes.size() > kMaxPairedNodes) return;
-    Collect();
-    if (robots_.empty() && settings_.empty()) return;
-    for (const auto& [fork, targets] : together_) {
-      for (auto first = targets.begin(); first != targets.end(); ++first) {
-        for (auto second = std::next(first); second != targets.end(); ++second)
-          CheckBranches(*first, *second);
-      }
-    }
+    if (flow_.nodes.size() <= kMaxPairedNodes) CheckPairs(cancellation);
   }
 
  private:
@@ -67,7 +51,7 @@ class RaceChecker {
 
   // What stands in the way of each other within one node: its invocations start together.
   void CheckNode(const Node& node) {
-    const bool one_robot = starts_with_robot_ || binds_robot_.contains(node.name.value);
+    const bool one_robot = starts_with_robot_ || binds_robot_.contains(&node);
     const Names for_each(node.for_each.begin(), node.for_each.end());
     std::set<std::pair<std::string, std::string>> seen;
     Names given;
@@ -103,18 +87,69 @@ class RaceChecker {
     }
   }
 
+  // Two links out of one node that are both followed: what comes after the one may be active together with what comes
+  // after the other, unless the one comes after the other.
+  void CheckPairs(Cancellation* cancellation) {
+    Collect();
+    if (looked_at_.none()) return;
+    const NodeReach forward(flow_, [](const Link& link) { return !link.while_text.given(); });
+    const NodeReach together(flow_, [](const Link& link) {
+      return !link.while_text.given() && !link.on_failure && !link.on_interrupt;
+    });
+    for (size_t i = 0; i < flow_.nodes.size(); ++i) {
+      before_.push_back(forward.Before(i));
+      from_.push_back(forward.After(i));
+      before_[i].set(i);
+      from_[i].set(i);
+    }
+    std::vector<NodeSet> compared(flow_.nodes.size());
+    told_.resize(flow_.nodes.size());
+    const auto check_fork = [&](const NodeSet& targets) {
+      NodeSet others = targets;
+      ForEachNode(targets, [&](size_t first) {
+        others.reset(first);
+        if (IsEnough() || IsOver(cancellation)) return;
+        ForEachNode(others & ~compared[first], [&](size_t second) { CheckBranches(first, second); });
+        compared[first] |= others;
+      });
+    };
+    check_fork(together.first());
+    for (size_t fork = 0; fork < flow_.nodes.size(); ++fork) check_fork(together.Next(fork));
+  }
+
+  bool IsEnough() const {
+    const bool of_robots = robots_.empty() || robot_races_ >= kMaxReported;
+    return of_robots && (settings_.empty() || variable_races_ >= kMaxReported);
+  }
+
+  void CheckBranches(size_t first, size_t second) {
+    const NodeSet of_first = looked_at_ & from_[first] & ~from_[second];
+    const NodeSet of_second = looked_at_ & from_[second] & ~from_[first];
+    ForEachNode(of_first, [&](size_t a) {
+      ForEachNode(of_second & ~from_[a] & ~before_[a] & ~told_[a], [&](size_t b) {
+        told_[a].set(b);
+        told_[b].set(a);
+        CheckRobots(a, b);
+        CheckVariables(a, b);
+      });
+    });
+  }
+
   // What two nodes or more command or set, by node.
   void Collect() {
     std::map<std::string, int> robots, variables;
-    for (const Node& node : flow_.nodes) {
+    for (size_t i = 0; i < flow_.nodes.size(); ++i) {
+      const Node& node = flow_.nodes[i];
       for (const std::string& robot : CommandedBy(node)) {
-        robots_[node.name.value].insert(robot);
+        robots_[i].insert(robot);
         ++robots[robot];
       }
       for (auto& [name, setting] : SettingsOf(node)) {
-        settings_[node.name.value].emplace(name, setting);
+        settings_[i].emplace(name, setting);
         ++variables[name];
       }
+      binders_.set(i, binds_robot_.contains(&node));
+      any_joins_.set(i, node.join && HasOr(*node.join));
     }
     for (auto& [node, of_node] : robots_)
       std::erase_if(of_node, [&](const std::string& robot) { return robots[robot] < 2; });
@@ -122,6 +157,8 @@ class RaceChecker {
       std::erase_if(of_node, [&](const auto& setting) { return variables[setting.first] < 2; });
     std::erase_if(robots_, [](const auto& entry) { return entry.second.empty(); });
     std::erase_if(settings_, [](const auto& entry) { return entry.second.empty(); });
+    for (const auto& [node, of_node] : robots_) looked_at_.set(node);
+    for (const auto& [node, of_node] : settings_) looked_at_.set(node);
   }
 
   // Robots that operations of the node command and that it has from elsewhere.
@@ -139,7 +176,7 @@ class RaceChecker {
       Names uses;
       const std::string robot = RobotOf(invoke, &uses);
       const bool of_run = robot.empty();
-      if (of_run && binds_robot_.contains(node.name.value)) continue;
+      if (of_run && binds_robot_.contains(&node)) continue;
       if (of_run && !starts_with_robot_ && binds_robot_.empty()) continue;
       if (of_run || !Meet(uses, own)) out.insert(robot);
     }
@@ -147,69 +184,38 @@ class RaceChecker {
   }
 
   // Some node before both binds ?robot, or the run begins with one.
-  bool OneRobot(const std::string& a, const std::string& b) const {
-    if (starts_with_robot_) return true;
-    return std::any_of(binds_robot_.begin(), binds_robot_.end(), [&](const std::string& name) {
-      const Names& after = After(name);
-      return after.contains(a) && after.contains(b);
-    });
+  bool OneRobot(size_t a, size_t b) const {
+    return starts_with_robot_ || (binders_ & before_[a] & before_[b]).any();
   }
 
-  const Names& After(const std::string& name) const {
-    const auto [it, is_new] = after_.try_emplace(name);
-    if (is_new) it->second = Reachable(forward_, name);
-    return it->second;
-  }
-
-  bool IsLookedAt(const std::string& name) const {
-    return robots_.contains(name) || settings_.contains(name);
-  }
-
-  // Two links out of one node that are both followed: what comes after the one may be active together with what comes
-  // after the other, unless the one comes after the other.
-  void CheckBranches(const std::string& first, const std::string& second) {
-    const bool enough_of_robots = robots_.empty() || robot_races_.size() >= kMaxReported;
-    const bool enough_of_variables = settings_.empty() || variable_races_.size() >= kMaxReported;
-    if (enough_of_robots && enough_of_variables) return;
-    for (const std::string& a : After(first)) {
-      if (!IsLookedAt(a) || After(second).contains(a)) continue;
-      for (const std::string& b : After(second)) {
-        if (a == b || !IsLookedAt(b) || After(first).contains(b)) continue;
-        if (After(a).contains(b) || After(b).contains(a)) continue;
-        CheckRobots(a, b);
-        CheckVariables(a, b);
-      }
-    }
-  }
-
-  void CheckRobots(const std::string& a, const std::string& b) {
+  void CheckRobots(size_t a, size_t b) {
     const auto of_a = robots_.find(a), of_b = robots_.find(b);
     if (of_a == robots_.end() || of_b == robots_.end()) return;
     for (const std::string& robot : of_a->second) {
-      if (robot_races_.size() >= kMaxReported || !of_b->second.contains(robot)) continue;
+      if (robot_races_ >= kMaxReported || !of_b->second.contains(robot)) continue;
       if (robot.empty() && !OneRobot(a, b)) continue;
       const auto [one, other] = InOrder(a, b);
-      if (!robot_races_.insert({one, other}).second) return;
-      Warn(other->name.span,
-           Concat("nodes ", one->name.value, " and ", other->name.value,
-                  " may be active at the same time, and both command ",
-                  robot.empty() ? "the robot of the run" : Concat("the robot ", robot)),
-           robot.empty() ? "link them one after the other, or give one of them a condition that binds a "
-                           "?robot of its own"
-                         : "link them one after the other, or give one of them another robot",
-           kRobotRace);
+      ++robot_races_;
+      return Warn(other->name.span,
+                  Concat("nodes ", one->name.value, " and ", other->name.value,
+                         " may be active at the same time, and both command ",
+                         robot.empty() ? "the robot of the run" : Concat("the robot ", robot)),
+                  robot.empty() ? "link them one after the other, or give one of them a condition that binds "
+                                  "a ?robot of its own"
+                                : "link them one after the other, or give one of them another robot",
+                  kRobotRace);
     }
   }
 
-  void CheckVariables(const std::string& a, const std::string& b) {
+  void CheckVariables(size_t a, size_t b) {
     const auto of_a = settings_.find(a), of_b = settings_.find(b);
     if (of_a == settings_.end() || of_b == settings_.end()) return;
     for (const auto& [name, setting] : of_a->second) {
-      if (variable_races_.size() >= kMaxReported) return;
+      if (variable_races_ >= kMaxReported) return;
       const auto same = of_b->second.find(name);
       if (same == of_b->second.end() || Agree(setting, same->second) || OneIsEnough(a, b)) continue;
       const auto [one, other] = InOrder(a, b);
-      if (!variable_races_.insert({{one, other}, name}).second) continue;
+      ++variable_races_;
       Warn(other->name.span,
            Concat("nodes ", one->name.value, " and ", other->name.value,
                   " may be active at the same time, and both set variable ", name,
@@ -219,15 +225,10 @@ class RaceChecker {
   }
 
   // A join behind both that goes on after the first of them: they are alternatives.
-  bool OneIsEnough(const std::string& a, const std::string& b) const {
-    return std::any_of(flow_.nodes.begin(), flow_.nodes.end(), [&](const Node& node) {
-      return node.join && HasOr(*node.join) && After(a).contains(node.name.value) &&
-             After(b).contains(node.name.value);
-    });
-  }
+  bool OneIsEnough(size_t a, size_t b) const { return (any_joins_ & from_[a] & from_[b]).any(); }
 
-  std::pair<const Node*, const Node*> InOrder(const std::string& a, const std::string& b) const {
-    const Node *one = nodes_.at(a), *other = nodes_.at(b);
+  std::pair<const Node*, const Node*> InOrder(size_t a, size_t b) const {
+    const Node *one = &flow_.nodes[a], *other = &flow_.nodes[b];
     if (one->name.span.offset > other->name.span.offset) std::swap(one, other);
     return {one, other};
   }
@@ -239,22 +240,27 @@ class RaceChecker {
   const Document& document_;
   const Flow& flow_;
   xml::ElementReader& reader_;
-  std::map<std::string, const Node*> nodes_;
-  Names binds_robot_;  // nodes whose own condition does
-  bool starts_with_robot_ = false;
-  LinkGraph forward_;   // without `while`
-  LinkGraph together_;  // without `while` and `onFailure`: all of a node's are followed
-  std::map<std::string, Names> robots_;
-  std::map<std::string, std::map<std::string, Setting>> settings_;
-  mutable std::map<std::string, Names> after_;
-  std::set<std::pair<const Node*, const Node*>> robot_races_;
-  std::set<std::pair<std::pair<const Node*, const Node*>, std::string>> variable_races_;
+  const bool starts_with_robot_;
+  std::set<const Node*> binds_robot_;  // nodes whose own condition does
+  // Of a flow whose pairs of nodes are looked at:
+  NodeSet binders_;    // binds_robot_
+  NodeSet any_joins_;  // nodes that wait for one of several
+  NodeSet looked_at_;  // those of robots_ and settings_
+  std::map<size_t, Names> robots_;
+  std::map<size_t, std::map<std::string, Setting>> settings_;
+  std::vector<NodeSet> from_, before_;  // a node and what comes after it, or before it
+  std::vector<NodeSet> told_;           // with which others a node was compared
+  size_t robot_races_ = 0;
+  size_t variable_races_ = 0;
 };
 
 }  // namespace
 
-void CheckRaces(const Document& document, xml::ElementReader* reader) {
-  for (const Flow& flow : document.flows) RaceChecker(document, flow, reader).Check();
+void CheckRaces(const Document& document, xml::ElementReader* reader, Cancellation* cancellation) {
+  for (const Flow& flow : document.flows) {
+    if (IsOver(cancellation)) return;
+    RaceChecker(document, flow, reader).Check(cancellation);
+  }
 }
 
 }  // namespace docent::cawl

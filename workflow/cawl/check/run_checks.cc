@@ -54,13 +54,20 @@ class RunChecker {
         if (is_instant(to)) at_once[from].insert(to);
       }
     }
+    const LinkGraph loops = LinksOnCycles(at_once);
     std::set<std::set<std::string>> reported;
+    std::set<std::pair<std::string, std::string>> told;  // links
+    size_t looked_at = 0;
     for (const Link& link : flow_.links) {
-      if (!link.while_text.given() || reported.size() >= kMaxReported) continue;
-      const auto it = at_once.find(link.from.value);
-      if (it == at_once.end() || !it->second.contains(link.to.value)) continue;
-      const std::vector<std::string> way = CycleThrough(at_once, link.from.value);
-      if (way.empty() || std::find(way.begin(), way.end(), link.to.value) == way.end()) continue;
+      if (looked_at >= kMaxReported) return;
+      const std::string &from = link.from.value, &to = link.to.value;
+      const auto it = loops.find(from);
+      if (!link.while_text.given() || it == loops.end() || !it->second.contains(to)) continue;
+      if (told.contains({from, to})) continue;
+      ++looked_at;
+      std::vector<std::string> way = from == to ? std::vector{to} : ShortestWay(loops, to, from);
+      way.insert(way.begin(), from);
+      for (size_t i = 1; i < way.size(); ++i) told.emplace(way[i - 1], way[i]);
       if (!reported.insert(std::set<std::string>(way.begin(), way.end())).second) continue;
       reader_
           .Warning(
@@ -238,8 +245,9 @@ void CheckOpening(const Node& node, xml::ElementReader* reader) {
 
 }  // namespace
 
-void CheckRuns(const Document& document, xml::ElementReader* reader) {
+void CheckRuns(const Document& document, xml::ElementReader* reader, Cancellation* cancellation) {
   for (const Flow& flow : document.flows) {
+    if (IsOver(cancellation)) return;
     RunChecker(flow, reader).Check();
     for (const Node& node : flow.nodes) CheckOpening(node, reader);
   }

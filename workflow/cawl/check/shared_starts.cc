@@ -9,6 +9,7 @@
 
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "workflow/cawl/check/static_checks.h"
 #include "workflow/cawl/formula.h"
 #include "workflow/cawl/rule_names.h"
 
@@ -253,12 +254,12 @@ const SourceSpan* SharedPlace(const std::vector<Conjunction>& own, const std::ve
 }  // namespace
 
 void CheckSharedStarts(const Document& document, const std::vector<DocumentPtr>& beside,
-                       xml::ElementReader* reader) {
+                       xml::ElementReader* reader, Cancellation* cancellation) {
   if (!document.activator) return;
   const std::vector<Conjunction> own = AlternativesOf(*document.activator);
   size_t steps = kMaxSharedStartSteps;
   for (const DocumentPtr& other : beside) {
-    if (steps == 0) return;
+    if (steps == 0 || IsOver(cancellation)) return;
     if (!other->activator || other->name.value == document.name.value) continue;
     const SourceSpan* place = SharedPlace(own, AlternativesOf(*other->activator), &steps);
     if (place == nullptr) continue;

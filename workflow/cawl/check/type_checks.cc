@@ -31,7 +31,7 @@ class TypeChecker {
     for (const auto& [prefix, iri] : document.prefixes) names_.Add(prefix, iri);
   }
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     CheckInitialTypes(cawl_);
     if (document_.activator) {
       const Activator& activator = *document_.activator;
@@ -45,6 +45,7 @@ class TypeChecker {
       const Scope scope(cawl_, flow);
       CheckInitialTypes(scope);
       for (const Node& node : flow.nodes) {
+        if (IsOver(cancellation)) return;
         const Scope of_node(scope, node);
         if (node.condition) CheckBound(*node.condition, {&of_node}, "node");
         for (const Action& action : node.actions) CheckAssigned(of_node, action);
@@ -66,9 +67,7 @@ class TypeChecker {
   void CheckInitialTypes(const Scope& scope) {
     for (const Variable& variable : scope.variables()) {
       for (const Initialize& i : variable.initializers) {
-        const std::string key =
-            i.part.given() ? Concat(variable.name.value, ".", i.part.value) : variable.name.value;
-        const std::string type = TypeIn(scope, key);
+        const std::string type = TypeOf(scope, variable, i.part.value);
         if (!type.empty() && i.value) CheckValue(*i.value, type, i.from_expression.span);
       }
     }
@@ -79,12 +78,15 @@ class TypeChecker {
     const size_t dot = key.find('.');
     const Variable* variable = scope.FindVariable(key.substr(0, dot));
     if (variable == nullptr) return "";
-    const Message* message = scope.PartsOf(*variable);
-    if (message == nullptr) return dot == std::string::npos ? TypeOf(variable->type_term) : "";
-    const auto part = std::find_if(message->parts.begin(), message->parts.end(), [&](const Part& p) {
-      return dot != std::string::npos && p.name.value == key.substr(dot + 1);
-    });
-    return part == message->parts.end() ? "" : TypeOf(part->type_term);
+    return TypeOf(scope, *variable, dot == std::string::npos ? "" : key.substr(dot + 1));
+  }
+  // `part`: empty, the variable as a whole.
+  static std::string TypeOf(const Scope& scope, const Variable& variable, const std::string& part) {
+    const Message* message = scope.PartsOf(variable);
+    if (message == nullptr) return part.empty() ? TypeOf(variable.type_term) : "";
+    const auto found = std::find_if(message->parts.begin(), message->parts.end(),
+                                    [&](const Part& p) { return !part.empty() && p.name.value == part; });
+    return found == message->parts.end() ? "" : TypeOf(found->type_term);
   }
 
   // An expression that is one constant, and what is taken where there is no value.
@@ -276,8 +278,9 @@ class TypeChecker {
 
 }  // namespace
 
-void CheckTypes(const Document& document, const Environment* environment, xml::ElementReader* reader) {
-  TypeChecker(document, environment, reader).Check();
+void CheckTypes(const Document& document, const Environment* environment, xml::ElementReader* reader,
+                Cancellation* cancellation) {
+  TypeChecker(document, environment, reader).Check(cancellation);
 }
 
 }  // namespace docent::cawl

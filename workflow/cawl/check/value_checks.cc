@@ -21,15 +21,18 @@ class ValueChecker {
   ValueChecker(const Document& document, const Environment* environment, xml::ElementReader* reader)
       : document_(document), environment_(environment), reader_(*reader), cawl_(document) {}
 
-  void Check() {
+  void Check(Cancellation* cancellation) {
     for (const Flow& flow : document_.flows) {
       const Scope of_flow(cawl_, flow);
-      for (const Node& node : flow.nodes) CheckNode(Scope(of_flow, node), node);
+      for (const Node& node : flow.nodes) {
+        if (IsOver(cancellation)) return;
+        CheckNode(Scope(of_flow, node), node);
+      }
     }
     if (!document_.activator) return;
     CheckKeys(*document_.activator);
     const Flow* flow = document_.FindFlow(document_.activator->flow.value);
-    if (flow != nullptr && flow->nodes.size() <= kMaxPairedNodes) CheckActivated(*flow);
+    if (flow != nullptr && flow->nodes.size() <= kMaxPairedNodes) CheckActivated(*flow, cancellation);
   }
 
  private:
@@ -87,11 +90,12 @@ class ValueChecker {
     }
   }
 
-  void CheckActivated(const Flow& flow) {
+  void CheckActivated(const Flow& flow, Cancellation* cancellation) {
     const FlowValues values(document_, flow, environment_);
     const Scope of_flow(cawl_, flow), of_activator(cawl_, *document_.activator);
     for (const Scope* scope : {&cawl_, &of_activator, &of_flow}) CheckCopies(*scope, values);
     for (const Node& node : flow.nodes) {
+      if (IsOver(cancellation)) return;
       if (node.condition) CheckComparisons(*node.condition, node, values);
       for (const Invoke& invoke : node.invokes) CheckInputs(Scope(of_flow, node), node, invoke, values);
       for (const Action& action : node.actions) CheckAction(action, node, values);
@@ -193,8 +197,9 @@ class ValueChecker {
 
 }  // namespace
 
-void CheckValues(const Document& document, const Environment* environment, xml::ElementReader* reader) {
-  ValueChecker(document, environment, reader).Check();
+void CheckValues(const Document& document, const Environment* environment, xml::ElementReader* reader,
+                 Cancellation* cancellation) {
+  ValueChecker(document, environment, reader).Check(cancellation);
 }
 
 }  // namespace docent::cawl
