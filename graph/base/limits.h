@@ -48,9 +48,10 @@ struct Limits {
       4;                   // queries evaluated at the same time; one that waits for its client does not count
   int queries_open = 256;  // queries begun and not ended, including those that wait for a client or a worker
   int queries_short = 2;  // queries evaluated in addition, each for query_short_ms: short ones pass long ones
-  int query_short_ms = 50;                        // time after which a query no longer counts as short
-  size_t queries_waiting = 1024;                  // queries that wait to begin; beyond: RESOURCE_EXHAUSTED
-  size_t query_memory_bytes = 512u << 20;         // memory of one query or update
+  int query_short_ms = 50;                 // time after which a query no longer counts as short
+  size_t queries_waiting = 1024;           // queries that wait to begin; beyond: RESOURCE_EXHAUSTED
+  size_t query_memory_bytes = 512u << 20;  // memory of one query or update
+  // The first 256 KiB of each come on top: at most 256 KiB * queries_open of queries.
   size_t queries_memory_bytes = size_t{2} << 30;  // memory of all queries and updates at the same time
   size_t query_text_bytes = 1u << 20;             // text of one query
   int query_nesting = 100;                        // groups, expressions and sub-selects inside each other
@@ -80,7 +81,8 @@ struct Limits {
   size_t xml_elements = 100000;       // elements in one CAWL or RSEL document
 
   // network
-  size_t http_body_bytes = 64u << 20;     // body of one request
+  size_t http_body_bytes = 64u << 20;  // body of one request
+  // The first 256 KiB of each request come on top: at most 256 KiB * http_connections together.
   size_t http_bodies_bytes = 512u << 20;  // bodies of all requests that are read or answered at the same time
   size_t http_header_bytes =
       64u << 10;                    // header of one request; also its chunk extensions and trailer fields

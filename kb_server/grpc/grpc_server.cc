@@ -12,6 +12,7 @@
 
 #include "docent/v1/replays.grpc.pb.h"
 #include "kb_server/door/message_sizes.h"
+#include "kb_server/grpc/stream_arrival.h"
 
 namespace docent::server {
 namespace {
@@ -59,7 +60,8 @@ void RefuseCompression(grpc::ServerBuilder* builder) {
     builder->SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
-// Of what arrives beside the gate, such as messages of streams: gRPC ends calls where it holds too much of all of them.
+// Of what arrives beside the gate, messages of streams and of gRPC's own services: gRPC takes no more, or ends calls, where it
+// holds too much of all of them. Each call of reflection has a thread.
 // Streams whose message nobody reads have a window of 64 KiB; gRPC would widen it for quick clients.
 void BoundMemory(const Limits& limits, grpc::ServerBuilder* builder) {
   const size_t largest = LargestMessage("docent.v1.Context.AssertStream", limits, kNetworkLimits).bytes;
@@ -68,6 +70,7 @@ void BoundMemory(const Limits& limits, grpc::ServerBuilder* builder) {
   builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   grpc::ResourceQuota quota("docent");
   quota.Resize(kNetworkLimits.grpc_memory_bytes);
+  quota.SetMaxThreads(kNetworkLimits.grpc_reflection_calls);
   builder->SetResourceQuota(quota);
 }
 
@@ -116,6 +119,7 @@ absl::Status GrpcServer::Build(const Limits& limits, grpc::Service* replays) {
   RefuseCompression(&builder);
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<UnreadableRequests>(&gate_));
+  interceptors.push_back(std::make_unique<StreamArrival>(kNetworkLimits.grpc_arrival_ms));
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::InternalError("the gRPC server does not start");

@@ -19,7 +19,9 @@ from small_client import SmallClient
 MIB = 1 << 20
 HTTP_BODIES = GRPC_REQUESTS = 512 * MIB
 GRPC_MEMORY = 768 * MIB
-BESIDE = 300 * MIB  # the server itself, and 256 KiB of each connection, which are in no budget
+REFLECTION_CALLS = 64
+FIRST_BYTES = 1024 * MIB // 4  # 256 KiB of each connection, which come on top
+BESIDE = 300 * MIB  # the server itself, and FIRST_BYTES
 
 
 class Memory(threading.Thread):
@@ -149,6 +151,28 @@ class Arrival(StageTest):
         self.assert_within(GRPC_MEMORY)
         self.assert_all_back(BESIDE)
 
+    def test_half_messages_of_health(self):
+        clients, _ = self.half_calls("/grpc.health.v1.Health/Check", 4, 30, 15 * MIB, 15 * MIB + 1000)
+        self.assertIn("added", self.server.command("tell", "<urn:a> <urn:b> 1"))
+        [client.close() for client in clients]
+        self.assert_within(GRPC_MEMORY)
+        self.assert_all_back(BESIDE)
+
+    def test_half_messages_of_reflection(self):
+        """Each call holds a thread: there are so many at the same time, and the others are refused. All end in grpc_arrival_ms."""
+        client = Http2Client(self.server.grpc)
+        self.addCleanup(client.close)
+        streams = [client.call("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo") for _ in range(200)]
+        for stream in streams:
+            client.send(stream, struct.pack(">BI", 0, 1000) + b"\0", 5)
+        deadline = time.monotonic() + 60
+        while sum(client.over(stream) for stream in streams) < len(streams) - REFLECTION_CALLS and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertLess(len(os.listdir(f"/proc/{self.server.process.pid}/task")), REFLECTION_CALLS + 60)
+        for stream in streams:
+            self.assertTrue(client.wait_over(stream, 120))
+        self.assertFalse(client.closed, "the connection is whole, and its other calls go on")
+
     def test_a_half_message_has_its_time(self):
         """The server ends a call whose message does not come, in grpc_arrival_ms."""
         client = Http2Client(self.server.grpc)
@@ -157,6 +181,25 @@ class Arrival(StageTest):
         client.send(stream, struct.pack(">BI", 0, 1000) + b"\0", 5)
         self.assertTrue(client.wait_over(stream, 120))
         self.assertFalse(client.closed, "the connection is whole, and its other calls go on")
+
+    def test_small_half_bodies(self):
+        """The first 256 KiB of each connection are in no budget: all of them together are what the limits state."""
+        before, sockets = self.memory.now(), []
+        self.addCleanup(lambda: [one.close() for one in sockets])
+        host, port = self.server.http.rsplit(":", 1)
+        head = (f"POST /docent.v1.Context/Assert HTTP/1.1\r\nHost: {self.server.http}\r\nContent-Type: application/json\r\n"
+                f"Content-Length: {MIB // 4}\r\n\r\n").encode()
+        for _ in range(1000):
+            one = socket.create_connection((host, int(port)), timeout=60)
+            sockets.append(one)
+            one.sendall(head + b" " * (MIB // 4 - 1))
+        self.assertIn("added", self.server.command("tell", "<urn:a> <urn:b> 1"))
+        self.assertLess(self.memory.peak / MIB, (before + FIRST_BYTES * 5 / 4) / MIB + 64)
+        self.memory.going = False
+        self.assertEqual(self.server.run("query", "ASK { }").returncode, 0)
+        self.assertEqual(self.others.stop()[0], [])
+        [one.close() for one in sockets]
+        self.assert_all_back(BESIDE)
 
     def test_half_messages_of_live_and_half_bodies(self):
         """900 begun messages of tabs, and half bodies of HTTP."""
