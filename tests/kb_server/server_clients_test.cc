@@ -79,6 +79,7 @@ TEST_F(ServerClientsTest, ClientsThatDoNotReadHarmNobody) {
 TEST_F(ServerClientsTest, AClientThatTakesNothingForTooLongLosesItsStream) {
   settings_.limits.stream_messages = 10;
   settings_.limits.slow_client_ms = 100;
+  settings_.limits.crowded_client_ms = 600000;  // or it goes for the sake of the others
   settings_.limits.queries_open = 1;
   StartServer();
   TellWords(2000);
