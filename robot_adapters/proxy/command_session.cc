@@ -72,6 +72,11 @@ void CommandSession::Try() {
     if (!begun_) return FinishNotBegun();
     attach_next_ = true;
   }
+  if (!begun_ && IsReplaced()) {
+    return Finish(CommandReport::Outcome::kNotBegun,
+                  absl::StrCat("incarnation ", expected_incarnation_, " of the adapter was replaced by ",
+                               incarnation_, " before it was sent"));
+  }
   if (address_.empty()) {
     Lost(absl::StrCat("robot ", command_.robot.value(), " has no adapter now"));
     return;
@@ -107,6 +112,7 @@ void CommandSession::Invoke() {
 
 // Beyond the deadline, too: what became of the command is asked until the adapter says it.
 void CommandSession::Call(FeedbackCall::Request request) {
+  end_was_known_ = end_known_;
   call_ = host_->Call(command_.id, address_, std::move(request),
                       std::max(TimeLeft(), absl::ZeroDuration()) + kCallBeyondDeadline);
   if (asks_to_end_) AskToEnd();
@@ -233,6 +239,12 @@ bool CommandSession::MustNotBegin() const {
   return cancel_requested_ || recalled_ || asks_to_end_ || TimeLeft() <= absl::ZeroDuration();
 }
 
+bool CommandSession::MayBegin() {
+  if (end_was_known_ || TimeLeft() <= absl::ZeroDuration()) return false;
+  if (!may_begin_until_) may_begin_until_ = host_->SteadyNow() + absl::FromChrono(settings_.may_begin);
+  return host_->SteadyNow() < *may_begin_until_;
+}
+
 // The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries with its own, so that
 // a forgetful one cannot do the command a second time. Of what is not invoked again, the adapter is asked which incarnation it is:
 // one that may have forgotten the command may have begun it.
@@ -261,7 +273,9 @@ void CommandSession::OnTold(const grpc::Status& status, const std::string& incar
   if (!status.ok() && IsConnectionLoss(status.error_code())) {
     Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
   } else if (incarnation == expected_incarnation_) {
-    FinishNotBegun();
+    if (!MayBegin()) return FinishNotBegun();
+    if (!asks_to_end_) AskToEnd();
+    Retry();
   } else {
     Finish(
         CommandReport::Outcome::kUnknown,

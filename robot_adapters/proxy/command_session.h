@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/time/time.h"
@@ -48,7 +49,7 @@ class CommandSession {
   // See RobotProxies.
   void Cancel();
   void Recall();
-  // `known`: the adapter has the command. It may not have it yet, where the Cancel came before the Invoke.
+  // `known`: the adapter has the command, or does not begin it when it comes.
   void OnCancelAnswered(uint64_t attempt, bool known);
   // `call` is the call's serial.
   void OnFeedback(uint64_t call, const v1::Feedback& feedback);
@@ -82,6 +83,8 @@ class CommandSession {
   void Refuse(const std::string& why);
   // It is cancelled, called back or overdue: it is not invoked any more.
   bool MustNotBegin() const;
+  // Whether an adapter that does not know it may have read it, and begin it yet.
+  bool MayBegin();
   void OnNotKnown();
   void OnTold(const grpc::Status& status, const std::string& incarnation);
   void FinishNotBegun();
@@ -111,9 +114,11 @@ class CommandSession {
   std::string answers_as_;    // the incarnation that the present call names; empty: none yet
   bool cancel_requested_ = false;
   bool recalled_ = false;
-  bool invoked_ = false;      // here, not by a process before this one
-  bool asks_to_end_ = false;  // a Cancel is sent with each call
-  bool end_known_ = false;    // the adapter has heard the newest one
+  bool invoked_ = false;        // here, not by a process before this one
+  bool asks_to_end_ = false;    // a Cancel is sent with each call
+  bool end_known_ = false;      // the adapter has heard the newest one
+  bool end_was_known_ = false;  // before the present call began
+  std::optional<absl::Time> may_begin_until_;
   uint64_t cancel_attempt_ = 0;
   absl::Duration cancel_pause_;
   bool retry_at_once_ = false;  // when the present call has ended

@@ -91,7 +91,8 @@ grpc::ServerWriteReactor<v1::Feedback>* AdapterService::Invoke(grpc::CallbackSer
 
 grpc::ServerUnaryReactor* AdapterService::Cancel(grpc::CallbackServerContext* context,
                                                  const v1::CancelRequest* request, v1::CancelReply* reply) {
-  reply->set_known(commands_->Cancel(CommandId(request->command_id())));
+  commands_->Cancel(CommandId(request->command_id()));
+  reply->set_known(true);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;

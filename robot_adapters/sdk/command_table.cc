@@ -192,8 +192,7 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::Begin(const v1::In
   absl::MutexLock lock(&mutex_);
   auto known = FindLocked(id);
   if (!absl::IsNotFound(known.status())) return known;
-  if (std::find(cancelled_early_.begin(), cancelled_early_.end(), id.value()) != cancelled_early_.end())
-    return CancelledEarly(id);
+  if (IsCancelledEarly(id)) return CancelledEarly(id);
 
   if (!request.expected_incarnation().empty() && request.expected_incarnation() != incarnation()) {
     return OutcomeUnknown(id, absl::StrCat("it was meant for incarnation ", request.expected_incarnation(),
@@ -309,6 +308,11 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::FindLocked(const C
   return std::make_shared<RunningCommand>(std::move(feedback));
 }
 
+bool CommandTable::IsCancelledEarly(const CommandId& command) const {
+  return std::find(cancelled_early_.begin(), cancelled_early_.end(), command.value()) !=
+         cancelled_early_.end();
+}
+
 std::shared_ptr<RunningCommand> CommandTable::CancelledEarly(const CommandId& command) const {
   v1::Feedback feedback;
   feedback.set_command_id(command.value());
@@ -318,18 +322,16 @@ std::shared_ptr<RunningCommand> CommandTable::CancelledEarly(const CommandId& co
   return std::make_shared<RunningCommand>(std::move(feedback));
 }
 
-bool CommandTable::Cancel(const CommandId& command) {
+void CommandTable::Cancel(const CommandId& command) {
   absl::MutexLock lock(&mutex_);
-  auto live = live_.find(command.value());
-  if (live == live_.end()) {
-    if (journal_->Find(command)) return true;
-    cancelled_early_.push_back(command.value());
-    if (cancelled_early_.size() > kEarlyCancels) cancelled_early_.pop_front();
-    return false;
+  if (auto live = live_.find(command.value()); live != live_.end()) {
+    absl::MutexLock command_lock(&live->second.command->mutex_);
+    live->second.command->cancel_requested_ = true;
+    return;
   }
-  absl::MutexLock command_lock(&live->second.command->mutex_);
-  live->second.command->cancel_requested_ = true;
-  return true;
+  if (journal_->Find(command) || IsCancelledEarly(command)) return;
+  cancelled_early_.push_back(command.value());
+  if (cancelled_early_.size() > kEarlyCancels) cancelled_early_.pop_front();
 }
 
 void CommandTable::Stop() {

@@ -68,9 +68,9 @@ class CommandTable {
   // NOT_FOUND: never begun here. FAILED_PRECONDITION: begun by an incarnation that is gone; the outcome is
   // unknown.
   absl::StatusOr<std::shared_ptr<RunningCommand>> Find(const CommandId& command);
-  // False: not known here. Then it does not begin either, where it comes later: it is told to be cancelled. Cancelling an ended
-  // command does nothing.
-  bool Cancel(const CommandId& command);
+  // One that is not known here does not begin, where it comes later: it is told to be cancelled. Cancelling an ended command does
+  // nothing.
+  void Cancel(const CommandId& command);
   // Ends what runs, as failed; nothing begins any more.
   void Stop();
 
@@ -82,6 +82,7 @@ class CommandTable {
                size_t running_limit, FeedbackWatcher* observer);
   absl::StatusOr<std::shared_ptr<RunningCommand>> FindLocked(const CommandId& command)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsCancelledEarly(const CommandId& command) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::shared_ptr<RunningCommand> CancelledEarly(const CommandId& command) const;
   void Run(const Operation& operation, const v1::InvokeRequest& request,
            std::shared_ptr<RunningCommand> command);

@@ -1,6 +1,8 @@
 // A session of a command that is called back, or whose time is over.
 #include "robot_adapters/proxy/command_session.h"
 
+#include <algorithm>
+
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/robot_adapters/proxy/command_session_fixture.h"
@@ -52,8 +54,13 @@ TEST_F(CommandSessionTest, WhatIsCalledBackDoesNotBeginAndWhatHasBegunGoesOn) {
   host_.reports.clear();
   Begin(Drive(), true).Recall();
   End(grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun) << "the robot does not know it";
+  EXPECT_THAT(host_.cancels, IsEmpty()) << "the robot may have begun it";
+  TellLife("life1");
+  EXPECT_THAT(host_.reports, IsEmpty());
+  EXPECT_THAT(host_.cancels, ElementsAre("a:1")) << "it has not, and may have read it";
+  EXPECT_EQ(RefuseToBegin(), Outcome::kNotBegun);
   host_.reports.clear();
+  host_.cancels.clear();
   Begin(Drive(), true).Recall();
   Say(v1::Feedback::RUNNING);
   EXPECT_THAT(host_.cancels, IsEmpty());
@@ -102,7 +109,57 @@ TEST_F(CommandSessionTest, WhatWasCalledBackWhileItWasOnItsWayDoesNotBeginAgain)
   host_.Go(absl::Seconds(1));
   ASSERT_TRUE(host_.calls.back().is_attach());
   End(grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun);
+  TellLife("life1");
+  EXPECT_EQ(RefuseToBegin(), Outcome::kNotBegun);
+}
+
+// The server began again meanwhile, and the adapter forgets what is cancelled before it begins.
+TEST_F(CommandSessionTest, WhatAnAdapterReadAndBeginsAfterItWasStoppedIsCancelled) {
+  for (const bool cancel : {true, false}) {
+    Begin(Drive(), true);
+    cancel ? session_->Cancel() : session_->Recall();
+    for (int i = 0; i < 10; ++i) {
+      ASSERT_TRUE(host_.calls.back().is_attach());
+      End(grpc::StatusCode::NOT_FOUND);
+      TellLife("life1");
+      session_->OnCancelAnswered(host_.cancel_attempt, false);
+      host_.Go(absl::Seconds(2));
+    }
+    EXPECT_THAT(host_.reports, IsEmpty());
+    Say(v1::Feedback::RUNNING);
+    const size_t sent = host_.cancels.size();
+    session_->OnCancelAnswered(host_.cancel_attempt, false);
+    host_.Go(absl::Seconds(2));
+    EXPECT_EQ(host_.cancels.size(), sent + 1);
+    Say(v1::Feedback::CANCELLED);
+    EXPECT_EQ(host_.reports.back().outcome, Outcome::kCancelled);
+    host_.reports.clear();
+  }
+}
+
+TEST_F(CommandSessionTest, AnAdapterThatDoesNotSayThatItWillNotBeginHasATimeToBegin) {
+  for (const int left : {300, 20}) {
+    Begin(Drive(), true, absl::Seconds(left)).Cancel();
+    const absl::Time begin = host_.now;
+    while (host_.reports.empty() && host_.now < begin + absl::Minutes(1)) {
+      End(grpc::StatusCode::NOT_FOUND);
+      TellLife("life1");
+      host_.Go(absl::Seconds(2));
+    }
+    EXPECT_THAT(host_.Outcomes(), ElementsAre(Outcome::kNotBegun));
+    EXPECT_NEAR(absl::ToDoubleSeconds(host_.now - begin), std::min(left, 30), 3) << "or until its deadline";
+    host_.reports.clear();
+  }
+}
+
+// What it answered may be older than the Cancel.
+TEST_F(CommandSessionTest, AnAnswerThatWasOnItsWayWhenTheAdapterHeardTheCancelIsNoProof) {
+  Begin(Drive(), true).Cancel();
+  session_->OnCancelAnswered(host_.cancel_attempt, true);
+  End(grpc::StatusCode::NOT_FOUND);
+  TellLife("life1");
+  EXPECT_THAT(host_.reports, IsEmpty());
+  EXPECT_FALSE(session_->done());
 }
 
 // It contradicts itself.

@@ -53,6 +53,14 @@ class CommandSessionTest : public testing::Test {
     return host_.reports.empty() ? Outcome::kAccepted : host_.reports.back().outcome;
   }
 
+  // The adapter hears the Cancel, and says that it does not begin the command; then it is asked once more, and does not know it.
+  Outcome RefuseToBegin() {
+    session_->OnCancelAnswered(host_.cancel_attempt, true);
+    host_.Go(absl::Seconds(2));
+    End(grpc::StatusCode::NOT_FOUND);
+    return TellLife("life1");
+  }
+
   FakeHost host_;
   std::unique_ptr<CommandSession> session_;
 };

@@ -224,8 +224,10 @@ TEST_F(CommandSessionTest, ACancelledOneThatTheAdapterDoesNotKnowIsNotInvokedAga
   EXPECT_THAT(host_.reports, IsEmpty()) << "it may have been sent";
   End(grpc::StatusCode::NOT_FOUND);
   EXPECT_THAT(host_.reports, IsEmpty()) << "it may have begun it, and have forgotten";
-  EXPECT_EQ(TellLife("life1"), Outcome::kNotBegun);
-  EXPECT_EQ(host_.calls.size(), 1u);
+  TellLife("life1");
+  EXPECT_THAT(host_.reports, IsEmpty()) << "it may have read it, and begin it yet";
+  EXPECT_EQ(RefuseToBegin(), Outcome::kNotBegun);
+  for (const auto& call : host_.calls) EXPECT_TRUE(call.is_attach());
 }
 
 TEST_F(CommandSessionTest, WhatAnotherLifeDoesNotKnowMayHaveBegun) {
@@ -251,6 +253,19 @@ TEST_F(CommandSessionTest, AnAdapterThatIsLostBeforeItTellsItsLifeIsAskedAgain) 
   ASSERT_EQ(host_.calls.size(), 2u);
   EXPECT_TRUE(host_.calls.back().is_attach());
   EXPECT_FALSE(session_->done());
+}
+
+// It is known that nobody has it.
+TEST_F(CommandSessionTest, WhatWasNotSentBeforeAnotherLifeJoinedIsNotBegun) {
+  host_.connected = false;
+  Begin();
+  session_->UseAdapter("a:1", "life1");
+  EXPECT_FALSE(session_->done());
+  session_->UseAdapter("b:2", "life2");
+  ASSERT_THAT(host_.Outcomes(), ElementsAre(Outcome::kNotBegun));
+  EXPECT_EQ(host_.reports[0].message,
+            "incarnation life1 of the adapter was replaced by life2 before it was sent");
+  EXPECT_THAT(host_.calls, IsEmpty());
 }
 
 TEST_F(CommandSessionTest, ProgressIsReportedOnceAnInterval) {
