@@ -19,13 +19,12 @@ constexpr std::string_view kRobotVariable = "robot";
 constexpr int kResendLimit = 3;
 
 // Why the robot's operation cannot take an argument; empty: as far as the robot describes types, it can take them all.
-std::string ArgumentFault(const RobotOffer& offer, const rsel::Instruction& instruction) {
-  for (const auto& [name, value] : instruction.arguments) {
+std::string ArgumentFault(const RobotOffer& offer, const RobotCommand& command) {
+  for (const auto& [name, value] : command.arguments) {
     const auto type = offer.input_types.find(name);
     if (type == offer.input_types.end()) continue;
     if (const std::string fault = rsel::TypeFault(value, type->second); !fault.empty())
-      return Concat(instruction.operation, " cannot take ", ToDisplay(value), " as ", name, ", which ",
-                    fault);
+      return Concat(command.operation, " cannot take ", ToDisplay(value), " as ", name, ", which ", fault);
   }
   return "";
 }
@@ -349,8 +348,9 @@ bool RunStepper::SendReady(size_t node, size_t index) {
 }
 
 void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruction& instruction) {
-  InvocationState& invocation = run_.nodes[node].invocations[index];
-  RobotCommand command;
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
+  OpenCommand open;
+  RobotCommand& command = open.command;
   // With the time: a server whose older backup was put back counts its runs anew, and an adapter that remembers an id
   // does not execute it again.
   command.id = CommandId(absl::StrCat(Subject(node), "/", run_.nodes[node].iteration, "/", index, ".",
@@ -361,31 +361,16 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
   command.arguments = instruction.arguments;
   command.guard_revision = invocation.guard_revision;
   command.deadline_us = StepDeadline(node, index, instruction.timeout_ms).value_or(0);
-  Occupation occupies;
-  if (const RobotOffer* offer = core_.OfferOf(instruction.operation, invocation.robot)) {
-    if (const std::string fault = ArgumentFault(*offer, instruction); !fault.empty()) {
-      core_.Say(absl::StrCat(Subject(node, index), " ", instruction.label), "running", "failed", fault);
-      invocation.handler->Failed(instruction.step, instruction.attempt, fault, false);
-      return;
-    }
-    command.expected_incarnation = offer->incarnation;
-    command.idempotent = offer->idempotent;
-    occupies = offer->occupies;
-  }
-  // The robot may describe the operation otherwise than when the invocation began: it occupies what its command does.
-  invocation.occupies = Both(invocation.occupies, occupies);
-  core_.ledger.Begin(invocation.robot, {run_.id, node, index}, invocation.occupies);
-  invocation.step = instruction.label;
-  invocation.progress = 0;
-  core_.commands[command.id.value()] = {run_.id, node, index};
-  core_.output->commands.push_back(command);
-  invocation.commands.push_back(
-      {std::move(command), instruction.step, instruction.attempt, std::move(occupies), std::nullopt});
+  open.step = instruction.step;
+  open.attempt = instruction.attempt;
+  if (!Decide(node, index, std::move(open))) return;
+  run_.nodes[node].invocations[index].step = instruction.label;
+  run_.nodes[node].invocations[index].progress = 0;
 }
 
 // Once more to the adapter that lives now, under a new id: the one before may know the old id and never tell.
 void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
-  InvocationState& invocation = run_.nodes[node].invocations[index];
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
   OpenCommand again = lost;
   again.command.id =
       CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
@@ -396,9 +381,39 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost) {
     const rsel::PlanStep& step = invocation.handler->plan().steps[static_cast<size_t>(lost.step - 1)];
     again.command.deadline_us = StepDeadline(node, index, step.timeout_ms).value_or(0);
   }
-  core_.commands[again.command.id.value()] = {run_.id, node, index};
-  core_.output->commands.push_back(again.command);
-  invocation.commands.push_back(std::move(again));
+  Decide(node, index, std::move(again), was_stopped ? nullptr : &lost.command.expected_incarnation);
+}
+
+// A command goes out, for the first time or again: to the adapter that the graph has now, which may describe the operation
+// otherwise than when the invocation began. `gone`: an incarnation that has turned it away; null: none. False: the robot cannot
+// take it so, and the step has failed.
+bool RunStepper::Decide(size_t node, size_t index, OpenCommand open, const std::string* gone) {
+  InvocationState& invocation = run_.nodes[node].invocations[index];
+  RobotCommand& command = open.command;
+  command.expected_incarnation.clear();
+  command.idempotent = false;
+  open.occupies.clear();
+  if (const RobotOffer* offer = core_.OfferOf(command.operation, command.robot)) {
+    if (const std::string fault = ArgumentFault(*offer, command); !fault.empty()) {
+      core_.Say(absl::StrCat(Subject(node, index), " ", invocation.handler->Label(open.step)), "running",
+                "failed", fault);
+      invocation.handler->Failed(open.step, open.attempt, fault, false);
+      return false;
+    }
+    command.expected_incarnation = offer->incarnation;
+    command.idempotent = offer->idempotent;
+    open.occupies = offer->occupies;
+  }
+  // The graph does not have the one that lives now: any will do.
+  if (gone != nullptr && command.idempotent && command.expected_incarnation == *gone)
+    command.expected_incarnation.clear();
+  // It occupies what its command does.
+  invocation.occupies = Both(invocation.occupies, open.occupies);
+  core_.ledger.Begin(invocation.robot, {run_.id, node, index}, invocation.occupies);
+  core_.commands[command.id.value()] = {run_.id, node, index};
+  core_.output->commands.push_back(command);
+  invocation.commands.push_back(std::move(open));
+  return true;
 }
 
 // The handler may have come to its end.
@@ -457,12 +472,17 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     invocation.handler->Succeeded(done.step, done.attempt, results);
   } else if (IsStopped(done, report) && invocation.overdue.empty()) {
     return CommandStopped(owner, std::move(done), report.outcome != Outcome::kNotBegun, report.message);
+  } else if (report.outcome == Outcome::kNotBegun && !done.overdue_until_us && invocation.overdue.empty()) {
+    // The incarnation that it was meant for is gone, and never got it.
+    core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
+              "running", "not begun", report.message);
+    invocation.reason = absl::StrCat("not begun: ", report.message, "; it is sent again");
+    done.recalled = Stopped::kWithRobot;
+    invocation.lost.push_back(std::move(done));
+    return;
   } else if (report.outcome == Outcome::kUnknown && done.command.idempotent && !done.overdue_until_us &&
              invocation.resends < kResendLimit) {
     ++invocation.resends;
-    // A proxy that was turned away reports the incarnation of the command itself; then any will do.
-    std::string& expected = done.command.expected_incarnation;
-    expected = report.incarnation == expected ? "" : report.incarnation;
     invocation.lost.push_back(std::move(done));
     return;
   } else {

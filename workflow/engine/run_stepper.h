@@ -167,6 +167,7 @@ class RunStepper {
   absl::Status MayWrite(size_t facts);
   absl::StatusOr<Term> ValueOf(const cawl::Word& word, const TermBinding* binding) const;
   absl::StatusOr<TermQuad> FactOf(const cawl::Constraint& fact, const TermBinding* binding) const;
+  absl::StatusOr<std::vector<TermQuad>> FactsOf(const cawl::Action& action, const TermBinding& binding) const;
   absl::Status Tell(size_t index, const cawl::Action& action);
   absl::Status Withdraw(size_t index, const cawl::Action& action);
   absl::StatusOr<FactPattern> PatternOf(size_t index, const cawl::Constraint& fact, bool any_source,
@@ -175,7 +176,7 @@ class RunStepper {
                                                   const absl::StatusOr<FactPattern>& wanted,
                                                   bool* of_others) const;
   // `by`: Subject of the node that tells it.
-  // `continues`: it belongs to the same action as the one before.
+  // `continues`: it belongs to the same telling as the one before.
   void Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by = "",
              bool continues = false);
   void WithdrawUntilEnd();
@@ -266,6 +267,7 @@ class RunStepper {
                std::string* why_not) const;
   void SendInstruction(size_t node, size_t invocation, const rsel::Instruction& instruction);
   void Resend(size_t node, size_t invocation, const OpenCommand& lost);
+  bool Decide(size_t node, size_t invocation, OpenCommand open, const std::string* gone = nullptr);
   void SettleHandler(size_t node, size_t invocation);
   void InvocationFailed(size_t node, size_t invocation, const std::string& reason);
   void BeginAgain(size_t node, size_t invocation);

@@ -418,12 +418,61 @@ TEST_F(EngineSteeringTest, WhatARobotHasNotBegunIsCalledBackByAPauseAndSentAgain
   Pass(1000);
   Turn();
   Restart();
+  robots_.offers[0].incarnation = "i2";
   Ask(Kind::kResume, "F-1");
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_NE(commands_[0].id, first);
+  EXPECT_EQ(commands_[0].expected_incarnation, "i2");
   EXPECT_GT(commands_[0].deadline_us, now_us_) << "with a time of its own";
   Turn({Done(commands_[0].id)});
   EXPECT_EQ(State("A"), "done");
+}
+
+// The adapter came back as another one meanwhile, and describes the operation otherwise.
+TEST_F(EngineSteeringTest, WhatIsSentAgainIsMeantForTheAdapterThatLivesThen) {
+  Deploy(TwoNodes());
+  for (const bool paused : {true, false}) {
+    for (const bool began : {false, true}) {
+      robots_.offers[0] = {RobotId("urn:r1"), "i1", began, false};
+      Start();
+      const RobotCommand first = commands_.at(0);
+      const std::string run = first.id.value().substr(0, first.id.value().find('/'));
+      if (!paused) robots_.offers[0].out_of_service = "is out of service: a wheel";
+      paused ? Ask(Kind::kPause, run, began) : Turn();
+      if (began && !paused) Ask(Kind::kCancelCommands, "urn:r1");
+      Turn({Report(first.id, began ? Outcome::kCancelled : Outcome::kNotBegun)});
+      robots_.offers[0].incarnation = "i2";
+      robots_.offers[0].idempotent = !began;
+      robots_.offers[0].occupies = {"base"};
+      Turn();
+      robots_.offers[0].out_of_service = "";
+      paused ? Ask(Kind::kResume, run) : Turn();
+      ASSERT_EQ(commands_.size(), 1u) << paused << began;
+      EXPECT_EQ(commands_[0].expected_incarnation, "i2") << paused << began;
+      EXPECT_EQ(commands_[0].idempotent, !began) << "as it is described now";
+      Turn({Done(commands_[0].id)});
+      ASSERT_EQ(commands_.size(), 1u) << "the next step";
+      EXPECT_EQ(commands_[0].expected_incarnation, "i2");
+      Turn({Done(commands_[0].id)});
+      EXPECT_EQ(engine_.live_runs(), 0u);
+    }
+  }
+}
+
+TEST_F(EngineSteeringTest, WhatIsSentAgainIsOfTheTypeThatTheRobotTakesThen) {
+  Deploy(Flow("<variable name=\"n\"/>" + Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
+  robots_.offers[0].inputs = {"n"};
+  Turn({}, {{Kind::kStart, "W/F", {{"n", Term::Literal("many")}}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  const CommandId first = commands_[0].id;
+  Ask(Kind::kPause, "F-1");
+  Turn({Report(first, Outcome::kNotBegun)});
+  robots_.offers[0].input_types = {{"n", "http://www.w3.org/2001/XMLSchema#integer"}};
+  Ask(Kind::kResume, "F-1");
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Run("reason"), HasSubstr("cannot take"));
 }
 
 // Its adapter stood still, and read the command after the pause: it was cancelled then.

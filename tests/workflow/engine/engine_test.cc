@@ -170,10 +170,31 @@ TEST_F(EngineTest, AnUnknownOutcomeIsSentAgainOnlyIfIdempotent) {
   robots_.offers[0].idempotent = true;
   Start();
   CommandId first = commands_[0].id;
+  robots_.offers[0].incarnation = "i2";  // it has joined
   Turn({{first, CommandReport::Outcome::kUnknown, "the adapter restarted", 0, "i2", {}}});
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_NE(commands_[0].id, first);
   EXPECT_EQ(commands_[0].expected_incarnation, "i2");
+  first = commands_[0].id;
+  Turn({{first, CommandReport::Outcome::kUnknown, "the adapter restarted", 0, "i3", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].expected_incarnation, "") << "any that is there: the new one has not joined yet";
+}
+
+// It was sent to nobody: another adapter joined before.
+TEST_F(EngineTest, WhatTheAdapterThatIsGoneNeverGotIsSentToTheNewOne) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  const CommandId first = commands_[0].id;
+  robots_.offers[0].incarnation = "i2";
+  Turn({{first, CommandReport::Outcome::kNotBegun, "i1 was replaced", 0, "i1", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_NE(commands_[0].id, first);
+  EXPECT_EQ(commands_[0].expected_incarnation, "i2");
+  EXPECT_TRUE(Says("F-1/A/0 1/1 a running>not begun"));
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
 }
 
 TEST_F(EngineTest, AnIdempotentCommandIsNotMeantForTheIncarnationThatIsGone) {

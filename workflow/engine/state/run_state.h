@@ -97,7 +97,8 @@ struct InvocationState {
   std::optional<rsel::InstructionHandler> handler;
   RobotId robot;
   std::vector<OpenCommand> commands;
-  std::vector<OpenCommand> lost;  // idempotent ones with an unknown outcome, to be sent again
+  // To be sent again: what was not begun, and idempotent ones that were cancelled or have an unknown outcome.
+  std::vector<OpenCommand> lost;
   RunId child;                    // subflow
   std::string step;               // "2/4 moveToBooth", the latest given
   double progress = 0;
