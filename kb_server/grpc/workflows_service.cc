@@ -38,8 +38,9 @@ absl::StatusOr<cawl::CheckReport> CheckText(const RunPorts& ports, const std::st
   cawl::CheckReport report =
       cawl::CheckDocument(text, name, environment.get(), ports.limits, beside, cancellation);
   if (!report.stopped.ok()) return report.stopped;
-  for (Diagnostic& warning : CostWarnings(report, name, ports))
+  for (Diagnostic& warning : CostWarnings(report, name, ports, cancellation))
     report.diagnostics.push_back(std::move(warning));
+  if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
   return report;
 }
 

@@ -57,10 +57,12 @@ std::string WhyWhole(const matching::TriggerAnalysis& analysis) {
   return "";
 }
 
-Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports) {
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports,
+                         Cancellation* cancellation) {
   Diagnostics warnings;
   const SteadyClock::time_point until = SteadyClock::now() + kMostTime;
   for (const cawl::ConditionText& condition : report.conditions) {
+    if (!cancellation->CheckNow().ok()) break;
     const sparql::ParsedQuery parsed = sparql::ParseQuery(condition.ask);
     if (!parsed.ok()) continue;
     const std::string why =

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
 #include "kb_server/door/ports.h"
 #include "reasoner/matching/trigger_analysis.h"
@@ -16,8 +17,9 @@ namespace docent::server {
 std::string WhyWhole(const matching::TriggerAnalysis& analysis);
 
 // A warning for each such condition of a correct document, at its place, with its cost as measured on the newest
-// version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it.
-Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports);
+// version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it. It ends early by `cancellation`.
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ReadPorts& ports,
+                         Cancellation* cancellation);
 
 }  // namespace docent::server
 

@@ -231,7 +231,8 @@ class TextWriter {
 }  // namespace
 
 std::vector<ConditionText> ConditionTexts(const Document& document, const Limits& limits,
-                                          xml::ElementReader* reader) {
+                                          xml::ElementReader* reader, Cancellation* cancellation) {
+  const auto is_over = [&] { return cancellation != nullptr && !cancellation->CheckNow().ok(); };
   TextWriter writer(document, limits, reader);
   if (document.activator) {
     writer.Add(document.activator->name.empty() ? "activator"
@@ -241,12 +242,14 @@ std::vector<ConditionText> ConditionTexts(const Document& document, const Limits
   for (const Flow& flow : document.flows) {
     const std::string place = absl::StrCat("flow ", flow.name.value);
     for (const Node& node : flow.nodes) {
+      if (is_over()) return writer.Take();
       const std::string of_node = absl::StrCat(place, " / node ", node.name.value);
       if (node.condition) writer.Add(of_node, *node.condition);
       if (node.hold) writer.Add(of_node, *node.hold, "while-holds", node.hold_text);
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;
+      if (is_over()) return writer.Take();
       writer.Add(absl::StrCat(place, " / link ", link.from.value, " → ", link.to.value),
                  *link.while_constraint, "while", link.while_text);
     }

@@ -21,6 +21,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "workflow/cawl/ast.h"
@@ -96,9 +97,9 @@ struct ConditionText {
   SourceSpan span;    // of the condition, or of the link's condition
 };
 // All conditions of the document, in its order, no variable having a value. One that can never be asked is an error at its
-// place.
+// place. `cancellation`: ends it early, without the conditions that follow; null: nothing does.
 std::vector<ConditionText> ConditionTexts(const Document& document, const Limits& limits,
-                                          xml::ElementReader* reader);
+                                          xml::ElementReader* reader, Cancellation* cancellation = nullptr);
 
 // What CompiledAsk::joint_events is of an ask that was compiled before it had them: read from its text.
 std::vector<std::string> JointEventsOf(const CompiledAsk& ask);

@@ -36,7 +36,7 @@ void CheckAll(const Document& document, const Environment* environment, const Li
   if (environment != nullptr && !too_large) CheckAgainst(document, *environment, reader, cancellation);
   // What is wrong in the text alone may leave words out of conditions.
   if (HasErrors(out->diagnostics) || too_large || IsOver(cancellation)) return;
-  out->conditions = ConditionTexts(document, limits, reader);
+  out->conditions = ConditionTexts(document, limits, reader, cancellation);
   CheckConditions(document, environment, reader, cancellation);
   CheckFeedback(document, reader);
   CheckSharedStarts(document, beside, reader, cancellation);

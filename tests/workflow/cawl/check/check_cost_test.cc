@@ -105,6 +105,21 @@ std::string Loops(int nodes) {
   return Chain(nodes, Empty, links);
 }
 
+// Conditions of 128 alternatives each.
+std::string Alternatives(int nodes) {
+  std::string constraints, expression;
+  for (int i = 0; i < 7; ++i) {
+    for (const char* side : {"a", "b"})
+      absl::StrAppend(&constraints, "<constraint name=\"", side, i, "\"><subject>?x</subject>",
+                      "<verb>docent:isAt</verb><object>expo:", side, i, "</object></constraint>");
+    absl::StrAppend(&expression, expression.empty() ? "" : " and ", "(a", i, " or b", i, ")");
+  }
+  const std::string condition = absl::StrCat("<condition><context name=\"c\"><rule name=\"r\" expression=\"",
+                                             expression, "\">", constraints, "</rule></context></condition>");
+  return Chain(
+      nodes, [&](int) { return condition; }, "");
+}
+
 std::map<std::string, std::string> Documents() {
   return {
       {"joins", Joins(2000, 20)},
@@ -128,25 +143,31 @@ TEST(CheckCost, IsInProportionToTheText) {
 }
 
 TEST(CheckCost, EndsWhenItsCallerGoesAway) {
-  for (const auto& [name, text] : Documents()) {
+  for (const std::string& text : {Joins(200, 20), Forks(60), Subflows(60, 10), Alternatives(20)}) {
     Cancellation counting;
     int looks = 0;
     counting.OnLook([&looks](const Cancellation&) { ++looks; });
-    const CheckReport whole = CheckDocument(text, "f", nullptr, {}, {}, &counting);
-    EXPECT_TRUE(whole.stopped.ok());
-    if (!whole.ok()) continue;  // the mistakes are told before anything takes time
-    for (const int last : {1, looks / 2}) {
+    EXPECT_TRUE(CheckDocument(text, "f", nullptr, {}, {}, &counting).ok());
+    for (const int last : {1, looks / 3, looks / 2}) {
       Cancellation cancellation;
       int look = 0;
       cancellation.OnLook([&](const Cancellation&) {
         if (++look == last) cancellation.Cancel();
       });
       const CheckReport report = CheckDocument(text, "f", nullptr, {}, {}, &cancellation);
-      EXPECT_EQ(report.stopped.code(), absl::StatusCode::kCancelled) << name;
-      EXPECT_FALSE(report.ok()) << name;
-      EXPECT_LT(look, last + 20) << name << ": one look of each check that has not begun";
+      EXPECT_EQ(report.stopped.code(), absl::StatusCode::kCancelled);
+      EXPECT_FALSE(report.ok());
+      EXPECT_LT(look, last + 20) << "one look of each check that has not begun";
     }
   }
+}
+
+TEST(CheckCost, LooksAgainAfterEachCondition) {
+  Cancellation cancellation;
+  int looks = 0;
+  cancellation.OnLook([&looks](const Cancellation&) { ++looks; });
+  EXPECT_TRUE(CheckDocument(Alternatives(40), "f", nullptr, {}, {}, &cancellation).ok());
+  EXPECT_GT(looks, 2 * 40) << "as a text, and for what it says";
 }
 
 TEST(CheckCost, EndsAtItsDeadline) {
