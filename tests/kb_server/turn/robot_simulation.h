@@ -99,8 +99,8 @@ class Fleet {
     sent.command = command;
     sent.reached_us = now_us;
     if (dice_.OneIn(6, "away")) sent.reached_us += Seconds(12);
-    if (command.expected_incarnation != Incarnation(NumberOf(command.robot)) &&
-        !command.expected_incarnation.empty())
+    // the next one is there already, where the one before was
+    if (!IsForNewest(command) && dice_.OneIn(2, "turned away"))
       End(&sent, CommandReport::Outcome::kUnknown, now_us);
   }
   void Cancel(const CommandId& id, TimeMicros now_us) {
@@ -123,15 +123,27 @@ class Fleet {
     ASSERT_NE(found, commands_.end()) << open.command.id.value() << " was never sent";
     found->second.wanted_end = open.ending;
     found->second.recalled = open.recalled;
+    found->second.resumed = true;
   }
   // Commands that robots have begun since the last time.
   std::vector<RobotCommand> TakeBegun() { return std::exchange(begun_, {}); }
-  // The adapter forgets: what it did has an unknown outcome, and the robot stands still.
-  WriteBatch Die(int robot, TimeMicros now_us) {
+  // The adapter forgets: what it did has an unknown outcome, and the robot stands still. Another one joins later.
+  void Die(int robot, TimeMicros now_us) {
     ++lives_[robot];
+    gone_.insert(robot);
     for (auto& [id, command] : commands_) {
-      if (NumberOf(command.command.robot) == robot && !command.ended)
+      if (NumberOf(command.command.robot) == robot && command.begun && !command.ended)
         End(&command, CommandReport::Outcome::kUnknown, now_us);
+    }
+  }
+  bool IsGone(int robot) const { return gone_.contains(robot); }
+  // What was meant for the adapter before has not begun, unless a server that does not know it may have sent it.
+  WriteBatch Join(int robot, TimeMicros now_us) {
+    gone_.erase(robot);
+    for (auto& [id, command] : commands_) {
+      if (NumberOf(command.command.robot) != robot || command.ended || IsForNewest(command.command)) continue;
+      End(&command, command.resumed ? CommandReport::Outcome::kUnknown : CommandReport::Outcome::kNotBegun,
+          now_us);
     }
     WriteBatch batch;
     for (const TermQuad& fact : Presence(robot)) Add(&batch, fact);
@@ -184,6 +196,7 @@ class Fleet {
     TimeMicros reached_us = 0;  // its adapter cannot be reached before
     // As the proxies know it, and (`must_end`) as it was decided.
     bool wanted_end = false, recalled = false, must_end = false;
+    bool resumed = false;  // by a server that does not know whether it was sent
     bool begun = false, heard_end = false;
     TimeMicros ends_us = 0;
     bool cancelled = false;
@@ -202,8 +215,11 @@ class Fleet {
   // Its adapter can be reached: it begins, hears that it is to end, or never begins.
   void Reach(Command* command, TimeMicros now_us) {
     if (command->ended || command->reached_us > now_us) return;
+    const bool gone = IsGone(NumberOf(command->command.robot));
+    if (gone && command->resumed) return;
     if (!command->begun && (command->wanted_end || command->recalled))
       return End(command, CommandReport::Outcome::kNotBegun, now_us);
+    if (gone) return;
     if (!command->begun) {
       const bool late = command->command.deadline_us != 0 && command->command.deadline_us <= now_us;
       if (late || dice_.OneIn(12, "failure"))  // or turned away
@@ -217,7 +233,14 @@ class Fleet {
     command->cancelled = true;
     command->ends_us = std::min(command->ends_us, now_us + Seconds(5));
   }
-  std::string Incarnation(int robot) { return absl::StrCat("life", lives_[robot]); }
+  std::string Incarnation(int robot) const {
+    const auto life = lives_.find(robot);
+    return absl::StrCat("life", life == lives_.end() ? 0 : life->second);
+  }
+  bool IsForNewest(const RobotCommand& command) const {
+    return command.expected_incarnation.empty() ||
+           command.expected_incarnation == Incarnation(NumberOf(command.robot));
+  }
   std::vector<TermQuad> Presence(int robot) {
     return {Fact(Robot(robot), "a", "docent:Robot"),
             Fact(Robot(robot), "docent:incarnation", Term::Literal(Incarnation(robot))),
@@ -246,6 +269,7 @@ class Fleet {
   Dice& dice_;
   std::map<CommandId, Command> commands_;
   std::map<int, int> lives_;
+  std::set<int> gone_;  // robots without an adapter
   std::vector<RobotCommand> begun_;
 };
 

@@ -5,6 +5,7 @@
 //   - no command goes to a robot that takes none or is out of service, or whose node's condition did not hold at its
 //     guard_revision, or of a run that is paused;
 //   - no node goes on when what has to hold while it runs has fallen since it began something;
+//   - each command, also one that is sent again, is meant for the adapter that the graph has when it is decided;
 //   - no command goes to a robot that is reserved for others, unless its run is of a higher priority or held a robot of the
 //     reservation before; what waits for a reserved robot goes on when the reservation has ended;
 //   - who asks for a class of operations gets one of this class;
@@ -117,6 +118,7 @@ class Simulation {
   size_t timed_out() const { return attempts_.timed_out(); }
   size_t undone() const { return undoing_.checked(); }
   size_t not_begun() const { return not_begun_; }
+  size_t reborn() const { return reborn_; }
 
  private:
   static constexpr int kSteps = 70;
@@ -175,6 +177,9 @@ class Simulation {
 
   WriteBatch Anything() {
     const int robot = dice_.Below(test::SimulatedRobots());
+    for (int r = 0; r < test::SimulatedRobots(); ++r) {
+      if (fleet_.IsGone(r) && dice_.OneIn(4)) return fleet_.Join(r, now_us_);
+    }
     if (dice_.OneIn(4)) return dice_.OneIn(1, "steering") ? Steering() : WriteBatch();
     if (dice_.OneIn(10)) return dice_.OneIn(1, "reserve") ? Reservation() : WriteBatch();
     switch (dice_.Below(18)) {
@@ -218,7 +223,8 @@ class Simulation {
             {Fact(Fleet::Robot(robot), "docent:status", absl::StrCat("docent:", kStatuses[dice_.Below(6)]))});
       }
       case 8:
-        return dice_.OneIn(3, "die") ? fleet_.Die(robot, now_us_) : WriteBatch();
+        if (dice_.OneIn(3, "die")) fleet_.Die(robot, now_us_);
+        return WriteBatch();
       case 9: {
         WriteBatch batch;
         static constexpr const char* kHow[] = {"", kRemovesRuns, kRemovesStarts, kRemovesDisablement,
@@ -506,6 +512,15 @@ class Simulation {
     const std::string status = graph.Object(command.robot.value(), DocentIri("status"));
     EXPECT_TRUE(status == DocentIri("Standby") || (status == DocentIri("Busy") && robot_has_command))
         << command.id.value() << " to a robot that is " << status;
+    const std::string lives = graph.Object(command.robot.value(), DocentIri("incarnation"));
+    meant_for_[command.id.value()] = lives;
+    // the id of one that is sent again goes on where that of the one before ends
+    const auto before = meant_for_.find(command.id.value().substr(0, command.id.value().rfind('.')));
+    reborn_ += before != meant_for_.end() && before->second != lives ? 1 : 0;
+    EXPECT_TRUE(command.expected_incarnation == lives ||
+                (command.idempotent && command.expected_incarnation.empty()))
+        << command.id.value() << " is meant for " << command.expected_incarnation << ", and " << lives
+        << " is there";
     if (stays) CheckGuard(command, id);
     CheckClass(command, id);
   }
@@ -724,7 +739,7 @@ class Simulation {
   // All that is under way ends; then every robot has to be free.
   void Drain() {
     for (int r = 0; r < test::SimulatedRobots(); ++r) {
-      Turn(Tell({Fact(Fleet::Robot(r), "docent:status", "docent:Standby")}));
+      Turn(fleet_.Join(r, now_us_));
       Turn(OutOfService(r, false));
     }
     for (int w = 0; w < test::kSimulatedWorkflows; ++w) {
@@ -798,6 +813,8 @@ class Simulation {
   test::UndoModel undoing_;
   size_t commands_ = 0;
   size_t not_begun_ = 0;
+  size_t reborn_ = 0;                             // commands that were sent again to another adapter
+  std::map<std::string, std::string> meant_for_;  // by command: the adapter's incarnation
   size_t preempted_ = 0;
   size_t barred_ = 0;    // invocations that waited for the end of a reservation, when it was looked
   size_t by_class_ = 0;  // commands of those that asked for a class
@@ -811,7 +828,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
   const int seeds = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_SEEDS", 300) : 1;
   const int first = only < 0 ? test::NumberFromEnvironment("DOCENT_SIMULATION_FIRST", 0) : only;
   size_t commands = 0, preempted = 0, barred = 0, by_class = 0, fallen = 0, timed_out = 0, undone = 0,
-         not_begun = 0;
+         not_begun = 0, reborn = 0;
   for (int seed = first; seed < first + seeds; ++seed) {
     SCOPED_TRACE(absl::StrCat("DOCENT_SIMULATION_SEED=", seed));
     Simulation simulation(static_cast<uint32_t>(seed), only >= 0);
@@ -824,6 +841,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     timed_out += simulation.timed_out();
     undone += simulation.undone();
     not_begun += simulation.not_begun();
+    reborn += simulation.reborn();
     if (HasFailure()) break;
   }
   if (only < 0 && first == 0 && seeds >= 300) {
@@ -835,6 +853,7 @@ TEST(RobotSimulationTest, OneRobotDoesOneThingAtATimeAndAGuardIsAGuard) {
     EXPECT_GT(timed_out, static_cast<size_t>(seeds) / 30) << "of times of nodes";
     EXPECT_GT(undone, static_cast<size_t>(seeds) / 30) << "of what is undone";
     EXPECT_GT(not_begun, static_cast<size_t>(seeds) / 10) << "of what is stopped before it begins";
+    EXPECT_GT(reborn, static_cast<size_t>(seeds) / 30) << "of what is sent again to another adapter";
   }
 }
 
