@@ -157,20 +157,21 @@ Delta EventShelf::WithdrawThese(const std::set<TermId>& again, bool also_over, B
 }
 
 size_t EventShelf::OneTelling(absl::Span<const engine::FactWrite> writes, const BatchApplier& applier) {
-  std::set<std::pair<Term, Term>> events;  // and their classes: one telling may give an event several
+  std::map<Term, size_t> events;  // and where the telling of it begins, which may give it several classes
   std::set<std::array<Term, 4>> told;
-  size_t known = 0;   // of them
-  size_t action = 0;  // where the present one begins
+  size_t known = 0;    // of them
+  size_t telling = 0;  // where the present one begins
   for (size_t i = 0; i < writes.size(); ++i) {
     const TermQuad& quad = writes[i].quad;
-    if (!writes[i].continues) action = i;
+    if (!writes[i].continues) telling = i;
     if (writes[i].tells) {
-      if (TellsEvent(quad, applier) && !events.emplace(quad.subject, quad.object).second) return action;
+      if (TellsEvent(quad, applier) && events.emplace(quad.subject, telling).first->second != telling)
+        return telling;
     } else if (!events.empty()) {
       for (; known < i; ++known) {
         if (writes[known].tells) told.insert(TermsOf(writes[known].quad));
       }
-      if (told.contains(TermsOf(quad))) return action;
+      if (told.contains(TermsOf(quad))) return telling;
     }
   }
   return writes.size();

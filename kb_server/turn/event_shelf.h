@@ -47,7 +47,7 @@ class EventShelf {
   Delta Withdraw(const WriteBatch& batch, BatchApplier* applier, GraphWriter* writer);
   // Begins another round of it: withdraws what runs tell again. The removals.
   Delta Withdraw(absl::Span<const engine::FactWrite> writes, BatchApplier* applier, GraphWriter* writer);
-  // How many of these, from the first on, are of one round: whole actions that tell each event at most once, and withdraw nothing
+  // How many of these, from the first on, are of one round: whole tellings, of each event at most one, and withdrawals of nothing
   // that they have told with an event. What follows is of another round.
   static size_t OneTelling(absl::Span<const engine::FactWrite> writes, const BatchApplier& applier);
   // After the batch, or the writes of a round, were applied, and rules followed: keeps what they told. `told`: what they changed.

@@ -14,6 +14,7 @@
 #include "graph/base/workflow_limits.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/term_check.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/engine/run_stepper.h"
 
@@ -25,10 +26,9 @@ std::string Show(const TermQuad& fact) {
 }
 
 // "told 3 facts: …" with the first of them.
-std::string Summary(const char* did, const std::vector<TermQuad>& facts) {
-  if (facts.empty()) return absl::StrCat(did, " nothing");
-  return absl::StrCat(did, " ", facts.size(),
-                      facts.size() == 1 ? " fact: " : " facts, the first: ", Show(facts.front()));
+std::string Summary(const char* did, size_t facts, const TermQuad* first) {
+  if (facts == 0) return absl::StrCat(did, " nothing");
+  return absl::StrCat(did, " ", facts, facts == 1 ? " fact: " : " facts, the first: ", Show(*first));
 }
 
 // ?x twice in one fact is one value.
@@ -358,23 +358,51 @@ absl::StatusOr<TermQuad> RunStepper::FactOf(const cawl::Constraint& fact, const 
   return quad;
 }
 
-// All facts of all bindings, each once, or none.
-absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
+// The facts of one binding, each once.
+absl::StatusOr<std::vector<TermQuad>> RunStepper::FactsOf(const cawl::Action& action,
+                                                          const TermBinding& binding) const {
   std::vector<TermQuad> facts;
   std::set<TermQuad, TripleLess> known;
+  for (const cawl::Constraint& fact : action.facts) {
+    absl::StatusOr<TermQuad> quad = FactOf(fact, &binding);
+    if (!quad.ok())
+      return WithMessage(quad.status(), absl::StrCat("it cannot tell: ", quad.status().message()));
+    if (known.insert(*quad).second) facts.push_back(*std::move(quad));
+  }
+  return facts;
+}
+
+// All facts of all bindings, or none. What several bindings tell is told once, unless it may be an event: a binding that gives a
+// type to a node to which one before it has given one is a telling of its own, with all its facts.
+absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
+  std::vector<std::pair<TermQuad, bool>> facts;  // and whether it continues the telling
+  std::set<TermQuad, TripleLess> known;          // of the telling
+  std::set<Term> typed;
   const auto bindings = BindingsOf(index);
   if (!bindings.ok()) return bindings.status();
   for (const TermBinding& binding : *bindings) {
-    for (const cawl::Constraint& fact : action.facts) {
-      absl::StatusOr<TermQuad> quad = FactOf(fact, &binding);
-      if (!quad.ok())
-        return WithMessage(quad.status(), absl::StrCat("it cannot tell: ", quad.status().message()));
-      if (known.insert(*quad).second) facts.push_back(*std::move(quad));
+    absl::StatusOr<std::vector<TermQuad>> own = FactsOf(action, binding);
+    if (!own.ok()) return own.status();
+    std::set<Term> types;
+    for (const TermQuad& fact : *own) {
+      if (fact.predicate.lexical == kRdfType) types.insert(fact.subject);
+    }
+    const bool again =
+        std::any_of(types.begin(), types.end(), [&typed](const Term& node) { return typed.contains(node); });
+    if (again) {
+      known.clear();
+      typed.clear();
+    }
+    typed.merge(types);
+    for (TermQuad& fact : *own) {
+      const bool continues = !known.empty();
+      if (known.insert(fact).second) facts.emplace_back(std::move(fact), continues);
     }
   }
   if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
-  core_.Say(Subject(index), "running", "running", Summary("told", facts));
-  for (size_t i = 0; i < facts.size(); ++i) Write(true, std::move(facts[i]), &action, Subject(index), i > 0);
+  core_.Say(Subject(index), "running", "running",
+            Summary("told", facts.size(), facts.empty() ? nullptr : &facts.front().first));
+  for (auto& [fact, continues] : facts) Write(true, std::move(fact), &action, Subject(index), continues);
   if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
 }
@@ -407,7 +435,7 @@ absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
     }
   }
   if (absl::Status may = MayWrite(facts.size()); !may.ok()) return may;
-  std::string said = Summary("withdrew", facts);
+  std::string said = Summary("withdrew", facts.size(), facts.empty() ? nullptr : facts.data());
   if (facts.empty() && of_others)
     absl::StrAppend(&said, ": what matches was told by others, and source=\"any\" would take it away");
   core_.Say(Subject(index), "running", "running", std::move(said));

@@ -134,6 +134,60 @@ TEST_F(ToldEventTest, TwoThatTellItInOneTurnTellItTwice) {
   EXPECT_EQ(Events(), 0u);
 }
 
+// A node with ext:forEach tells it once for each binding, which a condition that asks nothing of the binding sees, too.
+TEST_F(ToldEventTest, EachBindingOfForEachTellsIt) {
+  Deploy("bell", Bell());
+  Deploy("who", Cawl("Who",
+                     "<activator name=\"A\"><activate flow=\"Who\"/><condition expression=\"rang and by\">"
+                     "<case name=\"rang\"><event operation=\"bell\"/></case><context name=\"by\"><rule>"
+                     "<constraint><subject>?bell</subject><verb>w:by</verb><object>?who</object></constraint>"
+                     "</rule></context></condition></activator>",
+                     OneNode("<node name=\"N\"/>")));
+  Turn(Tell({Fact("a", "go", "Yes"), Fact("b", "go", "Yes"), Fact("c", "go", "Yes")}));
+  const auto deploy = [this](const std::string& attributes, const std::string& at, const std::string& told) {
+    Deploy("t", Cawl("T", "",
+                     OneNode(absl::StrCat("<node name=\"N\" ext:forEach=\"?x\" ", attributes,
+                                          "><condition><context><rule><constraint><subject>?x</subject>"
+                                          "<verb>w:go</verb><object>w:Yes</object></constraint></rule>"
+                                          "</context></condition><ext:tell at=\"",
+                                          at, "\">", told, "</ext:tell></node>"))));
+  };
+  for (const char* at : {"open", "done"}) {
+    for (const char* attributes : {"", "ext:sequential=\"true\""}) {
+      for (const char* told : {"w:ring a docent:Event\nw:ring docent:operation \"bell\"\nw:ring w:by ?x",
+                               "w:ring w:by ?x\nw:ring docent:operation \"bell\"\nw:ring a docent:Event",
+                               "?x a docent:Event\n?x docent:operation \"bell\"\n?x w:by w:John"}) {
+        deploy(attributes, at, told);
+        const TurnResult result = Turn(test::Start("T"));
+        EXPECT_EQ(Bells(result), 3u) << at << attributes << told;
+        EXPECT_EQ(Started(result).size(), 7u) << "as many that bind who rang, and the run itself";
+        Settle();
+        EXPECT_EQ(Events(), 0u);
+        EXPECT_EQ(Count("by"), 0u) << "what came with it leaves with it";
+      }
+    }
+  }
+  deploy("", "open", "w:hall w:is w:Checked\nw:hall w:checked ?x");
+  EXPECT_EQ(Turn(test::Start("T")).record.told.size(), 4u) << "what is no event is told once";
+}
+
+// Who gives it another class tells it, too.
+TEST_F(ToldEventTest, TwoThatTellItAsOfTwoClassesTellItTwice) {
+  Deploy("bell", Bell());
+  Turn(Put(Document::Kind::kRules, "types",
+           "PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>\n"
+           "RULE { ?x a ?above } WHERE { ?x a ?class . ?class rdfs:subClassOf ?above }"));
+  Turn(Tell({Fact("Knock", Concat(kRdfsNs, "subClassOf"), "docent:Event")}));
+  Deploy("t",
+         Cawl("T", "", OneNode(absl::StrCat("<node name=\"N\">", Rings(), Rings("", "w:Knock"), "</node>"))));
+  EXPECT_EQ(Bells(Turn(test::Start("T"))), 2u);
+  Deploy("t",
+         Cawl("T", "", OneNode(absl::StrCat("<node name=\"N\">", Rings("w:ring a w:Knock"), "</node>"))));
+  EXPECT_EQ(Bells(Turn(test::Start("T"))), 1u) << "one telling may give several";
+  Settle();
+  EXPECT_EQ(Events(), 0u);
+}
+
 TEST_F(ToldEventTest, TheOrderOfItsFactsDoesNotMatter) {
   Deploy("bell", Bell());
   const std::string node =
