@@ -31,7 +31,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "22";
+inline constexpr char kEngineVersion[] = "23";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {

@@ -194,7 +194,7 @@ struct FactWrite {
   uint64_t lifetime_ms = 0;  // 0: until it is withdrawn
   std::string by = {};       // RUN/NODE that tells it, of segments
   RunId run = {};            // that writes it
-  bool continues = false;    // it belongs to the same action as the one before
+  bool continues = false;    // it belongs to the same telling as the one before
   bool run_ended = false;  // it is withdrawn since its run has ended: behind all that runs tell in this round
 };
 
