@@ -103,7 +103,7 @@ class Player {
     if (!recorded_.asked) played.flow = document_.activator->flow.value;
     root_ = RunId(absl::StrCat(IriSegment(played.flow), "-", played.number));
     stages_->engine.PlayInstead(std::move(played));
-    tree_.emplace(root_, &stages_.dictionary());
+    tree_.emplace(root_);
     if (absl::Status begun = PlayTurn(recorded_.turns.front()); !begun.ok()) return begun;
     if (!begun_) Stop(kActivator, "what started the recorded run does not start it in the replay");
     return absl::OkStatus();
@@ -157,7 +157,7 @@ class Player {
     absl::StatusOr<TurnResult> result = stages_.Turn(std::move(batch), offset_, now_us_);
     if (!result.ok()) return result.status();
     root_ = result->started.at(0);
-    tree_.emplace(root_, &stages_.dictionary());
+    tree_.emplace(root_);
     if (absl::Status taken = Take(*result); !taken.ok()) return taken;
     return TellTimes();
   }
@@ -425,7 +425,7 @@ class Player {
   absl::Status Take(const TurnResult& result) {
     clock_concerned_ = clock_.IsConcerned(now_us_, stages_.dictionary(), result.delta);
     if (!tree_) return absl::OkStatus();
-    tree_->Observe(result.delta);
+    tree_->Observe(result);
     std::vector<Decision> decisions;
     AddDecisions(result, offset_, *tree_, &decisions);
     for (Decision& decision : decisions) {

@@ -265,7 +265,7 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
       moment.document = {Document::Kind::kCawl, Document::Action::kPut, run.workflow, version->text, nullptr};
     }
   }
-  const RunTree own(run.run, &dictionary);
+  const RunTree own(run.run);
   WorldFacts world(stages, &own, ports_.replay_limits);
   WorldFacts all(stages, nullptr, ports_.replay_limits);
   const std::set<Quad> passing = all.Passing();

@@ -58,11 +58,7 @@ uint64_t NumberOf(const RunId& run) {
 
 Recording::Recording(const KnownRun& run, const Stages* stages, const Limits& limits,
                      const ReplayLimits& replay_limits)
-    : known_(run),
-      stages_(*stages),
-      limits_(limits),
-      replay_limits_(replay_limits),
-      tree_(run.run, &stages->dictionary) {}
+    : known_(run), stages_(*stages), limits_(limits), replay_limits_(replay_limits), tree_(run.run) {}
 
 absl::Status Recording::Count(size_t facts) {
   counted_ += facts;
@@ -100,7 +96,7 @@ void Recording::TakeTimes(const Delta& delta, CaseTurn* turn) {
 }
 
 absl::Status Recording::Take(const TurnResult& result) {
-  tree_.Observe(result.delta);
+  tree_.Observe(result);
   CaseTurn turn;
   turn.offset = result.record.offset;
   turn.time_us = result.record.time_us;

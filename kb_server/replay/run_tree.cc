@@ -7,38 +7,17 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "graph/rdf/docent_iris.h"
-#include "graph/rdf/vocabulary.h"
 
 namespace docent::server {
 
-void RunTree::Observe(const Delta& delta) {
-  const std::optional<TermId> child_run = dictionary_.FindIri(DocentIri("childRun"));
-  const std::optional<TermId> parent_run = dictionary_.FindIri(DocentIri("parentRun"));
-  std::vector<std::pair<std::string, std::string>> open;  // child, "RUN/NODE/INVOCATION" or "RUN"
-  for (const TermId& predicate : {child_run.value_or(TermId()), parent_run.value_or(TermId())}) {
-    if (predicate.IsNone()) continue;
-    for (const Quad& quad : delta.added) {
-      if (quad.predicate != predicate) continue;
-      const auto subject = RunOfIri(dictionary_.Decode(quad.subject).lexical);
-      const auto object = RunOfIri(dictionary_.Decode(quad.object).lexical);
-      if (!subject || !object) continue;
-      if (predicate == child_run)
-        open.emplace_back(object->value(), subject->value());
-      else
-        open.emplace_back(subject->value(), object->value());
-    }
-  }
-  for (bool more = true; more;) {  // a run that is nested in one of the same turn may come before it
-    more = false;
-    for (const auto& [child, invocation] : open) more = Add(child, invocation) || more;
-  }
+void RunTree::Observe(const TurnResult& result) {
+  for (const engine::NestedRun& nested : result.nested) Add(nested);
 }
 
-bool RunTree::Add(const std::string& child, std::string_view invocation) {
-  if (paths_.contains(child)) return false;
-  const std::vector<std::string> parts = absl::StrSplit(std::string(invocation), '/');
+void RunTree::Add(const engine::NestedRun& nested) {
+  const std::vector<std::string> parts = absl::StrSplit(nested.by, '/');
   const auto parent = paths_.find(parts[0]);
-  if (parent == paths_.end()) return false;
+  if (parent == paths_.end()) return;
   std::string path = parent->second.empty() ? "" : absl::StrCat(parent->second, "/");
   absl::StrAppend(&path, parts.size() > 1 ? NameOfSegment(parts[1]) : "(undoing)");
   int number = 0;
@@ -47,8 +26,7 @@ bool RunTree::Add(const std::string& child, std::string_view invocation) {
   std::string own = path;
   for (int again = 2; taken_.contains(own); ++again) own = absl::StrCat(path, "#", again);
   taken_.insert(own);
-  paths_[child] = std::move(own);
-  return true;
+  paths_[nested.run.value()] = std::move(own);
 }
 
 std::map<RunId, std::string> RunTree::nested() const {

@@ -1,8 +1,8 @@
-// A run and the runs that are nested in it, learned from the facts of runs turn by turn, and the paths of their nodes.
+// A run and the runs that are nested in it, learned turn by turn, and the paths of their nodes.
 //
 // A path names the same place in two lives of a run, whose ids differ: "Move2Booth" is a node of the run itself,
 // "Visit/Move2Booth" a node of the sub-flow that its node Visit started. "Visit[2]/…": by its second invocation;
-// "Visit#2/…": when it was entered for the second time. One thread.
+// "Visit#2/…": when it was entered for the second time, or tried again; "(undoing)/…": to undo what the run did. One thread.
 #ifndef DOCENT_KB_SERVER_REPLAY_RUN_TREE_H_
 #define DOCENT_KB_SERVER_REPLAY_RUN_TREE_H_
 
@@ -13,20 +13,16 @@
 #include <string_view>
 
 #include "graph/base/ids.h"
-#include "graph/rdf/dictionary.h"
-#include "graph/store/delta.h"
+#include "kb_server/turn/turn.h"
 
 namespace docent::server {
 
 class RunTree {
  public:
-  // `dictionary` must outlive it.
-  RunTree(const RunId& root, const Dictionary* dictionary) : dictionary_(*dictionary) {
-    paths_[root.value()] = "";
-  }
+  explicit RunTree(const RunId& root) { paths_[root.value()] = ""; }
 
-  // What a turn changed in the graph.
-  void Observe(const Delta& delta);
+  // The runs that began in a turn.
+  void Observe(const TurnResult& result);
   bool Has(const RunId& run) const { return paths_.contains(run.value()); }
   // The runs that are nested in the outermost one, with their paths.
   std::map<RunId, std::string> nested() const;
@@ -39,9 +35,8 @@ class RunTree {
   std::optional<RunId> RunAt(std::string_view path) const;
 
  private:
-  bool Add(const std::string& child, std::string_view invocation);
+  void Add(const engine::NestedRun& nested);
 
-  const Dictionary& dictionary_;
   std::map<std::string, std::string, std::less<>> paths_;  // run id → "" or "Visit"
   std::set<std::string> taken_;
 };

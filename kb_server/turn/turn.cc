@@ -24,6 +24,7 @@ void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->recalls), &result->recalls);
   Append(std::move(output->notifications), &result->notifications);
   Append(std::move(output->started), &result->started);
+  Append(std::move(output->nested), &result->nested);
   Append(std::move(output->undeployed), &result->undeployed);
   Append(std::move(output->steered), &result->steered);
 }

@@ -88,6 +88,7 @@ struct TurnResult {
   std::vector<Notification> notifications;
   std::vector<AdapterAddress> addresses;  // of adapters that are elsewhere now, or back
   std::vector<RunId> started;             // by the batch's run requests
+  std::vector<engine::NestedRun> nested;  // runs that began within others, in their order
   std::vector<RunId> undeployed;          // cancelled with their workflow
   std::vector<RunId> steered;             // paused or resumed by them
   bool documents_changed = false;

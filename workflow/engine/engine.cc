@@ -37,6 +37,13 @@ constexpr size_t kNodesOfAChange = 4;
 // Changes of a node that take about as long as a condition that is armed.
 constexpr size_t kChangesOfACondition = 8;
 
+// What a nested run is of (NestedRun::by). Runs that undo are of no node of the flow.
+std::string Named(const Run& outer, const CommandOwner& owner) {
+  if (owner.node >= outer.nodes.size()) return outer.id.value();
+  return absl::StrCat(outer.id.value(), "/", IriSegment(outer.Flow().nodes[owner.node].name.value), "/",
+                      owner.invocation);
+}
+
 }  // namespace
 
 ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
@@ -145,6 +152,7 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& given, size_t given_flow, Ter
     run.parent = parent->run;
     run.parent_node = parent->node;
     run.parent_invocation = parent->invocation;
+    output->nested.push_back({run.id, Named(runs.at(parent->run), *parent)});
   }
   RunId id = run.id;
   run.root = RootOf(run);

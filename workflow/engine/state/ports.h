@@ -212,6 +212,12 @@ inline const std::vector<Reservation>& RobotDirectory::ReservationsOf(const Robo
   return kNone;
 }
 
+// A run that began within another one.
+struct NestedRun {
+  RunId run;
+  std::string by;  // the invocation that it is of, "RUN/NODE/NUMBER"; to undo what a run did: "RUN"
+};
+
 struct EngineOutput {
   std::vector<Notification> notifications;
   std::vector<Quad> add;  // run facts, in graph docent:runs
@@ -224,6 +230,7 @@ struct EngineOutput {
   std::vector<CommandId> cancels;
   std::vector<CommandId> recalls;  // commands that are not to begin, where the robot has not begun them
   std::vector<RunId> started;      // by this turn's RunRequests, in their order
+  std::vector<NestedRun> nested;   // in the order in which they began
   std::vector<RunId> undeployed;   // runs that are cancelled with their workflow
   std::vector<RunId> steered;  // that RunRequests paused or resumed, without those that are nested in them
   bool asks_again = false;     // runs are left that go on in the next round
