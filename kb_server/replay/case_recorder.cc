@@ -272,6 +272,7 @@ absl::StatusOr<RunCase> CaseRecorder::Moment(const KnownRun& run, const std::str
   auto facts = all.All(passing);
   if (!facts.ok()) return facts.status();
   moment.facts = *std::move(facts);
+  moment.lifetimes = all.Lifetimes();
   world.ReadHolds();
   moment.held = world.holds();
   moment.last_turn = facts_of;
@@ -301,6 +302,7 @@ absl::StatusOr<RunCase> CaseRecorder::World(const std::string& workflow, uint64_
   auto all = facts.All(facts.Passing());
   if (!all.ok()) return all.status();
   world.facts = *std::move(all);
+  world.lifetimes = facts.Lifetimes();
   facts.ReadHolds();
   world.held = facts.holds();
   world.last_used = start->stages->engine.Save().last_used;

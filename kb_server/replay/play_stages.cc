@@ -63,6 +63,7 @@ absl::Status PlayStages::SetUpWorld() {
   for (const bool modules : {true, false}) {  // ontologies first: rules follow the schema
     if (absl::Status loaded = Load(modules); !loaded.ok()) return loaded;
   }
+  RestoreLifetimes();
   if (absl::Status put = PutDocuments(others); !put.ok()) return put;
   WriteBatch own;
   own.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, document_.name.value,
@@ -87,6 +88,17 @@ absl::Status PlayStages::Load(bool modules) {
     if (absl::Status loaded = load(); !loaded.ok()) return loaded;
   }
   return batch.operations.empty() ? absl::OkStatus() : load();
+}
+
+void PlayStages::RestoreLifetimes() {
+  std::vector<std::pair<TimeMicros, Quad>> lifetimes;
+  for (const auto& [end_us, fact] : recorded_.lifetimes) {
+    const Quad quad{dictionary_->Intern(fact.subject), dictionary_->Intern(fact.predicate),
+                    dictionary_->Intern(fact.object), dictionary_->Intern(fact.graph)};
+    if (stages_->writer.current().ContainsMatch({quad.subject, quad.predicate, quad.object, quad.graph}))
+      lifetimes.emplace_back(end_us, quad);
+  }
+  stages_->applier.RestoreLifetimes(lifetimes);
 }
 
 // One after the other: a process may contain one of a document that comes later.

@@ -36,6 +36,7 @@ class PlayStages {
   absl::Status SetUpState();
   absl::Status SetUpWorld();
   absl::Status Load(bool modules);
+  void RestoreLifetimes();
   absl::Status PutDocuments(std::vector<const Document*> left);
   absl::Status SetUpTurn(WriteBatch batch);
 

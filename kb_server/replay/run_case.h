@@ -94,7 +94,8 @@ struct RunCase {
   // Documents that are put before the first turn. Of a world: rules, services and other workflows.
   std::vector<Document> documents;
   // Of a world, before the first turn.
-  std::vector<TermQuad> facts;              // that neither rules nor runs made
+  std::vector<TermQuad> facts;                             // that neither rules nor runs made
+  std::vector<std::pair<TimeMicros, TermQuad>> lifetimes;  // of those that end by themselves: when
   Holds held;                               // robots that other runs hold, each by an outermost run
   std::map<RobotId, TimeMicros> last_used;  // when a run took the robot last
 

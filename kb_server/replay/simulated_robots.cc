@@ -157,6 +157,11 @@ std::vector<std::string> ReadyRobots(const std::set<std::string>& operations, Ru
     if (!status || fact.object.lexical != DocentIri("Standby")) hindered.insert(fact.subject.lexical);
     return true;
   });
+  // A simulated robot goes on telling what it told.
+  std::erase_if(world->lifetimes, [&](const auto& lifetime) {
+    const TermQuad& fact = lifetime.second;
+    return robots.contains(fact.subject.lexical) && fact.graph == fact.subject;
+  });
   for (const auto& [robot, run] : std::exchange(world->held, {})) hindered.insert(robot.value());
   const auto tell = [world](const std::string& robot, std::string_view property, Term value) {
     world->facts.push_back(

@@ -48,6 +48,14 @@ absl::StatusOr<std::vector<TermQuad>> WorldFacts::All(const std::set<Quad>& but)
   return facts;
 }
 
+std::vector<std::pair<TimeMicros, TermQuad>> WorldFacts::Lifetimes() {
+  std::vector<std::pair<TimeMicros, TermQuad>> lifetimes;
+  for (const auto& [end_us, quad] : stages_.applier.Lifetimes()) {
+    if (IsOfWorld(quad.graph)) lifetimes.emplace_back(end_us, Decode(quad));
+  }
+  return lifetimes;
+}
+
 std::set<Quad> WorldFacts::Passing() const {
   std::set<Quad> passing;
   for (const auto& [id, event] : stages_.events.events())

@@ -4,6 +4,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -21,6 +22,8 @@ class WorldFacts {
 
   // RESOURCE_EXHAUSTED naming replay_facts: these are too many.
   absl::StatusOr<std::vector<TermQuad>> All(const std::set<Quad>& but = {});
+  // When those of All end that have a lifetime, the first in front.
+  std::vector<std::pair<TimeMicros, TermQuad>> Lifetimes();
   // What stands for this turn alone, or as long as something waits with it: events with their facts, times that occur.
   std::set<Quad> Passing() const;
   // Tells those of them that All has.
