@@ -13,21 +13,17 @@
 #include "absl/strings/str_split.h"
 #include "graph/base/cut_text.h"
 #include "graph/base/text.h"
-#include "graph/calendar/time_spec.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/store/read_trace.h"
+#include "kb_server/clock/wait_times.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/robots/robot_records.h"
 #include "kb_server/robots/service_state.h"
-#include "workflow/xml/xml_document.h"
 
 namespace docent::server {
 namespace {
 
-// Changes of a time of day that are looked at to find when it holds next: of more than a year.
-constexpr int kLooksAhead = 1000;
 // Of runs nested in runs, as many as the engine nests.
 constexpr int kDeepest = 64;
 
@@ -146,17 +142,10 @@ class WaitCollector {
       New(place, node, "resume")->set_detail("it opens when its run is resumed");
       return;
     }
-    const std::vector<std::string> asks = absl::StrSplit(node.waits_for(), "\n# or\n");
     needed_.emplace_back();
-    for (const std::string& ask : asks) {
+    for (const std::string& ask : AlternativesOf(node.waits_for())) {
       const ConditionAnswer answer = sources_.ask ? sources_.ask(ask) : ConditionAnswer();
-      if (answer.holds && !answer.robot.empty()) {
-        AddRobot(place, node, answer.robot, "its condition holds with this robot");
-      } else if (answer.holds && absl::StrContains(ask, DocentIri("Event"))) {
-        AddNextTime(ask, New(place, node, "fact"), "an event that is told from now on");
-      } else if (answer.holds) {
-        AddTime(run, node, ask, place);
-      } else {
+      if (!answer.holds) {
         v1::Wait* wait = New(place, node, "fact");
         wait->set_missing(answer.missing);
         AddNextTime(ask, wait,
@@ -164,74 +153,33 @@ class WaitCollector {
                         ? Concat("its condition holds: ", OneLine(ask))
                         : Concat("a fact: ", answer.missing, answer.remarks.empty() ? "" : " (",
                                  answer.remarks, answer.remarks.empty() ? "" : ")"));
+      } else if (answer.robot.empty() && absl::StrContains(ask, DocentIri("Event"))) {
+        AddNextTime(ask, New(place, node, "fact"), "an event that is told from now on");
+      } else if (run.paused()) {
+        New(place, node, "time")->set_detail("its condition holds, and opens it when its run is resumed");
+      } else if (const std::optional<WaitTime> time = TimeOf(run, node, ask)) {
+        v1::Wait* wait = New(place, node, "time");
+        wait->set_until_us(time->at_us);
+        wait->set_detail(time->text);
+      } else if (!answer.robot.empty()) {
+        AddRobot(place, node, answer.robot, "its condition holds with this robot");
+      } else {
+        New(place, node, "time")->set_detail(NotYetForLong(ask));
       }
     }
   }
 
   // With when a time of the condition holds or occurs next, where it does not now.
   void AddNextTime(const std::string& ask, v1::Wait* wait, const std::string& detail) {
-    std::optional<TimeMicros> next;
-    for (const std::string& iri : calendar::TimeIrisIn(ask)) {
-      const std::optional<TimeMicros> of_one = NextOf(iri);
-      if (of_one && (!next || *of_one > *next)) next = of_one;  // all of them are needed
-    }
+    const std::optional<TimeMicros> next = NextTime(graph_, ask, sources_.now_us);
     wait->set_detail(next ? absl::StrCat(detail, "; its time comes at ", DateTimeTerm(*next).lexical)
                           : detail);
     if (next) wait->set_until_us(*next);
   }
 
-  std::optional<TimeMicros> NextOf(const std::string& iri) const {
-    if (const std::string next = graph_.Object(iri, DocentIri("nextOccurrence")); !next.empty())
-      return MicrosOfDateTime(next);
-    const auto words = calendar::WordsOfTimeIri(iri);
-    calendar::TimeFault fault;
-    const auto spec = words ? calendar::ParseTimeSpec(*words, &fault) : std::nullopt;
-    ReadTrace::NoteAnything();  // the time
-    if (!spec || !spec->is_level() || spec->Holds(sources_.now_us)) return std::nullopt;
-    TimeMicros at = sources_.now_us;
-    for (int looks = 0; looks < kLooksAhead; ++looks) {
-      at = spec->NextLook(at);
-      if (spec->Holds(at)) return at;
-    }
-    return std::nullopt;
-  }
-
-  // Its condition holds, and a time of it is not over: that of <ext:time after="20s"/>, or of an ext:for. The notes of the
-  // condition have them (ask_compiler.cc).
-  void AddTime(const v1::Run& run, const v1::Node& node, const std::string& ask, const std::string& place) {
-    v1::Wait* wait = New(place, node, "time");
-    if (run.paused()) return wait->set_detail("its condition holds, and opens it when its run is resumed");
-    int64_t after_ms = 0;
-    std::string after;
-    std::vector<std::string> lasting;
-    for (absl::string_view line : absl::StrSplit(ask, '\n')) {
-      int64_t ms = 0;
-      absl::string_view note = line;
-      if (absl::ConsumePrefix(&note, "# after ") && absl::ConsumeSuffix(&note, " in the node")) {
-        if (!xml::ParseDurationMs(FromAbsl(note), &ms) || ms <= after_ms) continue;
-        after_ms = ms;
-        after = std::string(note);
-      } else if (absl::ConsumePrefix(&note, "# rule ")) {
-        const size_t time = note.rfind(": for at least ");
-        if (time != absl::string_view::npos) lasting.emplace_back(note.substr(time + 15));
-      }
-    }
-    const TimeMicros until_us = node.since_us() + after_ms * 1000;
-    if (after_ms > 0) ReadTrace::NoteAnything();  // the time
-    if (after_ms > 0 && until_us > sources_.now_us) {
-      wait->set_until_us(until_us);
-      return wait->set_detail(absl::StrCat("its condition holds, and may open it from ",
-                                           DateTimeTerm(until_us).lexical, " on, ", after,
-                                           " after it was entered"));
-    }
-    const std::string opens = graph_.Object(
-        absl::StrCat(RunIri(RunId(run.id())), "/", IriSegment(node.name())), DocentIri("opensAt"));
-    if (!opens.empty()) wait->set_until_us(MicrosOfDateTime(opens));
-    wait->set_detail(absl::StrCat(
-        "its condition holds, but not yet for ",
-        lasting.empty() ? "as long as it has to"
-                        : absl::StrCat("the ", absl::StrJoin(lasting, " and the "), " that it has to hold"),
-        opens.empty() ? "" : absl::StrCat("; it opens it at ", opens)));
+  std::optional<WaitTime> TimeOf(const v1::Run& run, const v1::Node& node, const std::string& ask) const {
+    const std::string iri = absl::StrCat(RunIri(RunId(run.id())), "/", IriSegment(node.name()));
+    return TimeOfNode(graph_, {iri, node.since_us()}, ask, sources_.now_us);
   }
 
   // Without the prologue.

@@ -10,11 +10,16 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
+#include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_reader.h"
+#include "kb_server/clock/wait_times.h"
 #include "kb_server/door/parsed_document.h"
 #include "kb_server/replay/answer_book.h"
+#include "kb_server/replay/play_outlook.h"
 #include "kb_server/replay/play_questions.h"
 #include "kb_server/replay/play_stages.h"
 #include "kb_server/replay/played_clock.h"
@@ -166,18 +171,29 @@ class Player {
   absl::Status FindValues(NamedTerms* values) {
     if (absl::Status asked = AskForTimes(); !asked.ok()) return asked;
     const absl::StatusOr<Activation> activation =
-        FindActivation(&*stages_, document_, recorded_.values, now_us_);
+        FindActivation(&*stages_, document_, recorded_.values, now_us_, &recorded_.held_since);
     if (!activation.ok()) return activation.status();
-    if (activation->fires) {
+    if (activation->fires || activation->fires_us)
       values->assign(activation->values.begin(), activation->values.end());
-      return absl::OkStatus();
-    }
-    PlayQuestions questions(&*stages_, stages_->writer.Freeze(Revision(offset_)), now_us_,
-                            options_.cancellation);
-    play_.waits.push_back({kActivator, activation->ask, questions.Missing(activation->ask)});
-    play_.notes.push_back(absl::StrCat("activator ", document_.activator->name.value,
-                                       " does not fire on these facts; the run is started all the same"));
+    if (!activation->fires) NoteThatItDoesNotFire(*activation);
     return absl::OkStatus();
+  }
+
+  void NoteThatItDoesNotFire(const Activation& activation) {
+    const GraphVersionPtr version = stages_->writer.Freeze(Revision(offset_));
+    std::string later, missing;
+    if (activation.fires_us) {
+      later = absl::StrCat("if they stay so, it fires at ", DateTimeTerm(*activation.fires_us).lexical);
+      missing = absl::StrCat("nothing but time: ", NotYetForLong(activation.ask), "; ", later);
+    } else {
+      const auto comes = NextTime(GraphReader(stages_.dictionary(), *version), activation.ask, now_us_);
+      if (comes) later = absl::StrCat("its time comes at ", DateTimeTerm(*comes).lexical);
+      missing = PlayQuestions(&*stages_, version, now_us_, options_.cancellation).Missing(activation.ask);
+    }
+    play_.waits.push_back({kActivator, activation.ask, std::move(missing)});
+    play_.notes.push_back(absl::StrCat("activator ", document_.activator->name.value,
+                                       " does not fire on these facts; the run is started all the same",
+                                       later.empty() ? "" : "; ", later));
   }
 
   // The times of the activator, which is never armed in a world: the clock tells what is asked for.
@@ -346,12 +362,26 @@ class Player {
   // A simulation behind what it was told.
   absl::Status PlayOut() {
     if (absl::Status played = PlayUntil(options_.simulated_until_us); !played.ok()) return played;
-    if (GoesOn() && (!due_.empty() || !moves_.empty())) {
-      play_.stopped = "the simulation has come to its end, and the run goes on";
-      play_.stopped_turn = offset_;
-    }
+    if (!GoesOn()) return absl::OkStatus();
+    std::optional<TimeMicros> next = GoesOnAt(*stages_, clock_);
+    for (const DueReport& due : due_) next = std::min(next.value_or(due.time_us), due.time_us);
+    if (!moves_.empty()) next = std::min(next.value_or(moves_.begin()->first), moves_.begin()->first);
+    if (next) Stop("", OutOfTime(*next));
     return absl::OkStatus();
   }
+
+  // `next_us`: when something happens next.
+  std::string OutOfTime(TimeMicros next_us) const {
+    const TimeMicros begin_us = recorded_.turns.front().time_us;
+    const TimeMicros after_us = next_us - begin_us;
+    return absl::StrCat("the simulated time ends after ", Seconds(options_.simulated_until_us - 1 - begin_us),
+                        ", and the run goes on: what happens next by itself is at ",
+                        DateTimeTerm(next_us).lexical, ", ", Seconds(after_us), " after the begin; ",
+                        after_us > kLongestSimulation
+                            ? absl::StrCat("a simulation lasts ", Seconds(kLongestSimulation), " at most")
+                            : "simulate for longer to see it");
+  }
+  static std::string Seconds(TimeMicros us) { return absl::FormatDuration(absl::Microseconds(us)); }
 
   // Behind the last recorded turn: answers that are still to come, and the timers before the last of them.
   absl::Status PlayRest() {
@@ -547,6 +577,11 @@ absl::Status CheckFits(const RunCase& recorded, const cawl::Document& document) 
 }
 
 }  // namespace
+
+void AddAlternative(const PlayedWait& wait, std::string* waits_for, std::string* missing) {
+  absl::StrAppend(waits_for, waits_for->empty() ? "" : "\n# or\n", wait.ask);
+  if (!wait.missing.empty()) absl::StrAppend(missing, missing->empty() ? "" : " or ", wait.missing);
+}
 
 absl::StatusOr<Play> PlayCase(const RunCase& recorded, const cawl::DocumentPtr& document,
                               const PlayOptions& options) {

@@ -30,6 +30,8 @@ struct PlayedWait {
   std::string missing;  // facts that it needs, or that stand in its way, for people; empty: not known
 };
 inline constexpr char kActivator[] = "activator";
+// The next alternative of the condition of one node: what it waits for, and what it lacks, of all of them.
+void AddAlternative(const PlayedWait& wait, std::string* waits_for, std::string* missing);
 
 struct Play {
   Course course;
@@ -43,6 +45,9 @@ struct Play {
   std::vector<std::string> notes;    // what the replay cannot tell, for people
   std::vector<SimulatedPose> poses;  // of a simulation
 };
+
+// A simulation lasts no longer.
+inline constexpr TimeMicros kLongestSimulation = 24 * 3600 * 1'000'000LL;
 
 struct PlayOptions {
   const sparql::FunctionRegistry* functions = nullptr;

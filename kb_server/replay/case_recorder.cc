@@ -303,6 +303,7 @@ absl::StatusOr<RunCase> CaseRecorder::World(const std::string& workflow, uint64_
   if (!all.ok()) return all.status();
   world.facts = *std::move(all);
   world.lifetimes = facts.Lifetimes();
+  world.held_since = HeldSinceOf(*start->stages, workflow);
   facts.ReadHolds();
   world.held = facts.holds();
   world.last_used = start->stages->engine.Save().last_used;

@@ -169,8 +169,7 @@ std::vector<NodeComparison> Compare(const RunCase& recorded, const cawl::Documen
   }
   for (const PlayedWait& wait : play.waits) {
     if (wait.node == kActivator || !at.contains(wait.node)) continue;
-    of(wait.node).waits_for = wait.ask;
-    of(wait.node).missing = wait.missing;
+    AddAlternative(wait, &of(wait.node).waits_for, &of(wait.node).missing);
   }
   nodes.push_back(std::move(run));
   for (NodeComparison& node : nodes) NodeComparer(IsInDocument(recorded, document, node.node)).Compare(&node);

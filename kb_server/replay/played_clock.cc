@@ -6,9 +6,14 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
-#include "kb_server/clock/clock_facts.h"
 
 namespace docent::server {
+namespace {
+
+// Changes of times of day that are looked at to find one.
+constexpr int kLooksAhead = 200;
+
+}  // namespace
 
 void PlayedClock::Begin(const Dictionary& dictionary, const GraphVersion& graph) {
   const GraphReader reader(dictionary, graph);
@@ -51,11 +56,31 @@ std::vector<QuadOperation> PlayedClock::Tell(TimeMicros now_us, const Dictionary
   const ClockFacts facts =
       ClockFactsAt({now_us, now_us, simulated_}, dictionary, graph,
                    [&](const std::string& time) { return tells_ == Tells::kAll || mine.contains(time); });
-  next_us_ = facts.next_wall_us;
-  if (facts.next_steady_us)
-    next_us_ = std::min(next_us_.value_or(*facts.next_steady_us), *facts.next_steady_us);
+  next_us_ = NextLook(facts);
   own_ = std::move(mine);
   return facts.operations;
+}
+
+std::optional<TimeMicros> PlayedClock::NextLook(const ClockFacts& facts) {
+  std::optional<TimeMicros> next = facts.next_wall_us;
+  if (facts.next_steady_us) next = std::min(next.value_or(*facts.next_steady_us), *facts.next_steady_us);
+  return next;
+}
+
+std::optional<TimeMicros> PlayedClock::NextChange(
+    const Dictionary& dictionary, const GraphVersion& graph,
+    const std::function<bool(const TermQuad&)>& concerns) const {
+  std::optional<TimeMicros> at = next_us_;
+  for (int looks = 0; at && looks < kLooksAhead; ++looks) {
+    const ClockFacts facts = ClockFactsAt({*at, *at, simulated_}, dictionary, graph);
+    if (std::any_of(facts.operations.begin(), facts.operations.end(),
+                    [&](const QuadOperation& operation) { return concerns(operation.quad); }))
+      return at;
+    const std::optional<TimeMicros> next = NextLook(facts);
+    if (!next || *next <= *at) break;
+    at = next;
+  }
+  return std::nullopt;
 }
 
 }  // namespace docent::server

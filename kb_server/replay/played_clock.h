@@ -6,6 +6,7 @@
 #ifndef DOCENT_KB_SERVER_REPLAY_PLAYED_CLOCK_H_
 #define DOCENT_KB_SERVER_REPLAY_PLAYED_CLOCK_H_
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,6 +16,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/clock/clock_facts.h"
 #include "kb_server/replay/run_case.h"
 
 namespace docent::server {
@@ -34,8 +36,14 @@ class PlayedClock {
   std::vector<QuadOperation> Tell(TimeMicros now_us, const Dictionary& dictionary, const GraphVersion& graph);
   // When it has something to tell next, if ever.
   std::optional<TimeMicros> NextDue() const { return next_us_; }
+  // When it will tell or take back a fact that concerns somebody, if nothing else changes the graph. nullopt: not within the next
+  // changes, of which it looks at some hundred.
+  std::optional<TimeMicros> NextChange(const Dictionary& dictionary, const GraphVersion& graph,
+                                       const std::function<bool(const TermQuad&)>& concerns) const;
 
  private:
+  static std::optional<TimeMicros> NextLook(const ClockFacts& facts);
+
   const Tells tells_;
   bool simulated_ = false;       // the recorded clock was a simulator's
   std::set<std::string> asked_;  // by the recorded runs

@@ -73,6 +73,15 @@ struct CaseTurn {
   friend bool operator==(const CaseTurn&, const CaseTurn&) = default;
 };
 
+// What a rule with ext:for asks, by its ASK, has held with this binding since then.
+struct HeldSince {
+  std::string ask;
+  std::map<std::string, Term> binding;
+  TimeMicros since_us = 0;
+
+  friend bool operator==(const HeldSince&, const HeldSince&) = default;
+};
+
 struct RunCase {
   RunId run;
   uint64_t number = 0;  // of the run, among those of its data folder
@@ -96,6 +105,7 @@ struct RunCase {
   // Of a world, before the first turn.
   std::vector<TermQuad> facts;                             // that neither rules nor runs made
   std::vector<std::pair<TimeMicros, TermQuad>> lifetimes;  // of those that end by themselves: when
+  std::vector<HeldSince> held_since;        // of the activator that is deployed for the workflow
   Holds held;                               // robots that other runs hold, each by an outermost run
   std::map<RobotId, TimeMicros> last_used;  // when a run took the robot last
 

@@ -7,6 +7,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/server_graphs.h"
+#include "workflow/engine/engine_state.h"
 
 namespace docent::server {
 
@@ -88,6 +89,20 @@ void WorldFacts::ReadHolds() {
       holds_[RobotId(stages_.dictionary.Decode(quad.subject).lexical)] = *run;
     return true;
   });
+}
+
+std::vector<HeldSince> HeldSinceOf(const Stages& stages, const std::string& workflow) {
+  std::vector<HeldSince> held;
+  const engine::EngineState state = stages.engine.Save();
+  const auto deployed = state.deployments.find(workflow);
+  if (deployed == state.deployments.end()) return held;
+  for (LastingSince& time : stages.conditions.Times()) {
+    for (const engine::ArmedCondition& armed : deployed->second.armed) {
+      if (armed.handle == time.handle)
+        held.push_back({armed.ask.lasting.at(time.part).ask, std::move(time.binding), time.since_us});
+    }
+  }
+  return held;
 }
 
 std::vector<Document> DocumentsOf(const Stages& stages, const std::string& but) {

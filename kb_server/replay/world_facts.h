@@ -45,6 +45,9 @@ class WorldFacts {
   Holds holds_;
 };
 
+// Since when what the activator of a workflow waits for has held, where that counts (ext:for).
+std::vector<HeldSince> HeldSinceOf(const Stages& stages, const std::string& workflow);
+
 // Rules, robot services and workflows that the stages have, but for the workflow `but`.
 std::vector<Document> DocumentsOf(const Stages& stages, const std::string& but);
 

@@ -10,7 +10,7 @@
 namespace docent::server {
 namespace {
 
-constexpr double kAnHour = 3600, kADay = 86400;
+constexpr double kAnHour = 3600, kADay = static_cast<double>(kLongestSimulation) / 1e6;
 
 void AddNamed(const std::string& name, const Term& value,
               google::protobuf::RepeatedPtrField<v1::NamedTerm>* to) {
@@ -86,9 +86,7 @@ void ToProto(const Trial& trial, const std::string& node, v1::TryNodeReply* repl
   }
   if (reply->opens() && reply->state() == "running") reply->set_pending(trial.play.pending);
   for (const PlayedWait& wait : trial.play.waits) {
-    if (wait.node != node) continue;
-    reply->set_waits_for(wait.ask);
-    reply->set_missing(wait.missing);
+    if (wait.node == node) AddAlternative(wait, reply->mutable_waits_for(), reply->mutable_missing());
   }
 }
 

@@ -60,6 +60,13 @@ TEST_F(RunWaitsTest, ATimeAfterTheNodeWasEnteredIsToldWithItsEnd) {
   EXPECT_THAT(reply.waits(0).detail(), HasSubstr("20s after it was entered"));
 }
 
+TEST_F(RunWaitsTest, ATimeThatIsNotOverIsToldBeforeARobotThatIsFree) {
+  answer_.robot = "urn:clara";
+  const v1::Run run = Waiting("# after 20s in the node\nASK {\n}\n");
+  EXPECT_EQ(Waits(run, 1'700'000'005'000'000).waits(0).kind(), "time");
+  EXPECT_EQ(Waits(run, 1'700'000'020'000'000).waits(0).kind(), "robot");
+}
+
 TEST_F(RunWaitsTest, ATimeThatAConditionHasToHoldIsNamed) {
   const v1::Run run = Waiting("# after 20s in the node\n# rule there: for at least 5min\nASK {\n}\n");
   v1::ExplainRunReply reply = Waits(run, 1'700'000'030'000'000);

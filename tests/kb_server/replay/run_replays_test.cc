@@ -10,6 +10,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
 
 TEST_F(ReplayTest, TheDocumentThatRanDoesTheSame) {
   World();
@@ -341,6 +342,35 @@ TEST_F(ReplayTest, ADamagedSavedRunIsRefusedWithItsPlace) {
   few = ReplayLimits();
   few.saved_run_bytes = 10;
   EXPECT_THAT(DecodeCase(text, "a.run.json", few).status().message(), HasSubstr("saved_run_bytes is 10"));
+}
+
+TEST_F(ReplayTest, ASubFlowThatIsTriedAgainIsOfItsNode) {
+  Turn(Put(Document::Kind::kCawl, "t.cawl.xml",
+           R"(<CAWL name="T" xmlns:ext="https://w3id.org/docent/cawl-ext#"><flow name="T"><source name="s"/>
+<node name="N"><invoke subflow="Q" ext:retry="1" ext:retry-delay="2s"/></node><sink name="e"/>
+<link from="s" to="N"/><link from="N" to="e"/></flow>
+<flow name="Q"><source name="b"/><node name="W"><ext:fail reason="x"/></node><sink name="f"/>
+<link from="b" to="W"/><link from="W" to="f"/></flow></CAWL>)"));
+  Turn(test::Start("T"));
+  Tick(2 * kSecond);
+  const auto replayed = Replay("", false, "T-1");
+  EXPECT_THAT(Differences(replayed), IsEmpty());
+  std::vector<std::string> nodes;
+  for (const NodeComparison& node : replayed->nodes) nodes.push_back(node.node);
+  EXPECT_THAT(nodes, UnorderedElementsAre("", "N", "N/W", "N#2", "N#2/W"));
+}
+
+TEST_F(ReplayTest, ANodeThatIsTriedWaitsForItsTimeAndNotForARobot) {
+  Turn(Put(Document::Kind::kCawl, "t.cawl.xml",
+           R"(<CAWL name="T" xmlns:ext="https://w3id.org/docent/cawl-ext#"><flow name="T"><source name="s"/>
+<node name="N"><condition><context name="c"><ext:time after="2h"/></context></condition></node><sink name="e"/>
+<link from="s" to="N"/><link from="N" to="e"/></flow></CAWL>)"));
+  Turn(test::Start("T"));
+  const auto trial = TryNode("N", std::nullopt, "", "T-1");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  ASSERT_EQ(trial->play.waits.size(), 1u);
+  EXPECT_THAT(trial->play.waits[0].missing,
+              HasSubstr("nothing but time: its condition holds, and may open it from"));
 }
 
 }  // namespace

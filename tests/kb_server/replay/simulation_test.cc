@@ -10,6 +10,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 class SimulationTest : public ReplayTest {
  protected:
@@ -161,6 +163,169 @@ TEST_F(SimulationTest, WhatCannotBeSimulatedIsSaid) {
   SimulationRequest future = Request();
   future.turn = head_ + 1;
   EXPECT_THAT(Simulate(future).status().ToString(), HasSubstr("has not come yet"));
+}
+
+// A workflow of one flow T, whose nodes follow each other.
+std::string Flow(const std::string& nodes_and_links, const std::string& activator = "",
+                 const std::string& more = "") {
+  return absl::StrCat(
+      R"(<CAWL name="T" xmlns:w="urn:w:" xmlns:docent="https://w3id.org/docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">)",
+      activator, R"(<flow name="T"><variable name="a"/><source name="s"/>)", nodes_and_links,
+      R"(<sink name="e"/><link from="s" to="N"/><link from="N" to="e"/></flow>)", more, "</CAWL>");
+}
+std::string IsOpen(const std::string& attributes = "") {
+  return absl::StrCat("<context name=\"c\"><rule", attributes, ">", When("?a", "w:is", "w:Open"),
+                      "</rule></context>");
+}
+std::string Waits(const std::string& condition, const std::string& attributes = "") {
+  return Flow(absl::StrCat("<node name=\"N\"><condition", attributes, ">", condition, "</condition></node>"));
+}
+std::string Time(const std::string& words) {
+  return absl::StrCat("<context name=\"t\"><ext:time ", words, "/></context>");
+}
+std::string Starts(const std::string& condition) {
+  return absl::StrCat(R"(<activator name="A"><activate flow="T"/><condition>)", condition,
+                      "</condition></activator>");
+}
+
+WriteBatch TellFor(const std::string& s, const std::string& p, const std::string& o, uint64_t lifetime_ms) {
+  WriteBatch batch = test::Tell({Fact(s, p, o)});
+  batch.lifetime_ms = lifetime_ms;
+  return batch;
+}
+
+TEST_F(SimulationTest, LifetimesOfFactsGoOn) {
+  Turn(TellFor("Door", "is", "Open", 3000));
+  const auto lasting = Simulate(Request(Waits(IsOpen(R"( ext:for="6s")"), R"( ext:timeout="20s")")));
+  ASSERT_TRUE(lasting.ok()) << lasting.status();
+  EXPECT_EQ(lasting->play.course.state, "failed") << "it ends before it has held for 6 s";
+  const auto shorter = Simulate(Request(Waits(IsOpen(R"( ext:for="2s")"), R"( ext:timeout="20s")")));
+  ASSERT_TRUE(shorter.ok()) << shorter.status();
+  EXPECT_EQ(shorter->play.course.state, "done");
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  const auto renewed = Simulate(Request(Waits(IsOpen(R"( ext:for="6s")"), R"( ext:timeout="20s")")));
+  ASSERT_TRUE(renewed.ok()) << renewed.status();
+  EXPECT_EQ(renewed->play.course.state, "done") << "told again, it stays";
+}
+
+TEST_F(SimulationTest, TheEndOfALifetimeOpensWhatWaitsForIt) {
+  Turn(TellFor("Door", "is", "Open", 5000));
+  const std::string closed = absl::StrCat("<context name=\"c\"><rule expression=\"not o\">",
+                                          "<constraint name=\"o\"><subject>w:Door</subject><verb>w:is</verb>",
+                                          "<object>w:Open</object></constraint></rule></context>");
+  EXPECT_THAT(Steps(Simulate(Request(Waits(closed)))), ElementsAre("0 N waiting", "5 N running", "5 N done"));
+  SimulationRequest shorter = Request(Waits(closed));
+  shorter.lasting_us = 2 * kSecond;
+  EXPECT_THAT(Simulate(shorter)->play.stopped, HasSubstr("5s after the begin"));
+}
+
+TEST_F(SimulationTest, PoseOfASimulatedRobotStays) {
+  World();
+  WriteBatch pose = test::Tell({TermQuad{Iri("R1"), Iri("docent:isAt"), Iri("Hall"), Iri("R1")}});
+  pose.lifetime_ms = 2000;
+  Turn(std::move(pose));
+  const std::string in_hall =
+      absl::StrCat("<context name=\"c\"><rule ext:for=\"6s\">", When("?a", "docent:isAt", "w:Hall"),
+                   When("?a", "docent:status", "docent:Standby"), "</rule></context>");
+  EXPECT_EQ(Simulate(Request(Waits(in_hall)))->play.course.state, "done");
+}
+
+TEST_F(SimulationTest, ATimeThatIsWaitedForIsTold) {
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  const std::string later = "2023-11-15T00:13:21";
+  for (const auto& [document, why] :
+       {std::pair(Waits(Time(R"(after="2h")")), "may open it from " + later),
+        {Waits(IsOpen(R"( ext:for="2h")")), "it opens it at " + later},
+        {Waits(Time(R"(at="00:13:21")")), "its time comes at " + later},
+        {Waits(Time(R"(between="00:13:21-03:00")")), "its time comes at " + later}}) {
+    const auto simulation = Simulate(Request(document));
+    ASSERT_TRUE(simulation.ok()) << simulation.status();
+    ASSERT_EQ(simulation->play.waits.size(), 1u) << document;
+    EXPECT_THAT(simulation->play.waits[0].missing, HasSubstr(why));
+    EXPECT_THAT(simulation->play.waits[0].missing, Not(HasSubstr("robot")));
+    EXPECT_THAT(simulation->play.stopped, HasSubstr("the simulated time ends after 1h"));
+    EXPECT_THAT(simulation->play.stopped, HasSubstr("2h after the begin"));
+    SimulationRequest longer = Request(document);
+    longer.lasting_us = 3 * 3600 * kSecond;
+    EXPECT_EQ(Simulate(longer)->play.course.state, "done");
+    EXPECT_THAT(Simulate(longer)->play.stopped, IsEmpty());
+  }
+  EXPECT_THAT(Simulate(Request(Waits(Time(R"(after="48h")"))))->play.stopped,
+              HasSubstr("a simulation lasts 24h at most"));
+}
+
+constexpr char kTriedAgain[] =
+    R"(<node name="N"><invoke subflow="Q" ext:retry="1" ext:retry-delay="2h"/></node>)";
+constexpr char kFails[] =
+    R"(<flow name="Q"><source name="b"/><node name="W"><ext:fail reason="x"/></node><sink name="f"/><link from="b" to="W"/><link from="W" to="f"/></flow>)";
+
+TEST_F(SimulationTest, ADelayOfARetryIsTold) {
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  const auto simulation = Simulate(Request(Flow(kTriedAgain, "", kFails)));
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  EXPECT_THAT(simulation->play.pending, HasSubstr("its next attempt begins at 2023-11-15T00:13:21"));
+  EXPECT_THAT(simulation->play.stopped, HasSubstr("2h after the begin"));
+}
+
+TEST_F(SimulationTest, ASubFlowThatIsTriedAgainIsOfItsNode) {
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  SimulationRequest request = Request(Flow(kTriedAgain, "", kFails));
+  request.lasting_us = 3 * 3600 * kSecond;
+  EXPECT_THAT(Steps(Simulate(request)),
+              ElementsAre("0 N running", "0 N running", "0 N/W running", "0 N/W failed", "0 N failed",
+                          "7200 N#2 running", "7200 N#2/W running", "7200 N#2/W failed", "7200 N#2 failed",
+                          "7200 N failed"));
+}
+
+TEST_F(SimulationTest, WhatUnrelatedFactsDoLaterIsNoReasonToGoOn) {
+  Turn(TellFor("Lamp", "shines", "Red", 5 * 3600 * 1000));
+  const auto simulation = Simulate(Request(Waits(IsOpen())));
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  EXPECT_EQ(simulation->play.course.state, "running");
+  EXPECT_THAT(simulation->play.stopped, IsEmpty());
+}
+
+TEST_F(SimulationTest, EachAlternativeIsToldOfWithWhatItLacks) {
+  Turn(test::Tell({Fact("Door", "is", "Shut")}));
+  const auto simulation = Simulate(Request(Waits(absl::StrCat(IsOpen(), Time(R"(after="2h")")))));
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  std::vector<std::string> missing;
+  for (const PlayedWait& wait : simulation->play.waits) missing.push_back(wait.missing);
+  EXPECT_THAT(missing, UnorderedElementsAre(HasSubstr("urn:w:Open"), HasSubstr("may open it from")));
+}
+
+constexpr char kNotFired[] = "activator A does not fire on these facts; the run is started all the same";
+
+TEST_F(SimulationTest, AnActivatorWhoseTimeIsNotOverDoesNotFire) {
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  const std::string document = Flow("<node name=\"N\"/>", Starts(IsOpen(R"( ext:for="1h")")));
+  const auto simulation = Simulate(Request(document));
+  ASSERT_TRUE(simulation.ok()) << simulation.status();
+  EXPECT_EQ(simulation->play.course.state, "done");
+  EXPECT_EQ(simulation->play.course.variables.at("a"), Iri("Door")) << "the values with which it will fire";
+  ASSERT_EQ(simulation->play.notes.size(), 1u);
+  EXPECT_THAT(simulation->play.notes[0], HasSubstr(kNotFired));
+  EXPECT_THAT(simulation->play.notes[0], HasSubstr("if they stay so, it fires at 2023-11-14T23:13:21"));
+  EXPECT_THAT(simulation->play.waits.at(0).missing, HasSubstr("not yet for the 1h that it has to hold"));
+
+  Turn(Put(Document::Kind::kCawl, "t.cawl.xml", document));  // from now on its time runs
+  const TimeMicros deployed_us = now_us_;
+  SimulationRequest later = Request(document);
+  later.now_us = deployed_us + 1800 * kSecond;
+  EXPECT_THAT(Simulate(later)->play.notes.at(0), HasSubstr("it fires at 2023-11-14T23:13:22"));
+  later.now_us = deployed_us + 3601 * kSecond;
+  EXPECT_THAT(Simulate(later)->play.notes, IsEmpty()) << "it has held for an hour";
+}
+
+TEST_F(SimulationTest, WhenTheTimeOfAnActivatorComesIsTold) {
+  Turn(test::Tell({Fact("Door", "is", "Open")}));
+  for (const char* words : {R"(at="00:00")", R"(between="00:00-03:00")", R"(every="1h" aligned="true")"}) {
+    const auto simulation = Simulate(Request(Flow("<node name=\"N\"/>", Starts(Time(words)))));
+    ASSERT_TRUE(simulation.ok()) << simulation.status();
+    ASSERT_EQ(simulation->play.notes.size(), 1u) << words;
+    EXPECT_THAT(simulation->play.notes[0], HasSubstr(kNotFired));
+    EXPECT_THAT(simulation->play.notes[0], HasSubstr("its time comes at 2023-11-1"));
+  }
 }
 
 TEST_F(SimulationTest, PastTurnIsTheWorldOfThen) {

@@ -21,7 +21,7 @@ export function SimulateWaits({ reply, ...props }: TellProps & { reply: Simulate
   return (
     <section className="simulate-part" aria-label="What is missing">
       <h2 className="row"><Hourglass size={13} />It ends waiting</h2>
-      {waits.map((wait) => <Wait key={wait.node} wait={wait} {...props} />)}
+      {waits.map((wait) => <Wait key={`${wait.node} ${wait.waitsFor}`} wait={wait} {...props} />)}
       {reply.pending && <p>{plainIris(reply.pending)}</p>}
     </section>
   );

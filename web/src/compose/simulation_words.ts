@@ -46,11 +46,11 @@ export function noteWords(note: string): string {
   if (ready) return `Taken to be free and ready: ${list(ready[1] ?? "")}.`;
   const offers = /^no robot offers (.*): a simulated one does/s.exec(note);
   if (offers) return `No robot offers ${list(offers[1] ?? "")}: a simulated robot does it.`;
-  const activator = /^activator (.*) does not fire on these facts/s.exec(note);
-  if (activator) return `${activator[1]} does not start a run on these facts; this one is started by hand.`;
-  const plain = plainIris(note);
-  return `${plain.charAt(0).toUpperCase()}${plain.slice(1)}${/[.!?]$/.test(plain) ? "" : "."}`;
+  const activator = /^activator (.*) does not fire on these facts(?:; the run is started all the same)?(?:; (.*))?$/s.exec(note);
+  if (activator) return `${activator[1]} does not start a run on these facts; this one is started by hand.${activator[2] ? ` ${sentenceOf(activator[2])}` : ""}`;
+  return sentenceOf(plainIris(note));
 }
+const sentenceOf = (words: string) => `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? "" : "."}`;
 
 export interface Lack {
   text: string;

@@ -88,6 +88,8 @@ describe("facts that are told", () => {
   it("what lacks becomes rows; a variable has to be chosen, and what stands in the way goes", () => {
     const lacks = lacksOf(`<${expo}R01> <${docent}localised> true . ?user <${docent}isAt> ?userRegion . not <${expo}R01> <${docent}status> <${docent}Busy> .`, names);
     expect(lacks.map((l) => [l.text, l.open, l.remove])).toEqual([["expo:R01 docent:localised true", false, false], ["?user docent:isAt ?userRegion", true, false], ["expo:R01 docent:status docent:Busy", false, true]]);
+    expect(lacksOf("nothing but time: its condition holds, and may open it from 2023-11-15T00:13:21Z on, 2h after it was entered", names)[0]?.row).toBeNull();
+    expect(lacksOf("<urn:a> <urn:b> <urn:c> . its time comes at 2023-11-15T00:13:21Z", names).map((lack) => lack.row !== null)).toEqual([true, false]);
     expect(lacksOf("nothing but a robot: those with which it holds are held by other runs", names)[0]?.row).toBeNull();
     expect(classesIn("ASK {\n  expo:John docent:selected ?booth .\n  ?booth rdf:type docent:Booth .\n}").get("booth")).toBe("docent:Booth");
   });
@@ -113,6 +115,7 @@ describe("words", () => {
     expect(noteWords(`taken to be ready: <${expo}R01>, <${expo}R02>`)).toBe("Taken to be free and ready: R01, R02.");
     expect(noteWords("no robot offers bye, come: a simulated one does (<urn:docent:robot:simulated>)")).toBe("No robot offers bye, come: a simulated robot does it.");
     expect(noteWords("activator OnChoice does not fire on these facts; the run is started all the same")).toBe("OnChoice does not start a run on these facts; this one is started by hand.");
+    expect(noteWords("activator A does not fire on these facts; the run is started all the same; if they stay so, it fires at 2023-11-14T23:13:21Z")).toBe("A does not start a run on these facts; this one is started by hand. If they stay so, it fires at 2023-11-14T23:13:21Z.");
     expect(noteWords(`something about <${expo}R01>`)).toBe("Something about R01.");
   });
 });
