@@ -249,7 +249,9 @@ class RecordedStage {
     static constexpr const char* kStatuses[] = {"Standby", "Standby", "Busy", "Charging", "Offline"};
     switch (dice_.Below(4)) {
       case 0:
-        return dice_.OneIn(2, "die") ? fleet_.Die(robot, now_us_) : WriteBatch();
+        if (!dice_.OneIn(2, "die")) return WriteBatch();
+        if (!fleet_.IsGone(robot)) fleet_.Die(robot, now_us_);
+        return fleet_.Join(robot, now_us_);
       case 1: {
         const TermQuad out = Fact(name, "docent:outOfService", Term::Literal("a wheel"));
         if (!dice_.OneIn(2)) return Tell({}, {out});
