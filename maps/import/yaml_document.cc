@@ -210,12 +210,12 @@ std::optional<YamlValue> ParseYaml(std::string_view text, const std::string& fil
 }
 
 void YamlFields::Error(const SourceSpan& span, std::string message, std::string hint) {
-  if (full() && HasErrors(*diagnostics_)) return;
+  if (full()) return;
   diagnostics_->push_back({file_, span, std::move(message), std::move(hint)});
 }
 
 void YamlFields::Warning(const SourceSpan& span, std::string message, std::string hint) {
-  if (full()) return;
+  if (HasMany()) return;
   diagnostics_->push_back({file_, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning});
 }
 

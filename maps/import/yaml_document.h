@@ -39,10 +39,11 @@ class YamlFields {
   YamlFields(std::string file, Diagnostics* diagnostics)
       : file_(std::move(file)), diagnostics_(diagnostics) {}
 
-  // Beyond document_diagnostics, mistakes are not kept.
+  // Beyond document_diagnostics, mistakes are not kept, but for the first error.
   void Error(const SourceSpan& span, std::string message, std::string hint = "");
   void Warning(const SourceSpan& span, std::string message, std::string hint = "");
-  bool full() const { return diagnostics_->size() >= Limits().document_diagnostics; }
+  // Nothing further will be shown, and the document is refused.
+  bool full() const { return HasMany() && HasErrors(*diagnostics_); }
   // The value of a key of `map`, which has to be there.
   const YamlValue* Need(const YamlValue& map, std::string_view key);
   // A finite number. `what` names it in messages.
@@ -53,6 +54,8 @@ class YamlFields {
   std::optional<std::string> Text(const YamlValue& value, std::string_view what);
 
  private:
+  bool HasMany() const { return diagnostics_->size() >= Limits().document_diagnostics; }
+
   const std::string file_;
   Diagnostics* diagnostics_;
 };

@@ -17,7 +17,7 @@ struct Finding {
   std::string proof;  // of an inconsistency: its proof, as `docent why` shows it; empty: none
 };
 
-// Findings of one file, at most `limit`; the rest are counted.
+// Findings of one file, at most `limit`, and one error more where the others are warnings; the rest are counted.
 class Findings {
  public:
   Findings(std::string file, size_t limit) : file_(std::move(file)), limit_(limit) {}
@@ -29,10 +29,12 @@ class Findings {
     Add(rule, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning);
   }
   void Add(Finding finding) {
-    if (findings_.size() >= limit_) {
+    const bool is_error = finding.diagnostic.severity == Diagnostic::Severity::kError;
+    if (findings_.size() >= limit_ && (!is_error || has_error_)) {
       ++left_out_;
       return;
     }
+    has_error_ = has_error_ || is_error;
     findings_.push_back(std::move(finding));
   }
   // The first finding for which `test` holds; null: none.
@@ -54,6 +56,7 @@ class Findings {
   const std::string file_;
   const size_t limit_;
   size_t left_out_ = 0;
+  bool has_error_ = false;
   std::vector<Finding> findings_;
 };
 

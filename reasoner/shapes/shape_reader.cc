@@ -71,7 +71,10 @@ class ShapeReader {
 
   void Report(TermId node, std::string_view local, std::string message, std::string hint,
               Diagnostic::Severity severity = Diagnostic::Severity::kError) {
-    if (parsed_.diagnostics.size() >= limits_.check_diagnostics) return;
+    const bool full = parsed_.diagnostics.size() >= limits_.check_diagnostics;
+    const bool is_first_error =
+        severity == Diagnostic::Severity::kError && full && !HasErrors(parsed_.diagnostics);
+    if (full && !is_first_error) return;
     Diagnostic diagnostic;
     const SourcePlace* place = nullptr;
     if (places_ != nullptr && !local.empty()) place = places_->Find(node, Sh(local));

@@ -79,7 +79,7 @@ class FlowChecker {
       reader_.Error(name.span, Concat(attribute, "=\"", name.value, "\" is ", why));
       return false;
     }
-    if (reader_.full()) return false;
+    if (reader_.full(Diagnostic::Severity::kError)) return false;
     std::vector<std::string> known(nodes_.begin(), nodes_.end());
     known.push_back(allowed);
     reader_.Error(name.span, Concat("there is no node ", name.value, " in flow ", flow_.name.value),
@@ -153,7 +153,7 @@ class FlowChecker {
     if (it != back_.end()) before.assign(it->second.begin(), it->second.end());
     for (const Expression* e : NamesIn(*node.join)) {
       if (std::find(before.begin(), before.end(), e->name) != before.end()) continue;
-      if (reader_.full()) return;
+      if (reader_.full(Diagnostic::Severity::kError)) return;
       reader_.Error(
           e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
           AdviceOnName(
@@ -187,7 +187,7 @@ void CheckFlows(const Document& document, xml::ElementReader* reader) {
   const LinkGraph cycles = LinksOnCycles(contains);
   std::set<std::string> told;
   for (const Flow& flow : document.flows) {
-    if (reader->full()) return;
+    if (reader->full(Diagnostic::Severity::kError)) return;
     if (!cycles.contains(flow.name.value) || told.contains(flow.name.value)) continue;
     const std::vector<std::string> way = ShortestWay(cycles, flow.name.value, flow.name.value);
     told.insert(way.begin(), way.end());

@@ -98,7 +98,7 @@ class NameChecker {
 
   const Variable* Declared(const Scope& scope, std::string_view name, const SourceSpan& span) {
     const Variable* variable = scope.FindVariable(name);
-    if (variable == nullptr && !reader_.full()) {
+    if (variable == nullptr && !reader_.full(Diagnostic::Severity::kError)) {
       reader_.Error(span, Concat("variable $", name, " is not declared here"),
                     reader_.DidYouMean(name, scope.VariableNames(),
                                        Concat("write <variable name=\"", name, "\"/> in the flow, or ?", name,
@@ -190,7 +190,9 @@ class NameChecker {
     std::set<std::string> used;
     for (const Expression* e : NamesIn(*expression)) {
       used.insert(e->name);
-      if (std::find(names.begin(), names.end(), e->name) != names.end() || reader_.full()) continue;
+      if (std::find(names.begin(), names.end(), e->name) != names.end() ||
+          reader_.full(Diagnostic::Severity::kError))
+        continue;
       reader_.Error(
           e->span, Concat("the expression names ", e->name, ", but there is no ", what, " of that name here"),
           AdviceOnName(*e, names,
@@ -291,7 +293,7 @@ class NameChecker {
     std::vector<std::string> bound = node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
     for (const std::string& name : node.for_each) {
       if (assigned.contains(name) || std::find(bound.begin(), bound.end(), name) != bound.end()) continue;
-      if (reader_.full()) return;
+      if (reader_.full(Diagnostic::Severity::kError)) return;
       bound.insert(bound.end(), assigned.begin(), assigned.end());
       reader_.Error(
           node.for_each_text.span, Concat("forEach: the node's condition does not bind ?", name),

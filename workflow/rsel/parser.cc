@@ -159,7 +159,7 @@ class Checker {
     if (!name.given()) return nullptr;
     auto it = messages_.find(name.value);
     if (it != messages_.end()) return it->second;
-    if (reader_.full()) return nullptr;
+    if (reader_.full(Diagnostic::Severity::kError)) return nullptr;
     std::vector<std::string> known;
     for (const auto& [message, unused] : messages_) known.push_back(message);
     reader_.Error(name.span, Concat("there is no message ", name.value),

@@ -62,7 +62,7 @@ const std::vector<std::string>& SchemaDatatypes() {
 }
 
 void CheckDatatype(std::string_view iri, const SourceSpan& span, ElementReader* reader) {
-  if (!iri.starts_with(kXsdNs) || reader->full()) return;
+  if (!iri.starts_with(kXsdNs) || reader->full(Diagnostic::Severity::kWarning)) return;
   const std::string name(iri.substr(kXsdNs.size()));
   const std::vector<std::string>& known = SchemaDatatypes();
   if (std::find(known.begin(), known.end(), name) != known.end()) return;

@@ -93,11 +93,13 @@ std::string ListOf(const std::vector<std::string>& words) {
 
 Diagnostic& ElementReader::Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message,
                                const Advice& advice) {
-  if (diagnostics_.size() >= kMaxDiagnostics) {
-    ++left_out_;
+  Counts& count = severity == Diagnostic::Severity::kError ? errors_ : warnings_;
+  if (count.kept == kMaxDiagnostics) {
+    ++count.left_out;
     dropped_ = {};
     return dropped_;
   }
+  ++count.kept;
   diagnostics_.push_back({file_, span, std::move(message), advice.hint, severity});
   Diagnostic& report = diagnostics_.back();
   if (!advice.right.empty() && span.offset + span.length <= source_.size()) {
@@ -120,7 +122,8 @@ Diagnostic& ElementReader::Warning(const SourceSpan& span, std::string message, 
 Advice ElementReader::DidYouMean(std::string_view word, const std::vector<std::string>& known,
                                  std::string otherwise) const {
   constexpr size_t kMaxCandidates = 5000;
-  if (full() || known.size() > kMaxCandidates) return otherwise;
+  const bool many = full(Diagnostic::Severity::kError) || full(Diagnostic::Severity::kWarning);
+  if (many || known.size() > kMaxCandidates) return otherwise;
   std::string near = Nearest(word, known);
   if (near.empty()) return otherwise;
   std::string hint = Concat("did you mean ", near, "?");
@@ -159,10 +162,18 @@ TextEdit ElementReader::AttributeRemoval(const SourceSpan& value) const {
 Diagnostics ElementReader::TakeDiagnostics() {
   std::stable_sort(diagnostics_.begin(), diagnostics_.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
-  if (left_out_ > 0) {
-    diagnostics_.push_back({file_, {}, absl::StrCat(left_out_, " further mistakes are not shown"), ""});
+  if (errors_.left_out > 0) {
+    diagnostics_.push_back(
+        {file_, {}, absl::StrCat(errors_.left_out, " further mistakes are not shown"), ""});
   }
-  left_out_ = 0;
+  if (warnings_.left_out > 0) {
+    diagnostics_.push_back({file_,
+                            {},
+                            absl::StrCat(warnings_.left_out, " further warnings are not shown"),
+                            "",
+                            Diagnostic::Severity::kWarning});
+  }
+  errors_ = warnings_ = {};
   return std::move(diagnostics_);
 }
 

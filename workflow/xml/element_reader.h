@@ -31,7 +31,8 @@ struct Advice {
 
 class ElementReader {
  public:
-  static constexpr size_t kMaxDiagnostics = 200;  // of one document; what follows is counted only
+  // Errors of one document, and as many warnings; what follows is counted only.
+  static constexpr size_t kMaxDiagnostics = 200;
 
   // `extension_ns` is the namespace of the language's extension attributes. `root` (null: no elements are read) is the
   // document. What is given must outlive the reader.
@@ -43,12 +44,12 @@ class ElementReader {
   // wrong one stands once in the span, the fix is to put the right one there.
   Diagnostic& Error(const SourceSpan& span, std::string message, const Advice& advice = "");
   Diagnostic& Warning(const SourceSpan& span, std::string message, const Advice& advice = "");
-  // So many mistakes that no further one will be shown: what costs time for a message may be left out.
-  bool full() const { return diagnostics_.size() >= kMaxDiagnostics; }
+  // So many reports of this kind that no further one will be shown: what costs time for a message may be left out.
+  bool full(Diagnostic::Severity severity) const { return CountOf(severity).kept >= kMaxDiagnostics; }
   // "did you mean X?" with the nearest of `known`, or `otherwise` where none is near.
   Advice DidYouMean(std::string_view word, const std::vector<std::string>& known,
                     std::string otherwise) const;
-  // All reports so far in order of the text, and a last one that tells how many are left out.
+  // All reports so far in order of the text, and last how many errors and warnings are left out.
   Diagnostics TakeDiagnostics();
 
   // Reports each attribute that is neither in `known`, nor an extension in `extensions`, nor of a foreign namespace
@@ -119,7 +120,13 @@ class ElementReader {
   const Element* root_;
   Diagnostics diagnostics_;
   Diagnostic dropped_;  // what is not kept is written here
-  size_t left_out_ = 0;
+  struct Counts {
+    size_t kept = 0, left_out = 0;
+  };
+  const Counts& CountOf(Diagnostic::Severity severity) const {
+    return severity == Diagnostic::Severity::kError ? errors_ : warnings_;
+  }
+  Counts errors_, warnings_;
 };
 
 // The text as it stands in an attribute's value or between tags.

@@ -176,5 +176,14 @@ TEST_F(MapImportTest, FilesThatDoNotGoTogetherAreRefused) {
   EXPECT_EQ(hall->places, 2u);
 }
 
+// Lanes are read behind vertices of which hundreds have the same name, too.
+TEST_F(MapImportTest, ManyWarningsHideNoMistake) {
+  std::string vertices;
+  for (int i = 0; i < 300; ++i) absl::StrAppend(&vertices, i == 0 ? "" : ", ", "[", i, ", 0, 0, a]");
+  const std::string building =
+      File("b.building.yaml", "levels: {L1: {vertices: [" + vertices + "], lanes: [[0, 5000, {}]]}}\n");
+  EXPECT_THAT(Fault({building}), HasSubstr("5000"));
+}
+
 }  // namespace
 }  // namespace docent::maps

@@ -280,6 +280,18 @@ TEST_F(SparqlShapesTest, WhatIsNotEvaluatedIsAWarning) {
   }
 }
 
+TEST_F(SparqlShapesTest, ManyWarningsHideNoMistake) {
+  CheckLimits limits;
+  limits.check_diagnostics = 3;
+  const std::string text = Mistakes(
+      ":A a sh:NodeShape ; sh:minCout 1 . :B a sh:NodeShape ; sh:minCout 1 . :C a sh:NodeShape ; sh:minCout "
+      "1 .\n"
+      ":D a sh:NodeShape ; sh:minCout 1 . :E a sh:NodeShape ; sh:targetNode :x ; sh:class \"no class\" .",
+      limits);
+  EXPECT_FALSE(Read(limits).ok()) << text;
+  EXPECT_THAT(text, HasSubstr("error"));
+}
+
 TEST_F(SparqlShapesTest, WhatIsEvaluatedIsNoWarning) {
   EXPECT_THAT(
       Mistakes(

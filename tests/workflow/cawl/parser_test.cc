@@ -96,6 +96,24 @@ TEST(CawlParser, ManyMistakesAreCounted) {
   EXPECT_THAT(parsed.diagnostics.back().message, HasSubstr("further mistakes"));
 }
 
+// What is only a warning hides no error, and makes none.
+TEST(CawlParser, ManyWarningsHideNoMistake) {
+  const size_t most = xml::ElementReader::kMaxDiagnostics;
+  const std::string text = "<CAWL name=\"A\"/>", file = "f";
+  xml::ElementReader reader(text, file, "urn:x");
+  for (size_t i = 0; i < most + 3; ++i) reader.Warning(reader.Span(0, 1), "doubtful");
+  EXPECT_TRUE(reader.full(Diagnostic::Severity::kWarning));
+  EXPECT_FALSE(reader.full(Diagnostic::Severity::kError));
+  reader.Error(reader.Span(1, 1), "wrong");
+  const Diagnostics told = reader.TakeDiagnostics();
+  ASSERT_THAT(told, SizeIs(most + 2));
+  EXPECT_EQ(told[most].message, "wrong");
+  EXPECT_EQ(told[most + 1].message, "3 further warnings are not shown");
+
+  for (size_t i = 0; i < most + 3; ++i) reader.Warning(reader.Span(0, 1), "doubtful");
+  EXPECT_FALSE(HasErrors(reader.TakeDiagnostics()));
+}
+
 TEST(CawlParser, AnotherRootIsRefused) {
   ParsedCawl parsed = ParseCawl("<rsel name=\"A\"/>", "f");
   EXPECT_EQ(parsed.document, nullptr);

@@ -66,7 +66,7 @@ class EnvironmentChecker {
   std::optional<OperationSignature> CheckOperation(const Text& name) {
     if (name.empty()) return std::nullopt;
     std::optional<OperationSignature> found = environment_.FindOperation(name.value);
-    if (!found && environment_.KnowsServices() && !reader_.full()) {
+    if (!found && environment_.KnowsServices() && !reader_.full(Diagnostic::Severity::kWarning)) {
       const std::string known = operations_.empty()
                                     ? "no robot offers anything now and no RSEL process is registered"
                                     : Concat("there are: ", xml::ListOf(operations_));
@@ -125,7 +125,9 @@ class EnvironmentChecker {
     CheckWord(wanted, invoke.operation.span, kClasses);
     otherwise_ = kNeverHolds;
     const Offered& offered = OfferedClasses();
-    if (!offered.known || offered.with_superclasses.contains(wanted) || reader_.full()) return;
+    if (!offered.known || offered.with_superclasses.contains(wanted) ||
+        reader_.full(Diagnostic::Severity::kWarning))
+      return;
     std::vector<std::string> shown;
     for (const std::string& iri : offered.classes) shown.push_back(ToDisplay(Term::Iri(iri)));
     const std::string known = shown.empty() ? "no robot describes what class its operations are of"
@@ -138,7 +140,9 @@ class EnvironmentChecker {
   }
 
   void CheckSubflow(const Text& name) {
-    if (name.empty() || document_.FindFlow(name.value) != nullptr || reader_.full()) return;
+    if (name.empty() || document_.FindFlow(name.value) != nullptr ||
+        reader_.full(Diagnostic::Severity::kError))
+      return;
     if (!environment_.KnowsServices()) return;
     if (!services_) {
       const std::vector<std::string> names = environment_.ApplicationServices();
@@ -212,7 +216,7 @@ class EnvironmentChecker {
   }
 
   void CheckCall(const Computation::Call& call) {
-    if (environment_.Functions() == nullptr || reader_.full()) return;
+    if (environment_.Functions() == nullptr || reader_.full(Diagnostic::Severity::kWarning)) return;
     const auto mistake = sparql::FindCallMistake(environment_.Functions(), call.function, call.arguments);
     if (!mistake) return;
     reader_.Warning(call.place, Concat(mistake->message, ": the node will fail"), mistake->hint).rule =
@@ -247,7 +251,7 @@ class EnvironmentChecker {
   void CheckGiven(const Invoke& invoke, const OperationSignature& operation) {
     for (const Input& input : invoke.inputs) {
       const std::vector<std::string>& known = operation.inputs;
-      if (input.part.empty() || input.part.value == "robot" || reader_.full() ||
+      if (input.part.empty() || input.part.value == "robot" || reader_.full(Diagnostic::Severity::kWarning) ||
           std::find(known.begin(), known.end(), input.part.value) != known.end())
         continue;
       reader_
@@ -308,7 +312,7 @@ class EnvironmentChecker {
   void CheckWord(const std::string& iri, const SourceSpan& span, Kind kind) {
     const bool of_class = kind == kClasses;
     std::string_view space = NamespaceOf(iri);
-    if (space == kXsdNs || space == kRdfNs || reader_.full()) return;
+    if (space == kXsdNs || space == kRdfNs || reader_.full(Diagnostic::Severity::kWarning)) return;
     if (of_class ? environment_.IsClass(iri) : environment_.IsProperty(iri)) return;
     const std::vector<std::string>& known = KnownIn(space, kind);
     if (!known.empty()) Warn(iri, span, of_class ? "class" : "property", known);
@@ -317,7 +321,7 @@ class EnvironmentChecker {
   // An individual: only where its namespace is an ontology's own (it defines classes or properties).
   void CheckResource(const std::string& iri, const SourceSpan& span) {
     std::string_view space = NamespaceOf(iri);
-    if (environment_.IsKnown(iri) || reader_.full()) return;
+    if (environment_.IsKnown(iri) || reader_.full(Diagnostic::Severity::kWarning)) return;
     if (KnownIn(space, kClasses).empty() && KnownIn(space, kProperties).empty()) return;
     Warn(iri, span, "word", KnownIn(space, kWords));
   }

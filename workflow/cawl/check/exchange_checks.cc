@@ -91,7 +91,8 @@ class ExchangeChecker {
 
   void CheckInputs(const Invoke& invoke, const Flow& flow) {
     for (const Input& input : invoke.inputs) {
-      if (input.part.empty() || input.part.value == kRobot || reader_.full()) continue;
+      if (input.part.empty() || input.part.value == kRobot || reader_.full(Diagnostic::Severity::kWarning))
+        continue;
       const KnownNames& known = NamesOf(flow);
       if (known.names.contains(input.part.value)) continue;
       const std::vector<std::string> names(known.names.begin(), known.names.end());
@@ -121,7 +122,7 @@ class ExchangeChecker {
 
   void CheckResults(const Invoke& invoke, const std::string& what, const std::vector<std::string>& known) {
     for (const Output& output : invoke.outputs) {
-      if (output.part.empty() || reader_.full() ||
+      if (output.part.empty() || reader_.full(Diagnostic::Severity::kWarning) ||
           std::find(known.begin(), known.end(), output.part.value) != known.end())
         continue;
       reader_

@@ -80,7 +80,9 @@ class ValueChecker {
     }
     for (const Variable& variable : activator.variables) {
       const std::string& name = variable.name.value;
-      if (name.empty() || !variable.initializers.empty() || bound.contains(name) || reader_.full()) continue;
+      if (name.empty() || !variable.initializers.empty() || bound.contains(name) ||
+          reader_.full(Diagnostic::Severity::kWarning))
+        continue;
       Warn(variable.name.span,
            Concat("variable ", name, " gets no value: the activator's condition does not bind ?", name),
            reader_.DidYouMean(name, meant,
