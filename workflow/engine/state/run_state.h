@@ -99,8 +99,8 @@ struct InvocationState {
   std::vector<OpenCommand> commands;
   // To be sent again: what was not begun, and idempotent ones that were cancelled or have an unknown outcome.
   std::vector<OpenCommand> lost;
-  RunId child;                    // subflow
-  std::string step;               // "2/4 moveToBooth", the latest given
+  RunId child;       // subflow
+  std::string step;  // "2/4 moveToBooth", the latest given
   double progress = 0;
   std::string reason;
   // Of this attempt, where the document gives a time; else of waiting for a robot.
