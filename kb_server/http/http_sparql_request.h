@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "graph/base/cancellation.h"
 #include "graph/base/ids.h"
 #include "graph/base/limits.h"
-#include "graph/base/cancellation.h"
 #include "graph/base/memory_budget.h"
 #include "graph/rdf/term.h"
 #include "kb_server/work/http_message.h"
