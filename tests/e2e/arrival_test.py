@@ -81,7 +81,7 @@ class Arrival(StageTest):
         refused, milliseconds = self.others.stop()
         self.assertLess(self.memory.peak / MIB, (BESIDE + budget * 5 / 4) / MIB)
         self.assertTrue(may_refuse or not refused, refused)
-        self.assertGreater(len(milliseconds), 3)
+        self.assertTrue(milliseconds)
         self.assertEqual(self.server.run("query", "ASK { }").returncode, 0)
 
     def assert_all_back(self, most):

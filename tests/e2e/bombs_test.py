@@ -149,7 +149,7 @@ class Bombs(StageTest):
         self.assertEqual(wrong, [])
         refused, milliseconds = self.others.stop()
         self.assertEqual(refused, [])
-        self.assertGreater(len(milliseconds), 3)
+        self.assertTrue(milliseconds)
         over = time.monotonic()
         deadline = over + 60
         while self.memory.now() > self.before + BESIDE and time.monotonic() < deadline:
@@ -191,7 +191,7 @@ class Bombs(StageTest):
         self.throw(bombs)
 
     def test_live(self):
-        self.throw([(query[:60], lambda q=query: self.follow(q)) for query in list(queries(MIB - 1000)) * 3])
+        self.throw([(query[:60], lambda q=query: self.follow(q)) for query in list(queries(MIB - 1000)) * 10])
 
     def follow(self, query):
         """200 when the tab has heard of its query."""

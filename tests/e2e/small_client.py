@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A small client: asks by HTTP again and again, in a process of its own, so that what the test itself does is not in its times.
 
-    small_client.py HOST:PORT     asks until its standard input ends; then prints {"refused": […], "milliseconds": […]}
+    small_client.py HOST:PORT     prints a line when it has begun, asks until its standard input ends, and prints
+                                  {"refused": […], "milliseconds": […]}
 """
 import json
 import select
@@ -12,9 +13,13 @@ import urllib.error
 import urllib.request
 
 
+LEAST = 4  # questions, however short the time
+
+
 class SmallClient:
     def __init__(self, address):
         self.process = subprocess.Popen([sys.executable, "-B", __file__, address], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process.stdout.readline()
 
     def stop(self):
         """What was refused, and how long each answer took."""
@@ -28,7 +33,8 @@ class SmallClient:
 
 def main(address):
     refused, milliseconds = [], []
-    while not select.select([sys.stdin], [], [], 0.05)[0]:
+    print("begun", flush=True)
+    while len(milliseconds) + len(refused) < LEAST or not select.select([sys.stdin], [], [], 0.05)[0]:
         begin = time.monotonic()
         try:
             with urllib.request.urlopen(f"http://{address}/sparql?query=ASK%7B%7D", timeout=120) as reply:
