@@ -1,5 +1,4 @@
-// Record of what a read looked at in the graph, so that somebody who keeps its answer can tell which changes may make it
-// another one.
+// Record of what a read looked at in the graph. With it one can tell which later changes may change the answer.
 //
 // While a Scope is open, what its thread reads of graph versions, those that it makes itself included, is noted:
 // GraphVersion and GraphWriter do that. A trace claims too much rather than too little. One thread at a time.

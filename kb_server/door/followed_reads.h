@@ -1,5 +1,5 @@
-// Reads whose answers somebody keeps, and what the newest turns changed: so that a read is done again only where its answer
-// may be another one. What cannot be told counts as changed. Thread-safe.
+// Tells which followed reads have to be asked again. It keeps what each read looked at, and what the newest turns changed. Where
+// it cannot tell, the answer counts as changed. Thread-safe.
 #ifndef DOCENT_KB_SERVER_DOOR_FOLLOWED_READS_H_
 #define DOCENT_KB_SERVER_DOOR_FOLLOWED_READS_H_
 

@@ -54,7 +54,7 @@ struct ReadPorts {
   KnownPrefixes* prefixes = nullptr;     // of queries and updates; null: the well-known ones
   WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
   Clients* clients = nullptr;            // who asks; null: all are the server itself
-  FollowedReads* followed = nullptr;     // null: nobody keeps answers
+  FollowedReads* followed = nullptr;     // null: reads do not note what they look at
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
   HistoryPort* history = nullptr;        // null: only the newest version is there
   RemoteAccess* remote = nullptr;        // null: nothing is fetched

@@ -137,7 +137,7 @@ struct HttpServer::Impl {
   net::strand<net::io_context::executor_type> strand = net::make_strand(context);
   Tcp::acceptor acceptor{strand};
   std::list<std::weak_ptr<HttpConnection>> connections;
-  std::list<std::weak_ptr<HttpConnection>> turned_away;  // beside them: they take nobody's place
+  std::list<std::weak_ptr<HttpConnection>> turned_away;  // not among `connections`
   bool stopping = false;
   std::string address;
   uint16_t port = 0;

@@ -14,9 +14,10 @@
 //             └ still away: wait longer, Attach again …; at the deadline: Cancel, and Attach on
 //
 // A Cancel may overtake the Invoke, or be lost: it is sent again until the adapter says that it has heard it, or the command's end.
-// What is cancelled, called back or overdue is not invoked any more. Where an adapter does not know such a command, and is still the
-// incarnation that it was meant for, the command is reported as failed if its time is over, else as not begun: once the adapter
-// has heard the Cancel, or ProxySettings::may_begin is over. What was not sent when another incarnation came is not begun, either.
+// A command that is cancelled, called back or overdue is not invoked any more. The adapter that it was meant for may answer that it
+// does not know it. Then the command is reported as failed if its time is over. Else it is reported as not begun, as soon as the
+// adapter has heard the Cancel or ProxySettings::may_begin has passed. A command that was not sent before another incarnation
+// joined is reported as not begun, too.
 //
 // Thread-safe. `Send`, `Resume`, `Cancel` and `SetAdapter` only queue the request for the proxies' own thread
 // and never block. Feedback goes out through `report`, called on that thread, one at a time; it should not
@@ -45,8 +46,8 @@ struct ProxySettings {
   std::chrono::milliseconds progress_interval{200};
   // An adapter gives up at the deadline by itself; it has this long to say so.
   std::chrono::milliseconds grace{300};
-  // A stopped command that its adapter does not know, without having said that it will not begin it, may have been read and begin
-  // yet. It is cancelled again for so long, and counts as not begun then, or at its deadline.
+  // An adapter may have read a stopped command that it does not know yet, unless it has heard the Cancel. The Cancel is repeated
+  // for this time, at most until the command's deadline. Then the command counts as not begun.
   std::chrono::milliseconds may_begin{30000};
   // Deadline of commands that carry none.
   std::chrono::milliseconds default_deadline{300000};

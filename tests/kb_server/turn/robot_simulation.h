@@ -137,7 +137,7 @@ class Fleet {
     }
   }
   bool IsGone(int robot) const { return gone_.contains(robot); }
-  // What was meant for the adapter before has not begun, unless a server that does not know it may have sent it.
+  // Commands for the adapter before it are reported as not begun, but for those that the server may have sent before it restarted.
   WriteBatch Join(int robot, TimeMicros now_us) {
     gone_.erase(robot);
     for (auto& [id, command] : commands_) {
