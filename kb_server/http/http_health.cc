@@ -26,7 +26,7 @@ void AddHttpMetrics(Metrics* metrics, const HttpServer* server) {
                             [server] { return static_cast<double>(server->counts().open); });
   metrics->AddGaugeFunction(
       "docent_http_bodies_bytes",
-      "Bodies of HTTP requests as they came and unpacked, and begun messages of /live (http_bodies_bytes).",
+      "Bodies of HTTP requests as they came and unpacked, begun messages of /live, and what is followed there (http_bodies_bytes).",
       [server] { return static_cast<double>(server->counts().body_bytes); });
   metrics->AddCounterFunction("docent_http_connections_total", "HTTP connections accepted.",
                               [server] { return static_cast<double>(server->counts().connections); });

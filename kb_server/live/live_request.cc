@@ -4,8 +4,10 @@
 #include <google/protobuf/descriptor.pb.h>
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
@@ -47,36 +49,70 @@ absl::StatusOr<const pb::MethodDescriptor*> FindMethod(const std::string& call,
   return method;
 }
 
-// Looks through a text without keeping it. A parser that asks back for each value would take quadratic time.
+// Iterator over a text that says how far it is read.
+class Place {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  Place(const char* at, const char** read) : at_(at), read_(read) {}
+  reference operator*() const { return *at_; }
+  Place& operator++() {
+    *read_ = ++at_;
+    return *this;
+  }
+  bool operator==(const Place& other) const { return at_ == other.at_; }
+
+ private:
+  const char* at_;
+  const char** read_;
+};
+
+// Looks through a text once and keeps the members of its object: values as they are, lists and objects as empty ones, and
+// of "request" where it stands. A parser that asks back for each value would take quadratic time.
 class Reading final : public nlohmann::json_sax<json> {
  public:
-  const std::string& fault() const { return fault_; }  // empty: none
-  bool is_object() const { return is_object_; }
-  const json& id() const { return id_; }
+  Reading(std::string_view text, Cancellation* cancellation)
+      : read_(text.data()), cancellation_(cancellation) {
+    is_json_ = json::sax_parse(Place(text.data(), &read_), Place(text.data() + text.size(), &read_), this);
+  }
 
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
+  // Of the cancellation.
+  const absl::Status& status() const { return status_; }
+  // Empty: none. All the same, the members are read where it is a JSON object.
+  const std::string& fault() const { return fault_; }
+  bool is_object() const { return is_object_ && (is_json_ || !fault_.empty()); }
+  json& members() { return members_; }
+  std::string_view request() const { return request_; }
+
+  bool null() override { return Value(nullptr); }
+  bool boolean(bool value) override { return Value(value); }
   bool number_integer(number_integer_t value) override { return Value(value); }
   bool number_unsigned(number_unsigned_t value) override { return Value(value); }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t& value) override { return value.size() > kIdBytes || Value(value); }
+  bool number_float(number_float_t value, const string_t&) override { return Value(value); }
+  bool string(string_t& value) override { return Value(std::move(value)); }
   bool binary(binary_t&) override { return true; }
   bool key(string_t& name) override {
-    is_id_ = names_.size() == 1 && name == "id";
+    if (depth_ == 1) name_ = name;
     if (!names_.back().insert(std::move(name)).second) fault_ = "a name stands twice in one object";
     return true;
   }
   bool start_object(size_t) override {
     if (depth_ == 0) is_object_ = true;
+    if (depth_ == 1) begun_ = read_ - 1;
     names_.emplace_back();
-    return Open();
+    return Open(json::object());
   }
   bool end_object() override {
     names_.pop_back();
     --depth_;
+    if (depth_ == 1 && name_ == "request") request_ = {begun_, read_};
     return true;
   }
-  bool start_array(size_t) override { return Open(); }
+  bool start_array(size_t) override { return Open(json::array()); }
   bool end_array() override {
     --depth_;
     return true;
@@ -85,49 +121,58 @@ class Reading final : public nlohmann::json_sax<json> {
 
  private:
   template <typename T>
-  bool Value(const T& value) {
-    if (depth_ == 1 && is_id_) id_ = value;
-    return true;
+  bool Value(T&& value) {
+    if (depth_ == 1) members_[name_] = std::forward<T>(value);
+    if (cancellation_ != nullptr) status_ = cancellation_->Check();
+    return status_.ok();
   }
-  bool Open() {
+  bool Open(json empty) {
+    if (!Value(std::move(empty))) return false;
     if (++depth_ <= kDepth) return true;
     fault_ = "it has more than 64 objects and lists inside each other";
     return false;
   }
 
-  std::string fault_;
+  const char* read_;  // what comes next
+  Cancellation* const cancellation_;
+  absl::Status status_;
+  bool is_json_ = false;
   bool is_object_ = false;
-  json id_;
-  bool is_id_ = false;  // the newest name
+  std::string fault_;
+  json members_ = json::object();
+  std::string name_;  // the newest member's
+  const char* begun_ = nullptr;
+  std::string_view request_;
   int depth_ = 0;
   std::vector<absl::flat_hash_set<std::string>> names_;  // of each object that is open
 };
 
-absl::StatusOr<LiveRequest> Read(const json& message, const std::vector<std::string>& services) {
+absl::StatusOr<LiveRequest> Read(Reading* reading, const std::vector<std::string>& services) {
+  json& members = reading->members();
   LiveRequest request;
-  for (const auto& [name, value] : message.items()) {
+  for (const auto& [name, value] : members.items()) {
     static const std::set<std::string> kNames = {"id", "call", "request", "resume", "everyMs", "end"};
     if (kNames.count(name) == 0) return Invalid(Concat("a message has no \"", name, "\""));
   }
-  request.id = message["id"].dump();
-  if (message.contains("end")) {
-    if (message["end"] != true || message.size() != 2)
+  request.id = members["id"].dump();
+  if (members.contains("end")) {
+    if (members["end"] != true || members.size() != 2)
       return Invalid("to end a stream, send {\"id\":…,\"end\":true}");
     request.end = true;
     return request;
   }
-  const auto call = message.find("call");
-  if (call == message.end() || !call->is_string())
+  const auto call = members.find("call");
+  if (call == members.end() || !call->is_string())
     return Invalid("\"call\" is missing: give the method's name");
   auto method = FindMethod(call->get<std::string>(), services);
   if (!method.ok()) return method.status();
   request.method = *method;
-  if (message.contains("request") && !message["request"].is_object())
+  if (members.contains("request") && !members["request"].is_object())
     return Invalid("\"request\" is no object");
-  request.request = message.contains("request") ? message["request"].dump() : "{}";
-  if (message.contains("resume") && !message["resume"].is_string()) return Invalid("\"resume\" is no string");
-  request.resume = message.value("resume", "");
-  const json every = message.contains("everyMs") ? message["everyMs"] : json(0);
+  request.request = members.contains("request") ? reading->request() : "{}";
+  if (members.contains("resume") && !members["resume"].is_string()) return Invalid("\"resume\" is no string");
+  request.resume = members.value("resume", "");
+  const json every = members.value("everyMs", json(0));
   if (!every.is_number_integer() || every < 0 || every > kLongestEveryMs)
     return Invalid("\"everyMs\" is no whole number of milliseconds from 0 to 3600000");
   request.every = absl::Milliseconds(every.get<int64_t>());
@@ -137,17 +182,18 @@ absl::StatusOr<LiveRequest> Read(const json& message, const std::vector<std::str
 }  // namespace
 
 absl::StatusOr<LiveRequest> ReadLiveRequest(std::string_view text, const std::vector<std::string>& services,
-                                            std::string* id) {
+                                            std::string* id, Cancellation* cancellation) {
   *id = "null";
-  Reading reading;
-  const bool is_json = json::sax_parse(text, &reading);
-  if (!reading.is_object() || (!is_json && reading.fault().empty()))
-    return Invalid("a message is no JSON object");
-  if (reading.id().is_null() || reading.id().dump().size() > kIdBytes)
+  Reading reading(text, cancellation);
+  if (!reading.status().ok()) return reading.status();
+  if (!reading.is_object()) return Invalid("a message is no JSON object");
+  const json named = reading.members().value("id", json());
+  const bool is_id = named.is_number_integer() || named.is_string();
+  if (!is_id || named.dump().size() > kIdBytes)
     return Invalid("\"id\" is missing, or no whole number or short string");
-  *id = reading.id().dump();
+  *id = named.dump();
   if (!reading.fault().empty()) return Invalid(reading.fault());
-  return Read(json::parse(text), services);
+  return Read(&reading, services);
 }
 
 }  // namespace docent::server

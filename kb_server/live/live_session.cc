@@ -17,9 +17,9 @@ namespace {
 // Larger messages take more than about a millisecond to read.
 constexpr size_t kSmallBytes = 8u << 10;
 
-// What reading a message takes, about: copies of its texts, each value, and each name, in its object and in the set of names.
+// What reading a message takes, about: itself, what the conversion takes, and the set of an object's names.
 size_t BytesToRead(std::string_view text) {
-  constexpr size_t kCopies = 3, kValue = 48, kName = 200;
+  constexpr size_t kCopies = 4, kValue = 32, kName = 100;
   const auto names = static_cast<size_t>(std::count(text.begin(), text.end(), ':'));
   return kCopies * text.size() + kValue * ValuesInJson(text) + kName * names;
 }
@@ -54,13 +54,21 @@ void LiveSession::Send(std::string_view json) {
 }
 
 void LiveSession::StreamEnded(const LiveStream* stream, const std::string& id, const grpc::Status& status) {
+  if (Remove(id, stream) != nullptr) Send(EndJson(id, status));
+}
+
+std::shared_ptr<LiveStream> LiveSession::Remove(const std::string& id, const LiveStream* only) {
+  std::shared_ptr<LiveStream> stream;
   {
     absl::MutexLock lock(&mutex_);
     const auto found = streams_.find(id);
-    if (found == streams_.end() || found->second.get() != stream) return;
+    if (found == streams_.end() || (only != nullptr && found->second.stream.get() != only)) return nullptr;
+    stream = std::move(found->second.stream);
+    kept_bytes_ -= found->second.kept_bytes;
     streams_.erase(found);
   }
-  Send(EndJson(id, status));
+  CountHeld();
+  return stream;
 }
 
 bool LiveSession::HasPatience() {
@@ -111,11 +119,11 @@ bool LiveSession::CountHeld() {
   bool has_room = true;
   {
     absl::MutexLock lock(&mutex_);
-    const size_t held = begun_bytes_ + whole_bytes_, before = std::exchange(counted_, held);
+    const size_t held = begun_bytes_ + whole_bytes_ + kept_bytes_, before = std::exchange(counted_, held);
     MemoryUse* const memory = exchange_->memory();
     if (memory == nullptr) return true;
     if (held < before) memory->Release(before - held);
-    if (held == 0) memory->Settle();  // a connection that only listens keeps nothing of the budget
+    if (held == kept_bytes_) memory->Settle();  // a connection that only listens reserves nothing
     has_room = held <= before || memory->Add(held - before);
   }
   if (!has_room)
@@ -128,28 +136,36 @@ void LiveSession::Receive(std::string text) {
   bool at_once = false, begin = false;
   {
     absl::MutexLock lock(&mutex_);
-    at_once = !taking_ && (text.size() <= kSmallBytes || ports_.workers == nullptr);
+    at_once = taking_ == nullptr && (text.size() <= kSmallBytes || ports_.workers == nullptr);
     if (!at_once) {
       const size_t bytes = BytesToRead(text);
       whole_bytes_ += bytes;
       waiting_.push_back({std::move(text), bytes});
-      begin = !std::exchange(taking_, true);
+      begin = taking_ == nullptr;
+      if (begin) taking_ = std::make_shared<Cancellation>();
     }
   }
-  if (at_once) return Take(text);
+  if (at_once) return Take(text, nullptr);
   if (CountHeld() && begin) TakeNextOnWorker();
 }
 
 void LiveSession::TakeNextOnWorker() {
-  ports_.workers->Submit({.run = [self = shared_from_this()] { self->TakeNext(); },
-                          .refuse =
-                              [self = shared_from_this()](const absl::Status& why) {
-                                self->Close(WebSocketClose(kWebSocketTryAgain, FromAbsl(why.message())));
-                              },
-                          .client = client()});
+  std::shared_ptr<Cancellation> cancellation;
+  {
+    absl::MutexLock lock(&mutex_);
+    cancellation = taking_;
+  }
+  ports_.workers->Submit(
+      {.run = [self = shared_from_this(), cancellation] { self->TakeNext(cancellation.get()); },
+       .refuse =
+           [self = shared_from_this()](const absl::Status& why) {
+             self->Close(WebSocketClose(kWebSocketTryAgain, FromAbsl(why.message())));
+           },
+       .client = client(),
+       .cancellation = cancellation});
 }
 
-void LiveSession::TakeNext() {
+void LiveSession::TakeNext(Cancellation* cancellation) {
   Waiting next;
   {
     absl::MutexLock lock(&mutex_);
@@ -157,39 +173,37 @@ void LiveSession::TakeNext() {
     next = std::move(waiting_.front());
     waiting_.pop_front();
   }
-  Take(next.text);
+  {
+    const WorkerPool::SharedWork shared(ports_.workers, cancellation);
+    Take(next.text, cancellation);
+  }
   bool more = false;
   {
     absl::MutexLock lock(&mutex_);
     whole_bytes_ -= next.bytes;
-    more = taking_ = !waiting_.empty();
+    more = !waiting_.empty();
+    if (!more) taking_ = nullptr;
   }
   CountHeld();
   if (more) TakeNextOnWorker();
 }
 
-void LiveSession::Take(const std::string& text) {
+void LiveSession::Take(const std::string& text, Cancellation* cancellation) {
   std::string id;
-  const absl::StatusOr<LiveRequest> request = ReadLiveRequest(text, ports_.services, &id);
+  const absl::StatusOr<LiveRequest> request = ReadLiveRequest(text, ports_.services, &id, cancellation);
   if (!request.ok()) {
     // A stream that is there under this id goes on.
     return Send(
         Concat("{\"id\":", id, ",\"refused\":", ConnectErrorJson(ToGrpcStatus(request.status())), "}"));
   }
-  if (!request->end) return BeginStream(*request);
-  std::shared_ptr<LiveStream> stream;
-  {
-    absl::MutexLock lock(&mutex_);
-    const auto found = streams_.find(request->id);
-    if (found == streams_.end()) return;  // it has ended by itself
-    stream = std::move(found->second);
-    streams_.erase(found);
-  }
+  if (!request->end) return BeginStream(*request, cancellation);
+  const std::shared_ptr<LiveStream> stream = Remove(request->id);
+  if (stream == nullptr) return;  // it has ended by itself
   stream->End();
   Send(EndJson(request->id, grpc::Status::OK));
 }
 
-void LiveSession::BeginStream(const LiveRequest& request) {
+void LiveSession::BeginStream(const LiveRequest& request, Cancellation* cancellation) {
   const std::shared_ptr<LiveStream> stream = MakeLiveStream(shared_from_this(), request);
   absl::Status status;
   {
@@ -199,14 +213,22 @@ void LiveSession::BeginStream(const LiveRequest& request) {
       status = absl::ResourceExhaustedError(
           absl::StrCat("this connection follows as much as it may: the limit live_streams is ",
                        ports_.limits.live_streams));
-    } else if (!streams_.emplace(request.id, stream).second) {
+    } else if (!streams_.emplace(request.id, Followed{stream}).second) {
       status = absl::AlreadyExistsError(absl::StrCat("the id ", request.id, " is in use"));
     }
   }
   if (!status.ok())
     return Send(Concat("{\"id\":", request.id, ",\"refused\":", ConnectErrorJson(ToGrpcStatus(status)), "}"));
-  status = stream->Begin(ports_.queries->Newest()->revision().value());
-  if (!status.ok()) StreamEnded(stream.get(), request.id, ToGrpcStatus(status));
+  status = stream->Begin(request.request, ports_.queries->Newest()->revision().value(), cancellation);
+  if (!status.ok()) return StreamEnded(stream.get(), request.id, ToGrpcStatus(status));
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto found = streams_.find(request.id);
+    if (found == streams_.end() || found->second.stream != stream) return;  // it has ended
+    found->second.kept_bytes = stream->kept_bytes();
+    kept_bytes_ += found->second.kept_bytes;
+  }
+  CountHeld();
 }
 
 void LiveSession::Look(absl::Time now, uint64_t newest) {
@@ -219,7 +241,7 @@ void LiveSession::Look(absl::Time now, uint64_t newest) {
     late = now - begun_ > absl::Milliseconds(ports_.limits.live_silence_ms);
     probe = now - std::max(heard_, probed_) > absl::Milliseconds(ports_.limits.live_ping_ms);
     if (probe) probed_ = now;
-    for (const auto& [id, stream] : streams_) streams.emplace_back(absl::InfinitePast(), stream);
+    for (const auto& [id, one] : streams_) streams.emplace_back(absl::InfinitePast(), one.stream);
   }
   if (silent)
     return Close(WebSocketClose(kWebSocketGoingAway, "nothing came for the time of live_silence_ms"));
@@ -253,15 +275,17 @@ void LiveSession::Close(std::string_view frame) {
 }
 
 void LiveSession::EndAll() {
-  absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams;
+  absl::flat_hash_map<std::string, Followed> streams;
   {
     absl::MutexLock lock(&mutex_);
     closed_ = true;
     streams.swap(streams_);
     for (const Waiting& one : waiting_) whole_bytes_ -= one.bytes;
     waiting_.clear();
+    kept_bytes_ = 0;
+    if (taking_ != nullptr) taking_->Cancel();
   }
-  for (const auto& [id, stream] : streams) stream->End();
+  for (const auto& [id, one] : streams) one.stream->End();
 }
 
 }  // namespace docent::server

@@ -24,8 +24,11 @@ namespace docent::server {
 class LiveStream {
  public:
   virtual ~LiveStream() = default;
-  // Before the first message. `newest` is the newest revision.
-  virtual absl::Status Begin(uint64_t newest) = 0;
+  // Before the first message. `request` is JSON, `newest` the newest revision. `cancellation`, if there is one, is looked at
+  // while the request is read.
+  virtual absl::Status Begin(std::string_view request, uint64_t newest, Cancellation* cancellation) = 0;
+  // What it keeps of the request.
+  virtual size_t kept_bytes() const { return 0; }
   // Now and then. Must not block.
   virtual void Look(absl::Time /*now*/, uint64_t /*newest*/) {}
   // When it last began to look for an answer: who has waited for the longest goes first.
@@ -60,11 +63,13 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   // Takes a message: at once where it is small and none waits, else on a worker, in the order in which they came.
   void Receive(std::string text);
   void TakeNextOnWorker();
-  void TakeNext();
-  void Take(const std::string& text);
-  // Counts what is held of messages. False: there is no room for it.
+  void TakeNext(Cancellation* cancellation);
+  void Take(const std::string& text, Cancellation* cancellation);
+  // Counts what is held of messages. False: there is no room for it, and the connection is closed.
   bool CountHeld();
-  void BeginStream(const LiveRequest& request);
+  // Null: there is none, or it is not `only`.
+  std::shared_ptr<LiveStream> Remove(const std::string& id, const LiveStream* only = nullptr);
+  void BeginStream(const LiveRequest& request, Cancellation* cancellation);
   // False: the tab goes on asking and does not read the answers.
   bool HasPatience() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void EndAll();
@@ -80,13 +85,18 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
     size_t bytes = 0;
   };
   std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
-  bool taking_ ABSL_GUARDED_BY(mutex_) = false;     // a worker takes one, or will
-  size_t begun_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of the message that is not whole
-  size_t whole_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of waiting_, and of what is being taken
-  size_t counted_ ABSL_GUARDED_BY(mutex_) = 0;      // of both
-  absl::flat_hash_map<std::string, std::shared_ptr<LiveStream>> streams_ ABSL_GUARDED_BY(mutex_);  // by id
-  absl::Time heard_ ABSL_GUARDED_BY(mutex_);   // when the tab sent something
-  absl::Time probed_ ABSL_GUARDED_BY(mutex_);  // when it was pinged
+  std::shared_ptr<Cancellation> taking_ ABSL_GUARDED_BY(mutex_);  // of the worker that takes one, or will
+  size_t begun_bytes_ ABSL_GUARDED_BY(mutex_) = 0;                // of the message that is not whole
+  size_t whole_bytes_ ABSL_GUARDED_BY(mutex_) = 0;                // of waiting_, and of what is being taken
+  size_t kept_bytes_ ABSL_GUARDED_BY(mutex_) = 0;                 // of requests that are followed
+  size_t counted_ ABSL_GUARDED_BY(mutex_) = 0;                    // of all three
+  struct Followed {
+    std::shared_ptr<LiveStream> stream;
+    size_t kept_bytes = 0;
+  };
+  absl::flat_hash_map<std::string, Followed> streams_ ABSL_GUARDED_BY(mutex_);  // by id
+  absl::Time heard_ ABSL_GUARDED_BY(mutex_);                                    // when the tab sent something
+  absl::Time probed_ ABSL_GUARDED_BY(mutex_);                                   // when it was pinged
   size_t reads_asked_ ABSL_GUARDED_BY(mutex_) = 0;
   std::vector<absl::Time> resting_ ABSL_GUARDED_BY(mutex_);  // places of reads that are answered: until when
   size_t unread_ ABSL_GUARDED_BY(mutex_) = 0;                // messages of the tab since it last read

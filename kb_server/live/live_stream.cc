@@ -54,7 +54,7 @@ void RunWhereThereIsTime(WorkerPool* workers, size_t bytes, Work work) {
 class StreamBase : public LiveStream, public std::enable_shared_from_this<StreamBase> {
  public:
   StreamBase(std::shared_ptr<LiveSession> session, const LiveRequest& request)
-      : session_(std::move(session)), request_(request), method_(*request.method) {}
+      : session_(std::move(session)), id_(request.id), resume_(request.resume), method_(*request.method) {}
 
   void End() override {
     std::shared_ptr<RpcCall> call;
@@ -77,7 +77,7 @@ class StreamBase : public LiveStream, public std::enable_shared_from_this<Stream
       absl::MutexLock lock(&mutex_);
       if (std::exchange(ended_, true)) return;
     }
-    session_->StreamEnded(this, request_.id, status);
+    session_->StreamEnded(this, id_, status);
   }
   void Start(std::string request, absl::Time deadline, std::shared_ptr<RpcSink> sink,
              const std::string& trace = "") {
@@ -93,7 +93,7 @@ class StreamBase : public LiveStream, public std::enable_shared_from_this<Stream
   }
 
   const std::shared_ptr<LiveSession> session_;
-  const LiveRequest request_;
+  const std::string id_, resume_;
   const pb::MethodDescriptor& method_;
   absl::Mutex mutex_;
   std::weak_ptr<RpcCall> call_ ABSL_GUARDED_BY(mutex_);
@@ -105,16 +105,15 @@ class ServiceStream final : public StreamBase {
   ServiceStream(std::shared_ptr<LiveSession> session, const LiveRequest& request)
       : StreamBase(std::move(session), request), place_(*request.method) {}
 
-  absl::Status Begin(uint64_t newest) override {
+  absl::Status Begin(std::string_view json, uint64_t newest, Cancellation* cancellation) override {
     const absl::StatusOr<std::string> binary =
-        ToBinary(*method_.input_type(), MessageCodec::kJson, request_.request);
+        ToBinary(*method_.input_type(), MessageCodec::kJson, json, nullptr, cancellation);
     if (!binary.ok()) return binary.status();
     const std::unique_ptr<pb::Message> request = Parse(*method_.input_type(), *binary);
     if (request == nullptr) return absl::InternalError("the request cannot be read back");
-    if (absl::Status status = place_.Begin(request_.resume, newest, request.get()); !status.ok())
-      return status;
+    if (absl::Status status = place_.Begin(resume_, newest, request.get()); !status.ok()) return status;
     const std::optional<std::string> first = place_.first();
-    SendLive(Concat("{\"id\":", request_.id, ",\"begun\":true",
+    SendLive(Concat("{\"id\":", id_, ",\"begun\":true",
                     first ? Concat(",\"resume\":", JsonString(*first)) : "", "}"));
     Start(request->SerializeAsString(), absl::InfiniteFuture(), std::make_shared<Sink>(Self()));
     return absl::OkStatus();
@@ -147,7 +146,7 @@ class ServiceStream final : public StreamBase {
     const std::unique_ptr<pb::Message> reply = Parse(*method_.output_type(), bytes);
     if (reply != nullptr && place_.IsNew(*reply)) {
       const absl::StatusOr<std::string> json = FromBinary(*method_.output_type(), MessageCodec::kJson, bytes);
-      if (json.ok()) SendLive(MessageJson(request_.id, *json, place_.Next(*reply)));
+      if (json.ok()) SendLive(MessageJson(id_, *json, place_.Next(*reply)));
     }
     // Weak: a tab that does not read does not keep a call that has ended.
     session_->exchange()->OnRoom([waiting = std::weak_ptr<RpcCall>(call)] {
@@ -160,15 +159,16 @@ class ServiceStream final : public StreamBase {
 
 class FollowedRead final : public StreamBase {
  public:
-  using StreamBase::StreamBase;
+  FollowedRead(const std::shared_ptr<LiveSession>& session, const LiveRequest& request)
+      : StreamBase(session, request),
+        every_(std::max(request.every, absl::Milliseconds(session->ports().limits.live_follow_ms))) {}
 
-  absl::Status Begin(uint64_t newest) override {
+  absl::Status Begin(std::string_view json, uint64_t newest, Cancellation* cancellation) override {
     absl::StatusOr<std::string> binary =
-        ToBinary(*method_.input_type(), MessageCodec::kJson, request_.request);
+        ToBinary(*method_.input_type(), MessageCodec::kJson, json, nullptr, cancellation);
     if (!binary.ok()) return binary.status();
     binary_ = *std::move(binary);
-    every_ = std::max(request_.every, absl::Milliseconds(session_->ports().limits.live_follow_ms));
-    SendLive(Concat("{\"id\":", request_.id, ",\"begun\":true}"));
+    SendLive(Concat("{\"id\":", id_, ",\"begun\":true}"));
     {
       absl::MutexLock lock(&state_mutex_);
       begun_ = true;
@@ -193,6 +193,7 @@ class FollowedRead final : public StreamBase {
     Start(binary_, now + kReadTime,
           std::make_shared<Sink>(std::static_pointer_cast<FollowedRead>(shared_from_this())), begun.name);
   }
+  size_t kept_bytes() const override { return binary_.size(); }
   absl::Time asked() const override {
     absl::MutexLock lock(&state_mutex_);
     return asked_at_;
@@ -251,13 +252,13 @@ class FollowedRead final : public StreamBase {
     {
       absl::MutexLock lock(&state_mutex_);
       mark = MarkOf(answer);
-      is_new = mark != told_ && !(told_.empty() && mark == request_.resume);
+      is_new = mark != told_ && !(told_.empty() && mark == resume_);
       told_ = mark;
     }
     if (is_new) {
       const absl::StatusOr<std::string> json =
           FromBinary(*method_.output_type(), MessageCodec::kJson, answer);
-      if (json.ok()) SendLive(MessageJson(request_.id, *json, mark));
+      if (json.ok()) SendLive(MessageJson(id_, *json, mark));
     }
     absl::MutexLock lock(&state_mutex_);
     asking_ = false;
@@ -265,7 +266,7 @@ class FollowedRead final : public StreamBase {
   }
 
   std::string binary_;  // the request
-  absl::Duration every_;
+  const absl::Duration every_;
   mutable absl::Mutex state_mutex_;
   bool begun_ ABSL_GUARDED_BY(state_mutex_) = false;
   bool asking_ ABSL_GUARDED_BY(state_mutex_) = false;

@@ -37,6 +37,28 @@ TEST(LiveRequestTest, ReadsWhatIsFollowed) {
   EXPECT_TRUE(Read(R"({"id":7,"end":true})")->end);
 }
 
+TEST(LiveRequestTest, TheRequestIsTheTextOfItsObject) {
+  for (const std::string request :
+       {R"({"run":"}{"})", "{ \n}", R"({"a":{"request":{}},"b":[{}, {"c":"ü€\\\""}],"d":1})"}) {
+    for (const std::string& text :
+         {R"({"request":)" + request + R"(,"id":1,"resume":"r","call":"docent.v1.Fleet/List"})",
+          R"( {"everyMs":5, "call":"docent.v1.Fleet/List","id":1,"request" : )" + request + " } "}) {
+      const auto read = Read(text);
+      ASSERT_TRUE(read.ok()) << text << read.status();
+      EXPECT_EQ(read->request, request) << text;
+    }
+  }
+}
+
+TEST(LiveRequestTest, EndsWithItsCancellation) {
+  Cancellation cancellation;
+  cancellation.Cancel();
+  std::string id;
+  const auto read =
+      ReadLiveRequest(R"({"id":1,"call":"docent.v1.Fleet/List"})", {"docent.v1.Fleet"}, &id, &cancellation);
+  EXPECT_TRUE(absl::IsCancelled(read.status())) << read.status();
+}
+
 TEST(LiveRequestTest, SaysWhatIsWrong) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "no JSON object"},

@@ -22,7 +22,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr size_t kBodiesBytes = 4u << 20;
+constexpr size_t kBodiesBytes = 4u << 20;  // beside the first 256 KiB of each
 
 class LiveTest : public ::testing::Test {
  protected:
@@ -126,6 +126,33 @@ TEST_F(LiveTest, BegunMessagesCountInTheServersBudget) {
   for (int i = 0; i < 8; ++i) begin();  // of which four fit
   EXPECT_TRUE(Soon([&] { return live_->open() <= 5; })) << "the others are told to try again";
   EXPECT_LE(http_->counts().body_bytes, kBodiesBytes);
+}
+
+// 256 of a MiB each would be a quarter of a GiB for each connection.
+TEST_F(LiveTest, RequestsThatAreFollowedCountInTheServersBudget) {
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  const auto follow = [&](int id, size_t bytes) {
+    tab.Send(absl::StrCat(R"({"id":)", id, R"(,"call":"docent.v1.Fleet/List","request":{"pageToken":")",
+                          std::string(bytes, 'x'), "\"}}"));
+    EXPECT_THAT(tab.Receive(), StartsWith(absl::StrCat("{\"id\":", id, ",\"begun\":true")));
+    EXPECT_THAT(tab.Receive(), HasSubstr("\"message\""));
+  };
+  const auto held_about = [&](size_t bytes) {
+    return Soon([&] {
+      const size_t held =
+          http_->counts().body_bytes + (256u << 10);  // of each connection, on top of the budget
+      return held >= bytes && held < bytes + 1000;
+    });
+  };
+  follow(1, 800000);
+  EXPECT_TRUE(held_about(800000)) << http_->counts().body_bytes;
+  follow(2, 400000);
+  EXPECT_TRUE(held_about(1200000)) << http_->counts().body_bytes;
+  tab.Send(R"({"id":1,"end":true})");
+  EXPECT_TRUE(held_about(400000)) << http_->counts().body_bytes;
+  tab.Send(R"({"id":2,"end":true})");
+  EXPECT_TRUE(Soon([&] { return http_->counts().body_bytes == 0; }));
 }
 
 // They would hold up the others on the network thread. What comes behind them on the same connection waits.
