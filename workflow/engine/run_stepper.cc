@@ -81,7 +81,7 @@ void RunStepper::Begin(const std::string& cause) {
     return End(WorkState::kFailed, fault);
   if (const auto lacks = RequiredWithoutValue(*run_.document, flow_, run_.variables); !lacks.empty())
     return End(WorkState::kFailed, NeedsText(flow_, lacks));
-  Advance();
+  core_.touched.insert(run_.id);  // it goes on behind older runs that look for the same robot
 }
 
 // False for a run that began when its turn had no time left for it.

@@ -40,6 +40,18 @@ TEST_F(EngineWaitingTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
   }
 }
 
+TEST_F(EngineWaitingTest, ARobotThatJoinsGoesToTheOldestNotToTheRunThatBeginsInThatTurn) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  Start();
+  EXPECT_THAT(commands_, IsEmpty());
+  robots_.offers.push_back({RobotId("urn:r2"), "i1", false, false});
+  Start();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
+}
+
 TEST_F(EngineWaitingTest, AFreedRobotWakesOneRunNotAll) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
               Link("A", "t")));
