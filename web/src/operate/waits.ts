@@ -34,14 +34,14 @@ export function groupWaits(runs: readonly Run[], waits: ReadonlyMap<string, read
   const byId = new Map(runs.map((run) => [run.id, run]));
   const groups = new Map<string, Group>();
   for (const root of runs.filter((r) => !r.parent && isLive(r.state))) {
-    for (const { kind, title, heldBy, place, detail, cause, told } of gathered(root, waits.get(root.id) ?? [], byId, names, clock, robots)) {
+    for (const { kind, title, heldBy, place, detail, cause, told, ask } of gathered(root, waits.get(root.id) ?? [], byId, names, clock, robots)) {
       const { run, node } = placeOf(place, root, byId);
       const sinceUs = node?.sinceUs || run.startedUs;
       const key = JSON.stringify([kind, title, cause.words]);
       const group = groups.get(key) ?? { key, kind, title, detail, noRobot: cause.words, robots: cause.robots, heldBy, waiting: [], oldestUs: sinceUs, ask: "" };
       group.waiting.push({ run, node, root, sinceUs });
       if (sinceUs < group.oldestUs) group.oldestUs = sinceUs;
-      if (told && node?.waitsFor && !group.ask) group.ask = node.waitsFor.split("\n# or\n")[0] ?? "";
+      if (told && !group.ask) group.ask = ask;
       groups.set(key, group);
     }
   }
@@ -58,18 +58,31 @@ interface Gathered {
   heldBy: string;
   place: string;
   told: boolean; // something of it can be told by people
+  ask: string; // the condition that lacks it; empty: it is not known which
+}
+// The conditions of a node, any of which opens it.
+export function alternativesOf(waitsFor: string): string[] {
+  return waitsFor === "" ? [] : waitsFor.split("\n# or\n");
+}
+// Each alternative is told by one wait, or by one for each robot with which it holds.
+function askOf(wait: Wait, waits: readonly Wait[], node: Node | undefined): string {
+  const asks = alternativesOf(node?.waitsFor ?? "");
+  const ofNode = waits.filter((w) => w.node === wait.node);
+  return asks[asks.length === ofNode.length ? ofNode.indexOf(wait) : asks.length === 1 ? 0 : -1] ?? "";
 }
 // Of one run: the robots that a node waits for are one thing, since any of them will do.
 function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, Run>, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): Gathered[] {
   const found: Gathered[] = [];
   for (const wait of waits) {
-    const at = { detail: "", cause: noCause, heldBy: wait.heldBy, place: wait.node, told: false };
+    const at = { detail: "", cause: noCause, heldBy: wait.heldBy, place: wait.node, told: false, ask: "" };
     const lost = wait.kind === "command" ? robots.find((r) => r.robot === wait.robot && r.state === "offline") : undefined;
     if (lost) found.push({ ...at, kind: "lost", title: [`${lost.label || names.name(lost.robot)} is offline${sinceWords(lost)}`], cause: { words: "", robots: [lost.robot] } });
     if (!shown.includes(wait.kind)) continue;
     const kind = wait.kind as WaitKind;
     if (kind === "fact" && wait.missing) {
-      found.push({ ...at, ...ofFacts(wait.missing, placeOf(wait.node, root, byId), names, robots) });
+      const place = placeOf(wait.node, root, byId);
+      const ask = askOf(wait, waits, place.node);
+      found.push({ ...at, ask, ...ofFacts(wait.missing, ask, place, names, robots) });
       continue;
     }
     const same = kind === "robot" ? found.find((g) => g.kind === "robot" && g.place === wait.node) : undefined;
@@ -81,7 +94,7 @@ function gathered(root: Run, waits: readonly Wait[], byId: ReadonlyMap<string, R
   return found;
 }
 // What robots tell of themselves is not for people to tell: said is why no robot is ready, or that the one of the run is away.
-function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefined }, names: Pick<Names, "short">, robots: readonly Known[]): Pick<Gathered, "kind" | "title" | "cause" | "told"> {
+function ofFacts(missing: string, ask: string, { run }: { run: Run }, names: Pick<Names, "short">, robots: readonly Known[]): Pick<Gathered, "kind" | "title" | "cause" | "told"> {
   const facts = splitFacts(missing).map((text) => {
     const [, subject = "", property = ""] = /^<([^>]*)>\s+<([^>]*)>/.exec(text) ?? [];
     return { subject, own: isOwnFact(subject, property, robots), ofRobot: isOfRobot(subject, property, robots), words: factsOf(text, names)[0] ?? text };
@@ -91,7 +104,7 @@ function ofFacts(missing: string, { run, node }: { run: Run; node: Node | undefi
   const bound = run.variables.some((v) => v.value?.kind.case === "iri" && blamed.some((f) => f.subject === (v.value?.kind.value as string)));
   const cause = blamed.length === 0 ? noCause : causeOf(robots.filter((r) => tellsItself(r) && (!bound || blamed.some((f) => f.subject === r.robot))), run.id, bound);
   const rest = cause.words === "" ? facts : facts.filter((f) => !f.ofRobot);
-  return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, node?.waitsFor.split("\n# or\n")[0] ?? "")), cause, told: facts.some((f) => !f.own) };
+  return { kind: rest.length === 0 ? "robot" : "fact", title: rest.map((f) => asMeant(f.words, ask)), cause, told: facts.some((f) => !f.own) };
 }
 function titleOf(wait: Wait, kind: WaitKind, names: Pick<Names, "short" | "name">, clock: (us: bigint) => string, robots: readonly Known[]): { words: string; detail: string } {
   const plain = replaceIris(wait.detail, names.name);

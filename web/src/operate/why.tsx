@@ -17,6 +17,7 @@ import { type Cause, causeOf, isOfRobot, isOwnFact, type Known, noCause } from "
 import { useFleet } from "./offline";
 import { clock } from "./states";
 import { TellDialog } from "./tell";
+import { alternativesOf } from "./waits";
 import "./why.css";
 
 export function shortPattern(pattern: string, names: Names): string {
@@ -90,9 +91,24 @@ export function useWhyNot(ask: string, everyMs = 2500) {
   return usePoll(ask && `whynot ${ask}`, (signal) => context.explain({ question: { case: "whyNot", value: ask }, sets: 3, timeoutMs: 4000 }, { signal }), everyMs);
 }
 
-// What is missing for a condition, with ways to try it and to tell it.
-// `run`: that waits; what its own robot is busy with is no cause. `causeActions`: what can be done about robots that are the cause.
-export function WhyNot({ ask, names, title, run, causeActions }: { ask: string; names: Names; title: string; run: string; causeActions: (robots: readonly string[]) => React.ReactNode }) {
+interface WhyNotProps {
+  ask: string;
+  names: Names;
+  title: string;
+  run: string; // that waits; what its own robot is busy with is no cause
+  causeActions: (robots: readonly string[]) => React.ReactNode; // what can be done about robots that are the cause
+}
+// What is missing for each condition of a node, any of which opens it.
+export function WhyNot({ ask, ...props }: WhyNotProps) {
+  return alternativesOf(ask).map((one, i) => (
+    <div key={i}>
+      {i > 0 && <p className="faint small">or</p>}
+      <WhyNotOne ask={one} {...props} />
+    </div>
+  ));
+}
+// Of one condition, with ways to try it and to tell it.
+function WhyNotOne({ ask, names, title, run, causeActions }: WhyNotProps) {
   const polled = useWhyNot(ask);
   const [telling, setTelling] = useState<MissingSet | null>(null);
   const robots = useFleet();
@@ -140,7 +156,7 @@ export function waysOf(sets: readonly MissingSet[], ask: string, names: Names, r
     const own = set.add.filter((quad) => isOfRobot(iriOf(quad.subject), iriOf(quad.predicate), robots));
     const cause = own.length === 0 ? noCause : causeOf(robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)), run);
     const ofRobot = new Set(cause.words ? own.map((quad) => quadText(quad, names.short)) : []);
-    const missing = set.missing.map((m) => shortPattern(m, names)).filter((m) => !ofRobot.has(m)).map((m) => asMeant(m, ask.split("\n# or\n")[0] ?? ""));
+    const missing = set.missing.map((m) => shortPattern(m, names)).filter((m) => !ofRobot.has(m)).map((m) => asMeant(m, ask));
     const key = JSON.stringify([missing, cause.words, set.remove.length, set.conditions]);
     if (!ways.has(key)) ways.set(key, { set, missing, cause, add: tellable(set, robots) });
   }

@@ -84,6 +84,13 @@ describe("the board", () => {
     const [group] = groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "standby", outOfService: true, outOfServiceReason: "no brakes" }), robot("R02", { state: "offline", outOfService: true, lastSeenUs: "0" })]);
     expect(group).toMatchObject({ title: ["R01 (out of service: no brakes)", "R02 (out of service, and offline)"], robots: [`${expo}R01`, `${expo}R02`] });
   });
+  it("each alternative is a group with a condition of its own", () => {
+    const waiting = run("a", { nodes: [{ name: "n", state: "waiting", sinceUs: "2000", waitsFor: "ASK { one }\n# or\nASK { two }" }] });
+    const lacks = [`<${expo}S1> <${expo}open> true`, `<${expo}S2> <${expo}open> true`].map((missing) => wait({ kind: "fact", missing }));
+    expect(groupWaits([waiting], new Map([["a", lacks]]), names, () => "").map((g) => g.ask)).toEqual(["ASK { one }", "ASK { two }"]);
+    const robots = [wait({ kind: "robot", robot: `${expo}R01` }), wait({ kind: "robot", robot: `${expo}R02` })];
+    expect(groupWaits([waiting], new Map([["a", [...robots, lacks[0]!]]]), names, () => "").map((g) => g.ask)).toEqual(["", ""]);
+  });
   it("a run hangs whose command's robot is offline", () => {
     const waits = new Map([["a", [wait({ kind: "command", robot: `${expo}R01` })]]]);
     expect(groupWaits([run("a")], waits, names, () => "", [robot("R01", { state: "busy" })])).toEqual([]);
