@@ -82,8 +82,9 @@ struct TimeSpec {
   std::optional<TimeMicros> Last(TimeMicros now_us, TimeMicros anchor_us) const;
 };
 
-// nullopt: `*fault` says why.
-std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words, TimeFault* fault);
+// nullopt: `*faults` says why, all of it.
+std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words, std::vector<TimeFault>* faults);
+std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words);
 
 // The IRI of the trigger that these words describe: the same words, the same IRI.
 std::string TimeIri(const TimeWords& words);

@@ -66,12 +66,17 @@ std::optional<int64_t> ParseEveryMs(std::string_view text) {
 
 class Reader {
  public:
-  Reader(const TimeWords& words, TimeFault* fault) : words_(words), fault_(*fault) {}
-
-  std::optional<TimeSpec> Read() {
-    if (!ReadKind() || !ReadZone() || !ReadDays() || !ReadRange() || !ReadFlags()) return std::nullopt;
-    return spec_;
+  explicit Reader(const TimeWords& words) : words_(words) {
+    ReadKind();
+    ReadZone();
+    ReadDays();
+    ReadRange();
+    ReadAligned();
+    ReadMissed();
   }
+
+  const TimeSpec& spec() const { return spec_; }  // whole where there is no fault
+  std::vector<TimeFault>& faults() { return faults_; }
 
  private:
   const std::string* Find(const std::string& word) const {
@@ -79,17 +84,21 @@ class Reader {
     return found == words_.end() ? nullptr : &found->second;
   }
 
-  bool Fail(std::string word, std::string message, std::string hint, std::string right = "") {
-    fault_ = {std::move(word), std::move(message), std::move(hint), std::move(right)};
-    return false;
+  void Fail(std::string word, std::string message, std::string hint, std::string right = "") {
+    faults_.push_back({std::move(word), std::move(message), std::move(hint), std::move(right)});
   }
 
-  bool ReadKind() {
+  bool IsUnaligned() const {
+    return knows_kind_ && spec_.kind == TimeSpec::Kind::kEvery && Find("aligned") == nullptr;
+  }
+
+  void ReadKind() {
     std::vector<std::string> given;
     for (const char* word : {"between", "at", "every"}) {
       if (Find(word) != nullptr) given.emplace_back(word);
     }
-    if (given.size() > 1)
+    knows_kind_ = given.size() < 2;
+    if (!knows_kind_)
       return Fail(given[1], absl::StrCat(given[0], " and ", given[1], " stand together"),
                   "a time is one of them; write two times, and join them in the rule's expression");
     if (given.empty() && Find("days") == nullptr && Find("from") == nullptr && Find("until") == nullptr)
@@ -98,10 +107,9 @@ class Reader {
     if (const std::string* between = Find("between")) return ReadBetween(*between);
     if (const std::string* at = Find("at")) return ReadAt(*at);
     if (const std::string* every = Find("every")) return ReadEvery(*every);
-    return true;
   }
 
-  bool ReadBetween(const std::string& text) {
+  void ReadBetween(const std::string& text) {
     const std::vector<std::string> ends = absl::StrSplit(text, '-');
     const std::optional<int> begin = ParseTimeOfDay(ends[0]);
     const std::optional<int> end = ends.size() == 2 ? ParseTimeOfDay(ends[1]) : std::nullopt;
@@ -113,43 +121,40 @@ class Reader {
                   "write 00:00-24:00 for the whole day, or leave between out");
     spec_.begin_s = *begin;
     spec_.end_s = *end;
-    return true;
   }
 
-  bool ReadAt(const std::string& text) {
+  void ReadAt(const std::string& text) {
     bool has_time = false;
     if (text.find('T') != std::string::npos || text.find('-') != std::string::npos) {
+      spec_.kind = TimeSpec::Kind::kOnce;
       const std::optional<absl::CivilSecond> once = ParseDateTime(text, &has_time);
-      if (!once || !has_time) return BadDate("at", text, "2026-12-24T18:00");
+      if (!once || !has_time) BadDate("at", text, "2026-12-24T18:00");
       for (const char* word : {"days", "from", "until"}) {
         if (Find(word) != nullptr)
-          return Fail(word, absl::StrCat(word, " has no effect on a single date and time"), "leave it out");
+          Fail(word, absl::StrCat(word, " has no effect on a single date and time"), "leave it out");
       }
-      spec_.kind = TimeSpec::Kind::kOnce;
-      spec_.once = *once;
-      return true;
+      spec_.once = once.value_or(absl::CivilSecond());
+      return;
     }
+    spec_.kind = TimeSpec::Kind::kDaily;
     const std::optional<int> at = ParseTimeOfDay(text);
     if (!at || *at == kDayS)
       return Fail("at", absl::StrCat("\"", text, "\" is not a time of day"),
                   "write 00:00 to 23:59, for example 18:00, or a date and time: 2026-12-24T18:00");
-    spec_.kind = TimeSpec::Kind::kDaily;
     spec_.at_s = *at;
-    return true;
   }
 
-  bool ReadEvery(const std::string& text) {
+  void ReadEvery(const std::string& text) {
+    spec_.kind = TimeSpec::Kind::kEvery;
     const std::optional<int64_t> ms = ParseEveryMs(text);
     if (!ms || *ms < kMinEveryMs || *ms > kMaxEveryMs)
       return Fail("every", absl::StrCat("\"", text, "\" is not an interval"),
                   "write a whole number and s, min or h, from 1s to 720h");
-    spec_.kind = TimeSpec::Kind::kEvery;
     spec_.every_ms = *ms;
-    return true;
   }
 
   // A day that the calendar has not, or no date at all.
-  bool BadDate(const std::string& word, const std::string& text, const std::string& like) {
+  void BadDate(const std::string& word, const std::string& text, const std::string& like) {
     const std::vector<std::string> parts = absl::StrSplit(text.substr(0, text.find('T')), '-');
     const std::optional<int> month = parts.size() == 3 ? Number(parts[1], 2) : std::nullopt;
     const std::optional<int> day = parts.size() == 3 ? Number(parts[2], 2) : std::nullopt;
@@ -161,9 +166,9 @@ class Reader {
                 absl::StrCat("write it as ", like));
   }
 
-  bool ReadZone() {
+  void ReadZone() {
     const std::string* name = Find("zone");
-    if (name == nullptr) return true;
+    if (name == nullptr) return;
     const std::optional<absl::TimeZone> zone = FindZone(*name);
     if (!zone) {
       const std::string like = ZoneLike(*name);
@@ -175,33 +180,34 @@ class Reader {
     }
     spec_.zone_name = *name;
     spec_.zone = *zone;
-    return true;
   }
 
-  bool ReadDays() {
+  void ReadDays() {
     const std::string* text = Find("days");
-    if (text == nullptr) return true;
+    if (text == nullptr) return;
     const std::optional<Weekdays> days = ParseWeekdays(*text);
     if (!days)
       return Fail("days", absl::StrCat("\"", *text, "\" is not a list of weekdays"),
                   "write for example Mon-Fri or Sat,Sun");
-    if (spec_.kind == TimeSpec::Kind::kEvery && Find("aligned") == nullptr)
+    if (IsUnaligned())
       return Fail("days", "days has no effect on an interval that is not aligned",
                   "add aligned=\"true\", or write a second time with days beside it");
     spec_.days = *days;
-    return true;
   }
 
-  bool ReadRange() {
+  void ReadRange() {
     for (const char* word : {"from", "until"}) {
       const std::string* text = Find(word);
       if (text == nullptr) continue;
       bool has_time = false;
       std::optional<absl::CivilSecond> instant = ParseDateTime(*text, &has_time);
-      if (!instant) return BadDate(word, *text, "2026-12-24");
-      if (spec_.kind == TimeSpec::Kind::kEvery && Find("aligned") == nullptr)
-        return Fail(word, absl::StrCat(word, " has no effect on an interval that is not aligned"),
-                    "add aligned=\"true\", or write a second time beside it");
+      if (!instant) {
+        BadDate(word, *text, "2026-12-24");
+        continue;
+      }
+      if (IsUnaligned())
+        Fail(word, absl::StrCat(word, " has no effect on an interval that is not aligned"),
+             "add aligned=\"true\", or write a second time beside it");
       // the last day belongs to it
       if (std::string_view(word) == "until" && !has_time)
         instant = absl::CivilSecond(absl::CivilDay(*instant) + 1);
@@ -209,33 +215,36 @@ class Reader {
     }
     if (spec_.from && spec_.until && *spec_.until <= *spec_.from)
       return Fail("until", "it can never be: it ends before it begins", "write from before until");
-    return true;
   }
 
-  bool ReadFlags() {
-    if (const std::string* aligned = Find("aligned")) {
-      if (*aligned != "true" && *aligned != "false")
-        return Fail("aligned", absl::StrCat("aligned is \"", *aligned, "\""), "write true or false");
-      if (spec_.kind != TimeSpec::Kind::kEvery)
-        return Fail("aligned", "aligned has an effect with every only", "leave it out");
-      spec_.aligned = *aligned == "true";
-      if (spec_.aligned && (spec_.every_ms > kDayMs || kDayMs % spec_.every_ms != 0))
-        return Fail("every", "an aligned interval divides a day, and this one does not",
-                    "write for example 10min, 6h or 24h, or leave aligned out");
-    }
-    if (const std::string* missed = Find("missed")) {
-      if (*missed != "fire" && *missed != "skip")
-        return Fail("missed", absl::StrCat("missed is \"", *missed, "\""), "write fire or skip");
-      if (spec_.is_level())
-        return Fail("missed", "missed has no effect on a time that lasts",
-                    "leave it out: whether it holds is looked at whenever the server runs");
-      spec_.fire_missed = *missed == "fire";
-    }
-    return true;
+  void ReadAligned() {
+    const std::string* aligned = Find("aligned");
+    if (aligned == nullptr) return;
+    if (*aligned != "true" && *aligned != "false")
+      return Fail("aligned", absl::StrCat("aligned is \"", *aligned, "\""), "write true or false");
+    if (knows_kind_ && spec_.kind != TimeSpec::Kind::kEvery)
+      return Fail("aligned", "aligned has an effect with every only", "leave it out");
+    spec_.aligned = *aligned == "true";
+    if (spec_.every_ms == 0) return;  // it is at fault itself
+    if (spec_.aligned && (spec_.every_ms > kDayMs || kDayMs % spec_.every_ms != 0))
+      Fail("every", "an aligned interval divides a day, and this one does not",
+           "write for example 10min, 6h or 24h, or leave aligned out");
+  }
+
+  void ReadMissed() {
+    const std::string* missed = Find("missed");
+    if (missed == nullptr) return;
+    if (*missed != "fire" && *missed != "skip")
+      return Fail("missed", absl::StrCat("missed is \"", *missed, "\""), "write fire or skip");
+    if (knows_kind_ && spec_.is_level())
+      return Fail("missed", "missed has no effect on a time that lasts",
+                  "leave it out: whether it holds is looked at whenever the server runs");
+    spec_.fire_missed = *missed == "fire";
   }
 
   const TimeWords& words_;
-  TimeFault& fault_;
+  std::vector<TimeFault> faults_;
+  bool knows_kind_ = true;  // false: two words say it
   TimeSpec spec_;
 };
 
@@ -285,8 +294,15 @@ std::optional<absl::CivilDay> ParseDay(std::string_view text) {
   return out;
 }
 
-std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words, TimeFault* fault) {
-  return Reader(words, fault).Read();
+std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words, std::vector<TimeFault>* faults) {
+  Reader reader(words);
+  *faults = std::move(reader.faults());
+  return faults->empty() ? std::make_optional(reader.spec()) : std::nullopt;
+}
+
+std::optional<TimeSpec> ParseTimeSpec(const TimeWords& words) {
+  std::vector<TimeFault> faults;
+  return ParseTimeSpec(words, &faults);
 }
 
 std::string TimeIri(const TimeWords& words) {

@@ -142,10 +142,10 @@ class ClockLook {
   }
 
   void LookAtTrigger(const std::string& trigger) {
-    calendar::TimeFault fault;
-    const std::optional<calendar::TimeSpec> spec = calendar::ParseTimeSpec(WordsOf(trigger), &fault);
+    std::vector<calendar::TimeFault> faults;
+    const std::optional<calendar::TimeSpec> spec = calendar::ParseTimeSpec(WordsOf(trigger), &faults);
     if (!spec) {
-      Want(trigger, "timeFault", Term::Literal(fault.message));
+      Want(trigger, "timeFault", Term::Literal(faults.front().message));
     } else if (spec->is_level()) {
       Want(trigger, "timeHolds", Term::Boolean(spec->Holds(now_.wall_us)));
       LookAgain(false, spec->NextLook(now_.wall_us));

@@ -54,8 +54,7 @@ std::optional<TimeMicros> NextOf(const GraphReader& graph, const std::string& ir
   if (const std::string next = graph.Object(iri, DocentIri("nextOccurrence")); !next.empty())
     return MicrosOfDateTime(next);
   const auto words = calendar::WordsOfTimeIri(iri);
-  calendar::TimeFault fault;
-  const auto spec = words ? calendar::ParseTimeSpec(*words, &fault) : std::nullopt;
+  const auto spec = words ? calendar::ParseTimeSpec(*words) : std::nullopt;
   ReadTrace::NoteAnything();  // the time
   if (!spec || !spec->is_level() || spec->Holds(now_us)) return std::nullopt;
   TimeMicros at = now_us;

@@ -109,17 +109,10 @@ class TimeReader {
       const Text zone = reader_.Extension(*reader_.root(), "zone");
       if (zone.given()) words.emplace("zone", zone.value);
     }
-    calendar::TimeFault fault;
-    const std::optional<calendar::TimeSpec> spec = calendar::ParseTimeSpec(words, &fault);
-    if (!spec) {
-      const Text* at = Find(fault.word);
-      if (at == nullptr && fault.word == "zone") return;  // the root element's: CheckZone tells
-      const SourceSpan span = at != nullptr ? at->span : element_.name_span;
-      reader_.Error(span, fault.message,
-                    fault.right.empty() || at == nullptr ? xml::Advice(fault.hint)
-                                                         : xml::Advice(fault.hint, at->value, fault.right));
-      return;
-    }
+    std::vector<calendar::TimeFault> faults;
+    const std::optional<calendar::TimeSpec> spec = calendar::ParseTimeSpec(words, &faults);
+    for (const calendar::TimeFault& fault : faults) Tell(fault);
+    if (!spec) return;
     if (spec->is_steady() && reader_.root() != nullptr) {
       // Intervals are counted for each document by itself.
       std::string name = IriSegment(reader_.Attribute(*reader_.root(), "name").value);
@@ -129,6 +122,15 @@ class TimeReader {
     Add(TermWord(Term::Iri(calendar::TimeIri(words)), element_.name_span),
         spec->is_level() ? "timeHolds" : "occurs",
         spec->is_level() ? Constraint::Time::kLasts : Constraint::Time::kOccurs);
+  }
+
+  void Tell(const calendar::TimeFault& fault) {
+    const Text* at = Find(fault.word);
+    if (at == nullptr && fault.word == "zone") return;  // the root element's: CheckZone tells
+    const SourceSpan span = at != nullptr ? at->span : element_.name_span;
+    reader_.Error(span, fault.message,
+                  fault.right.empty() || at == nullptr ? xml::Advice(fault.hint)
+                                                       : xml::Advice(fault.hint, at->value, fault.right));
   }
 
   void Add(Word subject, std::string_view verb, Constraint::Time time) {
@@ -166,8 +168,7 @@ class TimeChecker {
           if (of_activator) continue;
           const std::optional<calendar::TimeWords> words =
               calendar::WordsOfTimeIri(constraint.subject.term.lexical);
-          calendar::TimeFault fault;
-          const auto spec = words ? calendar::ParseTimeSpec(*words, &fault) : std::nullopt;
+          const auto spec = words ? calendar::ParseTimeSpec(*words) : std::nullopt;
           if (spec && spec->is_steady()) {
             reader_.Error(constraint.subject.span, "the interval of a node's condition is not aligned",
                           "write after=\"…\" to wait so long in the node, or aligned=\"true\"");
@@ -213,8 +214,9 @@ void ReadTime(const xml::Element& element, xml::ElementReader* reader, Rule* rul
 }
 
 void CheckZone(const Text& zone, xml::ElementReader* reader) {
-  calendar::TimeFault fault;
-  if (!zone.given() || calendar::ParseTimeSpec({{"days", "Mon"}, {"zone", zone.value}}, &fault)) return;
+  std::vector<calendar::TimeFault> faults;
+  if (!zone.given() || calendar::ParseTimeSpec({{"days", "Mon"}, {"zone", zone.value}}, &faults)) return;
+  const calendar::TimeFault& fault = faults.front();
   reader->Error(
       zone.span, fault.message,
       fault.right.empty() ? xml::Advice(fault.hint) : xml::Advice(fault.hint, zone.value, fault.right));

@@ -20,16 +20,40 @@ std::string Utc(const std::optional<TimeMicros>& time) {
 }
 
 TimeSpec Spec(const TimeWords& words) {
-  TimeFault fault;
-  const std::optional<TimeSpec> spec = ParseTimeSpec(words, &fault);
-  EXPECT_TRUE(spec.has_value()) << fault.message;
+  std::vector<TimeFault> faults;
+  const std::optional<TimeSpec> spec = ParseTimeSpec(words, &faults);
+  EXPECT_TRUE(spec.has_value()) << faults.front().message;
   return spec.value_or(TimeSpec());
 }
 
 TimeFault FaultOf(const TimeWords& words) {
-  TimeFault fault;
-  EXPECT_FALSE(ParseTimeSpec(words, &fault).has_value()) << TimeIri(words);
-  return fault;
+  std::vector<TimeFault> faults;
+  EXPECT_FALSE(ParseTimeSpec(words, &faults).has_value()) << TimeIri(words);
+  return faults.empty() ? TimeFault() : faults.front();
+}
+
+// The words at fault, in order.
+std::vector<std::string> FaultyWords(const TimeWords& words) {
+  std::vector<TimeFault> faults;
+  ParseTimeSpec(words, &faults);
+  std::vector<std::string> out;
+  for (const TimeFault& fault : faults) out.push_back(fault.word);
+  return out;
+}
+
+TEST(TimeSpecTest, AllFaultsAreToldAtOnceAndNoneThatFollowsFromAnother) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(FaultyWords({{"between", "09:00-25:00"}, {"zone", "Europe/Zuerich"}}),
+            (Words{"between", "zone"}));
+  EXPECT_EQ(FaultyWords({{"days", "Mot-Fri"}, {"from", "2026-02-30"}, {"until", "soon"}}),
+            (Words{"days", "from", "until"}));
+  EXPECT_EQ(FaultyWords({{"at", "2026-13-01T10:00"}, {"days", "Mon"}, {"missed", "maybe"}}),
+            (Words{"at", "days", "missed"}));
+  EXPECT_EQ(FaultyWords({{"every", "7"}, {"aligned", "true"}}), Words{"every"});
+  EXPECT_EQ(FaultyWords({{"at", "25:00"}, {"missed", "fire"}}), Words{"at"}) << "it is no level";
+  EXPECT_EQ(FaultyWords({{"every", "7"}, {"days", "Mon"}}), (Words{"every", "days"}));
+  EXPECT_EQ(FaultyWords({{"between", "9-10"}, {"every", "5min"}, {"aligned", "true"}, {"zone", "Mars"}}),
+            (Words{"every", "zone"}));
 }
 
 TEST(TimeSpecTest, AWindowHoldsFromItsBeginToItsEnd) {
