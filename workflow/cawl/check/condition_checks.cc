@@ -1,4 +1,4 @@
-// Conditions that can never hold, or always hold. A condition is looked at in its disjunctive normal form: each alternative
+// Conditions that can never hold, or always hold, and facts that are told or withdrawn against the ontology. A condition is looked at in its disjunctive normal form: each alternative
 // is a conjunction, and what its parts need of one thing must go together.
 #include <algorithm>
 #include <memory>
@@ -115,9 +115,11 @@ class ConditionChecker {
     for (const Flow& flow : document_.flows) {
       const Scope flow_scope(cawl, flow);
       for (const Node& node : flow.nodes) {
-        if (!node.condition) continue;
         if (IsOver(cancellation)) return;
         const Scope scope(flow_scope, node);
+        for (const Action& action : node.actions) CheckFacts(action, scope);
+        if (node.hold) CanHold({{&*node.hold}, {}, {}}, scope, /*no_values=*/false);
+        if (!node.condition) continue;
         if (CanNeverHold(*node.condition, scope, /*no_values=*/false)) {
           Warn(node.name.span,
                Concat("node ", node.name.value, " can never open: no alternative of its condition can hold"),
@@ -181,6 +183,19 @@ class ConditionChecker {
            clash.of_declaration ? kTypeClash : kUnsatisfiable);
     }
     return can;
+  }
+
+  // What is told or withdrawn, against what the ontology says of its properties.
+  void CheckFacts(const Action& action, const Scope& scope) {
+    const bool tells = action.kind == Action::Kind::kTell;
+    if (schema_ == nullptr || (!tells && action.kind != Action::Kind::kWithdraw)) return;
+    ClassNeeds needs(*schema_, scope, names_);
+    for (const Constraint& fact : action.facts) {
+      (void)ObjectCanHold(fact);
+      if (tells) needs.Add(fact);
+    }
+    for (const NeedClash& clash : needs.Clashes())
+      Warn(clash.span, clash.message, "no such thing can exist; correct what is told", kTypeClash);
   }
 
   // What can't hold is always absent, which is not what is meant: it is told, and the alternative can hold.

@@ -22,7 +22,7 @@ inline bool IsOver(Cancellation* cancellation) {
 }
 
 // Conditions that can never hold or always hold, activators that can never rise, values and types that do not go
-// together. `environment` null: what needs an ontology is left out.
+// together, in conditions and in what is told and withdrawn. `environment` null: what needs an ontology is left out.
 void CheckConditions(const Document& document, const Environment* environment, xml::ElementReader* reader,
                      Cancellation* cancellation);
 
