@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 
 namespace docent {
@@ -93,6 +94,16 @@ size_t EditDistance(std::string_view a, std::string_view b) {
     }
   }
   return row[b.size()];
+}
+
+// Nobody writes a digit for a letter by mistake: names with other letters have the same digits.
+bool MayBeSlip(std::string_view a, std::string_view b) {
+  const auto only = [](std::string_view text, bool digits) {
+    std::string out(text);
+    std::erase_if(out, [digits](char c) { return absl::ascii_isdigit(c) != digits; });
+    return out;
+  };
+  return only(a, true) == only(b, true) || only(a, false) == only(b, false);
 }
 
 }  // namespace
@@ -201,6 +212,7 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
   for (const std::string& candidate : candidates) {
     if (candidate.size() > word.size() + best_distance || word.size() > candidate.size() + best_distance)
       continue;
+    if (!MayBeSlip(word, candidate)) continue;
     size_t distance = EditDistance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;

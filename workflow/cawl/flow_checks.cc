@@ -32,6 +32,12 @@ class FlowChecker {
   }
 
  private:
+  // Whether they are followed in the same cases.
+  static bool SameKind(const Link& a, const Link& b) {
+    return a.on_failure == b.on_failure && a.on_interrupt == b.on_interrupt &&
+           a.while_text.value == b.while_text.value;
+  }
+
   void CheckLink(const Link& link) {
     if (link.from.empty() || link.to.empty()) return;
     bool good =
@@ -39,9 +45,15 @@ class FlowChecker {
     good = End(link.to, flow_.sink.value, flow_.source.value, "to", "the source: nothing comes before it") &&
            good;
     if (!good) return;
-    if (!seen_.insert({link.from.value, link.to.value}).second) {
-      reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value))
-          .fix = {reader_.Removal(link.span)};
+    const auto [first, is_new] = seen_.try_emplace({link.from.value, link.to.value}, &link);
+    if (!is_new) {
+      const bool same = SameKind(*first->second, link);
+      Diagnostic& report = reader_.Error(
+          link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value),
+          same ? "leave it out"
+               : Concat("give this case a node of its own, which needs no invoke: a link from ",
+                        link.from.value, " to it, and one from it to ", link.to.value));
+      if (same) report.fix = {reader_.Removal(link.span)};
       return;
     }
     if (link.from.value == flow_.source.value &&
@@ -166,7 +178,7 @@ class FlowChecker {
   const Flow& flow_;
   xml::ElementReader& reader_;
   std::set<std::string> nodes_, with_hold_;  // with_hold_: those with ext:while-holds
-  std::set<std::pair<std::string, std::string>> seen_;
+  std::map<std::pair<std::string, std::string>, const Link*> seen_;
   LinkGraph all_, back_, forward_;  // forward_: without `while` links
 };
 

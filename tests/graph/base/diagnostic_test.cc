@@ -56,6 +56,10 @@ TEST(DiagnosticTest, NearestWord) {
   EXPECT_EQ(Nearest("isat", words), "isAt");
   EXPECT_EQ(Nearest("headings", words), "heading");
   EXPECT_EQ(Nearest("colour", words), "");
+  EXPECT_EQ(Nearest("Ev1", {"Eve"}), "") << "a digit is no slip for a letter";
+  EXPECT_EQ(Nearest("Rogion1", {"Region1"}), "Region1");
+  EXPECT_EQ(Nearest("Hall3", {"Hall03"}), "Hall03");
+  EXPECT_EQ(Nearest("usr", {"user"}), "user");
 }
 
 TEST(DiagnosticTest, WhatIsNoTextIsShownAsReplacementCharacters) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "graph/base/text.h"
+#include "graph/rdf/iri_names.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/function_registry.h"
 #include "workflow/cawl/check/static_checks.h"
@@ -30,7 +31,10 @@ class EnvironmentChecker {
       : document_(document),
         environment_(environment),
         reader_(*reader),
-        operations_(environment.OperationNames()) {}
+        names_(IriNames::WellKnown()),
+        operations_(environment.OperationNames()) {
+    for (const auto& [prefix, iri] : document.prefixes) names_.Add(prefix, iri);
+  }
 
   void Check(Cancellation* cancellation) {
     for (const ServiceProvider& provider : document_.providers) {
@@ -129,12 +133,12 @@ class EnvironmentChecker {
         reader_.full(Diagnostic::Severity::kWarning))
       return;
     std::vector<std::string> shown;
-    for (const std::string& iri : offered.classes) shown.push_back(ToDisplay(Term::Iri(iri)));
+    for (const std::string& iri : offered.classes) shown.push_back(names_.Iri(iri));
     const std::string known = shown.empty() ? "no robot describes what class its operations are of"
                                             : Concat("there are: ", xml::ListOf(shown));
     reader_
         .Warning(invoke.operation.span,
-                 Concat("no robot offers an operation of class ", ToDisplay(Term::Iri(wanted)), " now"),
+                 Concat("no robot offers an operation of class ", names_.Iri(wanted), " now"),
                  Concat("an invoke of it waits until a robot joins that offers one; ", known))
         .rule = kUnknownOperation;
   }
@@ -331,15 +335,17 @@ class EnvironmentChecker {
     size_t cut = NamespaceOf(iri).size();
     std::vector<std::string> locals;
     for (const std::string& k : known) locals.push_back(k.substr(cut));
-    reader_
-        .Warning(span, Concat("the ontology has no ", kind, " ", ToDisplay(Term::Iri(iri))),
-                 reader_.DidYouMean(iri.substr(cut), locals, otherwise_))
-        .rule = kUndefinedTerm;
+    xml::Advice advice = reader_.DidYouMean(iri.substr(cut), locals, otherwise_);
+    if (!advice.right.empty())
+      advice.hint = Concat("did you mean ", names_.Iri(Concat(NamespaceOf(iri), advice.right)), "?");
+    reader_.Warning(span, Concat("the ontology has no ", kind, " ", names_.Iri(iri)), advice).rule =
+        kUndefinedTerm;
   }
 
   const Document& document_;
   const Environment& environment_;
   xml::ElementReader& reader_;
+  IriNames names_;
   std::vector<std::string> operations_;
   std::optional<std::set<std::string>> services_;
   std::optional<Offered> offered_;
