@@ -32,6 +32,15 @@ CompiledAsk Written(AskWriter writer, std::string name, int priority) {
   return out;
 }
 
+absl::StatusOr<CompiledAsk> Compile(const Document& document, const std::vector<Conjunction>& alternatives,
+                                    const VariableValues& values, const Limits& limits, std::string name,
+                                    int priority) {
+  AskWriter writer(document, values, limits);
+  absl::Status status = writer.Write(alternatives);
+  if (!status.ok()) return status;
+  return Written(std::move(writer), std::move(name), priority);
+}
+
 absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula,
                                     const VariableValues& values, const Limits& limits, std::string name,
                                     int priority, Events events = Events::kAsked) {
@@ -45,23 +54,30 @@ absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& for
       });
     }
   }
-  AskWriter writer(document, values, limits);
-  absl::Status status = writer.Write(*alternatives);
-  if (!status.ok()) return status;
-  return Written(std::move(writer), std::move(name), priority);
+  return Compile(document, *alternatives, values, limits, std::move(name), priority);
 }
 
 std::string NameOr(const Text& name, std::string otherwise) {
   return name.empty() ? otherwise : name.value;
 }
 
-// The rules of `context` that must have held for some time become parts of `ask`, and its text says so.
-absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values,
-                        const Limits& limits, CompiledAsk* ask) {
+// Comment lines about the times of `context` that its text does not ask for.
+std::string NotesOn(const Context& context) {
   std::string notes;
   for (size_t i = 0; i < context.rules.size(); ++i) {
     const Rule& rule = context.rules[i];
     if (rule.after_ms) absl::StrAppend(&notes, "# after ", rule.after_text.value, " in the node\n");
+    if (!rule.at_least_ms) continue;
+    absl::StrAppend(&notes, "# ", absl::StrCat("rule ", NameOr(rule.name, absl::StrCat(i + 1))),
+                    ": for at least ", rule.for_text.value, "\n");
+  }
+  return notes;
+}
+
+// The rules of `context` that must have held for some time become parts of `ask`, and its text says so.
+absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values,
+                        const Limits& limits, CompiledAsk* ask) {
+  for (const Rule& rule : context.rules) {
     if (!rule.at_least_ms) continue;
     absl::StatusOr<CompiledAsk> part = Compile(document, FormulaOf(rule), values, limits, "", 0);
     if (!part.ok()) return part.status();
@@ -71,11 +87,17 @@ absl::Status AddLasting(const Document& document, const Context& context, const 
                  std::back_inserter(lasting.variables),
                  [&bound](const std::string& name) { return bound.contains(name); });
     ask->lasting.push_back(std::move(lasting));
-    absl::StrAppend(&notes, "# ", absl::StrCat("rule ", NameOr(rule.name, absl::StrCat(i + 1))),
-                    ": for at least ", rule.for_text.value, "\n");
   }
-  ask->ask = notes + ask->ask;
+  ask->ask = NotesOn(context) + ask->ask;
   return absl::OkStatus();
+}
+
+std::vector<const Context*> ByPriority(const Condition& condition) {
+  std::vector<const Context*> contexts;
+  for (const Context& context : condition.contexts) contexts.push_back(&context);
+  std::stable_sort(contexts.begin(), contexts.end(),
+                   [](const Context* a, const Context* b) { return a->priority < b->priority; });
+  return contexts;
 }
 
 absl::Status Parse(const std::string& text, const Limits& limits, std::shared_ptr<const sparql::Query>* out) {
@@ -118,11 +140,7 @@ absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& docume
     if (!status.ok()) return status;
     return out;
   }
-  std::vector<const Context*> contexts;
-  for (const Context& context : condition.contexts) contexts.push_back(&context);
-  std::stable_sort(contexts.begin(), contexts.end(),
-                   [](const Context* a, const Context* b) { return a->priority < b->priority; });
-  for (const Context* context : contexts) {
+  for (const Context* context : ByPriority(condition)) {
     const SourceSpan place = PlaceOf(context->name, context->span);
     absl::Status status =
         add(FormulaOf(*context), NameOr(context->name, absl::StrCat("context ", out.size() + 1)),
@@ -145,6 +163,32 @@ absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Co
   formula.kind = Formula::Kind::kConstraint;
   formula.constraint = &constraint;
   return Compile(document, formula, values, limits, NameOr(constraint.name, "while"), 0);
+}
+
+std::vector<Alternative> AlternativesOf(const Condition& condition) {
+  std::vector<Alternative> out;
+  size_t ask = 0;
+  const auto add = [&](const Formula& formula, const Context* context) {
+    absl::StatusOr<std::vector<Conjunction>> parts = ToAlternatives(formula);
+    if (parts.ok()) {
+      for (Conjunction& part : *parts) out.push_back({ask, context, std::move(part)});
+    }
+    ++ask;
+  };
+  if (condition.expression) {
+    add(FormulaOf(condition), nullptr);
+    return out;
+  }
+  for (const Context* context : ByPriority(condition)) add(FormulaOf(*context), context);
+  for (const Case& c : condition.cases) add(FormulaOf(c), nullptr);
+  return out;
+}
+
+absl::StatusOr<CompiledAsk> CompileAlternative(const Document& document, const Alternative& alternative,
+                                               const VariableValues& values, const Limits& limits) {
+  absl::StatusOr<CompiledAsk> ask = Compile(document, {alternative.parts}, values, limits, "", 0);
+  if (ask.ok() && alternative.context != nullptr) ask->ask = NotesOn(*alternative.context) + ask->ask;
+  return ask;
 }
 
 absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask) {

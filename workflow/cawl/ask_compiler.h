@@ -25,6 +25,7 @@
 #include "graph/base/limits.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "workflow/cawl/ast.h"
+#include "workflow/cawl/formula.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::cawl {
@@ -79,6 +80,18 @@ absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& docume
 // The ASK of one constraint (ext:while).
 absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Constraint& constraint,
                                               const VariableValues& values, const Limits& limits);
+
+// One way in which a condition may hold: an ASK whose condition has an `or` has several.
+struct Alternative {
+  size_t ask = 0;                    // its place among those of CompileCondition
+  const Context* context = nullptr;  // whose ext:for and <ext:time after="…"/> count; null: none do
+  Conjunction parts;
+};
+// In the order in which they are written; none: the condition holds at once, or is beyond a limit.
+std::vector<Alternative> AlternativesOf(const Condition& condition);
+// The ASK of that alternative alone.
+absl::StatusOr<CompiledAsk> CompileAlternative(const Document& document, const Alternative& alternative,
+                                               const VariableValues& values, const Limits& limits);
 
 // Sets the queries of what was compiled. INVALID_ARGUMENT: SPARQL does not take a text; what is armed must not come to
 // that. Apart from compiling, because most texts are compared and thrown away.

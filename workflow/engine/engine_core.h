@@ -236,6 +236,10 @@ struct Engine::Core {
   // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
   rsel::PlanPtr PlanOf(const std::string& operation) const;
 
+  // What keeps the robot from the runs of `root` now, for people: "is held by run Tour-1", "is reserved …".
+  std::vector<std::string> WhatKeeps(const RobotId& robot, const RunId& root) const;
+  // The same from any run that would begin the plan: "is offline", "is out of service: brush", "does not offer grip".
+  std::vector<std::string> WhatKeeps(const RobotId& robot, const rsel::Plan& plan) const;
   // How many runs a run is nested in as a subflow.
   int DepthOf(const Run& run) const;
   // Whether the run, or one that it is nested in, is of the flow, in whatever version of its document.

@@ -397,6 +397,12 @@ void AddedIn13(Archive& a, Packed& p) {
   for (auto& [name, deployment] : p.deployments) a(deployment.names);
 }
 
+// What came to format 13 later.
+template <class Archive>
+void AddedLaterIn13(Archive& a, Packed& p) {
+  for (PackedRun& run : p.runs) a(run.run.not_compensated, run.run.told_for_good);
+}
+
 }  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_PACKED_STATE_H_

@@ -403,8 +403,14 @@ absl::Status RunStepper::Tell(size_t index, const cawl::Action& action) {
   core_.Say(Subject(index), "running", "running",
             Summary("told", facts.size(), facts.empty() ? nullptr : &facts.front().first));
   for (auto& [fact, continues] : facts) Write(true, std::move(fact), &action, Subject(index), continues);
+  if (!facts.empty() && !action.until_run_ends) NoteTold(index, action);
   if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
+}
+
+// What is done at="failure" is of the failure: it is not to be undone with the run.
+void RunStepper::NoteTold(size_t index, const cawl::Action& action) {
+  if (action.when != cawl::Action::When::kFailure) run_.told_for_good.insert(flow_.nodes[index].name.value);
 }
 
 void RunStepper::Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by,
@@ -440,6 +446,7 @@ absl::Status RunStepper::Withdraw(size_t index, const cawl::Action& action) {
     absl::StrAppend(&said, ": what matches was told by others, and source=\"any\" would take it away");
   core_.Say(Subject(index), "running", "running", std::move(said));
   for (TermQuad& fact : facts) Write(false, std::move(fact), &action);
+  if (!facts.empty()) NoteTold(index, action);
   if (!facts.empty() && action.when == cawl::Action::When::kOpen) WritesAtOpen(index);
   return absl::OkStatus();
 }

@@ -170,18 +170,9 @@ bool RunStepper::CheckOverdue(size_t node, size_t index) {
       InvocationFailed(node, index, absl::StrCat("timed out: ", ToAbsl(kAttemptNotEnded)));
       return true;
     }
-    const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
-    const std::string within =
-        invoke.timeout_ms ? absl::StrCat(" within ", TimeText(*invoke.timeout_ms)) : "";
-    const std::string what = invocation.state == WorkState::kPending ? "no robot became free for it"
-                             : !invocation.child.empty()
-                                 ? absl::StrCat("subflow ", invocation.child.value(), " was not done", within)
-                             : invocation.step.empty()
-                                 ? absl::StrCat(invoke.operation.value, " was not done", within)
-                                 : invocation.step;
-    InvocationFailed(
-        node, index,
-        absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));
+    const std::optional<int64_t>& given = flow_.nodes[node].invokes[invocation.invoke].timeout_ms;
+    const std::string within = given ? absl::StrCat(" within ", TimeText(*given)) : "";
+    InvocationFailed(node, index, absl::StrCat("timed out: ", NotDone(node, index, within)));
     return true;
   }
   if (!invocation.overdue.empty()) return false;

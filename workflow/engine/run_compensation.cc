@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -56,6 +57,20 @@ std::optional<DoneStep> StepOf(const std::string& place, const std::string& oper
   return step;
 }
 
+// Names of nodes that are told at most.
+constexpr size_t kNodesShown = 5;
+
+// "Grip, Look: no ext:compensate"
+void AddStaying(const std::set<std::string>& nodes, const char* why, std::vector<std::string>* not_undone) {
+  if (nodes.empty()) return;
+  std::vector<std::string> names(nodes.begin(), nodes.end());
+  if (names.size() > kNodesShown) {
+    names.resize(kNodesShown);
+    names.push_back(absl::StrCat(nodes.size() - kNodesShown, " more"));
+  }
+  not_undone->push_back(absl::StrCat(absl::StrJoin(names, ", "), ": ", why));
+}
+
 }  // namespace
 
 bool IsPartlyDone(const InvocationState& invocation) {
@@ -73,8 +88,15 @@ bool IsPartlyDone(const InvocationState& invocation) {
 // `late_only`: only the latter.
 void RunStepper::NoteDone(size_t index, bool late_only) {
   const cawl::Node& syntax = flow_.nodes[index];
-  if (syntax.compensate.value.empty() || syntax.invokes.empty()) return;
   const std::span<InvocationState> all = run_.nodes[index].invocations;
+  if (syntax.compensate.value.empty() || syntax.invokes.empty()) {
+    const bool did_something = std::any_of(all.begin(), all.end(), [&](const InvocationState& invocation) {
+      return !syntax.invokes[invocation.invoke].operation.value.empty() &&
+             (IsPartlyDone(invocation) || invocation.unknown);
+    });
+    if (did_something) run_.not_compensated.insert(syntax.name.value);
+    return;
+  }
   for (size_t first = 0; first + syntax.invokes.size() <= all.size(); first += syntax.invokes.size()) {
     const std::span<InvocationState> of_one = all.subspan(first, syntax.invokes.size());
     if (std::any_of(of_one.begin(), of_one.end(), IsLate)) {
@@ -192,6 +214,13 @@ void RunStepper::TakeDoneSteps(const RunId& id) {
     step.place = absl::StrCat(id.value(), "/", step.place);
     run_.late_steps.push_back(std::move(step));
   }
+  if (child->parent_node >= flow_.nodes.size()) return;  // it undid something
+  const cawl::Node& caller = flow_.nodes[child->parent_node];
+  for (const std::string& node : child->told_for_good)
+    run_.told_for_good.insert(absl::StrCat(caller.name.value, "/", node));
+  if (!caller.compensate.value.empty()) return;
+  for (const std::string& node : child->not_compensated)
+    run_.not_compensated.insert(absl::StrCat(caller.name.value, "/", node));
 }
 
 // This run has those of the runs that are nested in it, which keep none.
@@ -283,6 +312,10 @@ std::string RunStepper::EndUndoing(const std::string& reason) {
   std::move(undoing.left.begin(), undoing.left.end(), std::back_inserter(run_.done_steps));
   for (const LateStep& late : run_.late_steps)
     not_undone.push_back(absl::StrCat(Shown(late.place, late.operation), ": how it ends is not known yet"));
+  if (undoing.undid || !not_undone.empty()) {
+    AddStaying(run_.not_compensated, "no ext:compensate", &not_undone);
+    AddStaying(run_.told_for_good, "what was told, withdrawn or notified stays so", &not_undone);
+  }
   if (!not_undone.empty()) return absl::StrCat(reason, "; not undone: ", absl::StrJoin(not_undone, "; "));
   return undoing.undid ? absl::StrCat(reason, "; what it did was undone") : reason;
 }

@@ -16,12 +16,6 @@
 namespace docent::engine {
 namespace {
 
-std::string ShowBinding(const TermBinding& binding) {
-  return absl::StrJoin(binding, ", ", [](std::string* out, const auto& pair) {
-    absl::StrAppend(out, pair.first, " = ", ToDisplay(pair.second));
-  });
-}
-
 std::string KeyOf(const TermBinding& match, const std::vector<std::string>& names) {
   std::string key;
   for (const std::string& name : names) {
@@ -38,6 +32,12 @@ constexpr size_t kWritesCompared = 64;
 constexpr size_t kAskAtOnce = 64;
 
 }  // namespace
+
+std::string ShowBinding(const TermBinding& binding) {
+  return absl::StrJoin(binding, ", ", [](std::string* out, const auto& pair) {
+    absl::StrAppend(out, pair.first, " = ", ToDisplay(pair.second));
+  });
+}
 
 // Those that do not open the node now wait: for a robot that can take them, or until they are gone.
 void RunStepper::TakeEvents(ArmedCondition* armed) {

@@ -59,6 +59,7 @@ absl::Status RunStepper::Notify(size_t index, const cawl::Action& action) {
   }
   for (Notification& one : all) {
     core_.Say(Subject(index), "running", "running", absl::StrCat("notifies ", one.target));
+    NoteTold(index, action);
     core_.undo_outbox.try_emplace(one.id, std::nullopt);
     core_.outbox[one.id] = {one, run_.id, index};
     if (action.waits) node.actions.awaited.insert(one.id);

@@ -146,14 +146,24 @@ void RunStepper::ArmNode(size_t index) {
       return NodeFailed(index, std::string(status.message()));
   }
   DisarmNode(index);
-  node.waits_for.clear();
+  node.waits_for = WaitsForText(index);
   for (cawl::CompiledAsk& ask : *asks) {
-    if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
-    node.waits_for += ask.ask;
     const std::vector<std::string> keys = NodeKeys(ask, flow_.nodes[index].holds_condition);
     ConditionHandle handle = core_.Arm(ask, keys, {run_.id, index, ""});
     node.armed.push_back(Armed(handle, std::move(ask)));
   }
+}
+
+// What its condition needs, an ASK for each alternative: those of an `or` are armed as one.
+std::string RunStepper::WaitsForText(size_t index) const {
+  std::vector<std::string> texts;
+  for (const cawl::Alternative& alternative : cawl::AlternativesOf(*flow_.nodes[index].condition)) {
+    auto ask = cawl::CompileAlternative(
+        *run_.document, alternative, [this](const std::string& name) { return Value(name, nullptr); },
+        core_.limits);
+    if (ask.ok()) texts.push_back(std::move(ask->ask));
+  }
+  return absl::StrJoin(texts, "\n# or\n");
 }
 
 void RunStepper::DisarmNode(size_t index) {
@@ -338,30 +348,11 @@ void RunStepper::CancelNode(size_t index, const std::string& reason) {
   SetNode(index, WorkState::kCancelled, reason);
 }
 
-namespace {
-
-// Of what the node does now, why an attempt before failed.
-std::string LastFailure(const NodeState& node) {
-  for (const InvocationState& invocation : node.invocations) {
-    if (!IsFinal(invocation.state) && !invocation.failure.empty())
-      return absl::StrCat("; the attempt before failed: ", invocation.failure);
-  }
-  return "";
-}
-
-}  // namespace
-
 bool RunStepper::CheckDeadlines(size_t index) {
   NodeState& node = run_.nodes[index];
   TimeMicros now = core_.input->now_us;
   if (!run_.paused() && node.deadline_us && *node.deadline_us <= now) {
-    const cawl::Node& syntax = flow_.nodes[index];
-    NodeFailed(index, node.state == WorkState::kWaiting
-                          ? absl::StrCat("its condition did not hold within ",
-                                         TimeText(syntax.condition->timeout_ms.value_or(0)),
-                                         Lacks(*syntax.condition))
-                          : absl::StrCat("it was not done within ", TimeText(syntax.timeout_ms.value_or(0)),
-                                         LastFailure(node)));
+    NodeFailed(index, node.state == WorkState::kWaiting ? NotOpened(index) : NotDone(index));
     return true;
   }
   for (size_t i = 0; i < node.invocations.size(); ++i) {

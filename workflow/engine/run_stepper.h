@@ -18,6 +18,9 @@ namespace docent::engine {
 // "90 s", "2 min", "1500 ms": a time of a document, for people.
 std::string TimeText(int64_t ms);
 
+// "place = <urn:x>, robot = <urn:r1>", for people.
+std::string ShowBinding(const TermBinding& binding);
+
 // Solutions looked at to find one whose robot is free.
 inline constexpr size_t kSolutionLimit = 1000;
 // Of a node with forEach: one more than it can have, so that it fails.
@@ -84,6 +87,7 @@ class RunStepper {
   bool HasCondition(size_t index) const;
   void AwaitCondition(size_t index);
   void ArmNode(size_t index);
+  std::string WaitsForText(size_t index) const;
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
   std::optional<TimeMicros> OpensAt(size_t index, size_t alternative) const;
@@ -96,7 +100,6 @@ class RunStepper {
   void NodeImpossible(size_t index, const absl::Status& why);
   void CancelNode(size_t index, const std::string& reason);
   bool CheckDeadlines(size_t index);
-  std::string Lacks(const cawl::Condition& condition) const;  // run_lacks.cc
   bool HasToGoOnLater() const;
   void GoOnLater();
   bool HasEntered() const;
@@ -104,6 +107,15 @@ class RunStepper {
   bool CheckEnd();
   void SetVariables(const TermBinding& binding);
   void RearmWaiting(const std::set<std::string>& changed);
+
+  // run_lacks.cc: why a time was over, for people
+  std::string Lacks(size_t index, const std::vector<bool>& held) const;
+  // Of a node whose condition did not open it.
+  std::string NotOpened(size_t index) const;
+  std::string RobotsKept(size_t node, size_t invocation) const;
+  // Of an invocation, and of a node with all of its invocations that have not ended.
+  std::string NotDone(size_t node, size_t invocation, const std::string& within) const;
+  std::string NotDone(size_t index) const;
 
   // run_matches.cc: the matches that open a node, and their robots
   void TakeEvents(ArmedCondition* armed);
@@ -175,6 +187,7 @@ class RunStepper {
   absl::StatusOr<std::vector<TermQuad>> ToldFacts(const cawl::Constraint& fact,
                                                   const absl::StatusOr<FactPattern>& wanted,
                                                   bool* of_others) const;
+  void NoteTold(size_t index, const cawl::Action& action);
   // `by`: Subject of the node that tells it.
   // `continues`: it belongs to the same telling as the one before.
   void Write(bool tells, TermQuad fact, const cawl::Action* action, std::string by = "",

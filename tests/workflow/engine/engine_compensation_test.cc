@@ -390,7 +390,7 @@ TEST_F(EngineCompensationTest, WhatALoopEndedIsUndoneIfItSucceeds) {
     Turn({Done(commands_[0].id)});
   }
   EXPECT_THAT(undone, ElementsAre("undoC", "undoC"));
-  EXPECT_EQ(Run("reason"), "node J: 1/1 bad: stuck; what it did was undone");
+  EXPECT_EQ(Run("reason"), "node J: 1/1 bad: stuck; not undone: B: no ext:compensate");
 }
 
 TEST_F(EngineCompensationTest, WhatWasDoneAfterItsTimeIsUndone) {
@@ -556,6 +556,36 @@ TEST_F(EngineCompensationTest, TheUndoingOfASubflowGoesOnInItsParent) {
   Turn({Report(undo, Outcome::kCancelled)});
   Does("undoA");
   EXPECT_THAT(Run("reason"), HasSubstr("B (undoB): it was cancelled"));
+}
+
+TEST_F(EngineCompensationTest, WhatHasNothingThatUndoesItIsNamed) {
+  Deploy(Flow(Undoable("A") + Node("B", "", "<invoke operation=\"doB\"/>") +
+              Node("C", "", "<invoke operation=\"doC\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "B") + Link("B", "C") + Link("C", "t")));
+  const CommandId third = RunAfter(2);
+  Restart();
+  Turn({Failed(third, "stuck")});
+  Does("undoA");
+  EXPECT_EQ(Run("reason"), "node C: 1/1 doC: stuck; not undone: B: no ext:compensate");
+}
+
+TEST_F(EngineCompensationTest, SoItIsOfASubFlowThatHasEnded) {
+  Deploy(Flow(Undoable("A") + Node("Call", "", "<invoke subflow=\"G\"/>") +
+              Node("C", "", "<invoke operation=\"doC\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "Call") + Link("Call", "C") + Link("C", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"doB\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  const CommandId last = RunAfter(2);
+  Turn({Failed(last, "stuck")});
+  Does("undoA");
+  EXPECT_EQ(Run("reason"), "node C: 1/1 doC: stuck; not undone: Call/B: no ext:compensate");
+}
+
+TEST_F(EngineCompensationTest, ARunWithoutCompensationSaysNothingOfIt) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"doA\"/>") + Node("C", "", "<invoke operation=\"doC\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "C") + Link("C", "t")));
+  Turn({Failed(RunAfter(1), "stuck")});
+  EXPECT_EQ(Run("reason"), "node C: 1/1 doC: stuck");
 }
 
 }  // namespace

@@ -137,6 +137,43 @@ TEST_F(EngineTest, AStepThatFindsNoRobotInTimeSaysSo) {
   EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("timed out: no robot became free for it"));
 }
 
+// The time of the invoke, or of its node.
+TEST_F(EngineTest, ATimeThatIsOverNamesTheRobotsThatCouldNotBegin) {
+  robots_.offers.push_back({RobotId("urn:r2"), "i1", false, true});
+  robots_.offers.push_back({RobotId("urn:r3"), "i1", false, false});
+  robots_.offers[2].out_of_service = "is out of service: smoke";
+  const std::string time = " ext:timeout=\"3s\"";
+  const auto second_of = [&](const std::string& of_node, const std::string& of_invoke, int run) {
+    Deploy(Flow("<node name=\"A\"" + of_node + "><invoke operation=\"a\"" + of_invoke +
+                "/></node><sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+    Start();
+    const CommandId first = commands_[0].id;
+    Start();
+    now_us_ += 3000000;
+    Turn();
+    Turn({Failed(first, "stopped")});
+    return Fact(absl::StrCat("urn:docent:run:F-", run), "reason");
+  };
+  EXPECT_EQ(
+      second_of("", time, 2),
+      "node A: timed out: no robot became free for it within 3 s: <urn:r1> is held by run F-1; <urn:r2> "
+      "is offline; <urn:r3> is out of service: smoke");
+  EXPECT_EQ(
+      second_of(time, "", 4),
+      "node A: it was not done within 3 s: a: no robot became free for it: <urn:r1> is held by run F-3; "
+      "<urn:r2> is offline; <urn:r3> is out of service: smoke");
+}
+
+TEST_F(EngineTest, ATimeThatIsOverNamesTheStepThatHangs) {
+  Deploy(Flow("<node name=\"A\" ext:timeout=\"3s\"><invoke operation=\"a\"/></node><sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
+  Start();
+  now_us_ += 3000000;
+  Turn();
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"),
+              HasSubstr("it was not done within 3 s: a on <urn:r1>: 1/1 a"));
+}
+
 TEST_F(EngineTest, AConditionThatNeverHoldsTimesOut) {
   std::string condition = Condition("one");
   condition.replace(condition.find("<condition>"), 11, "<condition ext:timeout=\"5s\">");

@@ -244,6 +244,9 @@ struct Run {
   std::optional<Undoing> undoing;  // no node of its flow goes on any more
 
   FlowGraphPtr graph;  // of its flow; null until it is first needed
+  // Nodes of which something stays when the run is undone, those of sub-flows that have ended as "Call/Grip": they invoked something
+  // and have no ext:compensate; they told, withdrew or notified something for longer than the run.
+  std::set<std::string> not_compensated, told_for_good;
   size_t counted = 0;  // its part of the engine's nodes_live
   RunId root;          // the outermost run that it is nested in, or itself
   // Of the outermost run; they follow from its document.
