@@ -153,7 +153,7 @@ class WaitCollector {
                         ? Concat("its condition holds: ", OneLine(ask))
                         : Concat("a fact: ", answer.missing, answer.remarks.empty() ? "" : " (",
                                  answer.remarks, answer.remarks.empty() ? "" : ")"));
-      } else if (answer.robot.empty() && absl::StrContains(ask, DocentIri("Event"))) {
+      } else if (answer.robots.empty() && absl::StrContains(ask, DocentIri("Event"))) {
         AddNextTime(ask, New(place, node, "fact"), "an event that is told from now on");
       } else if (run.paused()) {
         New(place, node, "time")->set_detail("its condition holds, and opens it when its run is resumed");
@@ -161,8 +161,9 @@ class WaitCollector {
         v1::Wait* wait = New(place, node, "time");
         wait->set_until_us(time->at_us);
         wait->set_detail(time->text);
-      } else if (!answer.robot.empty()) {
-        AddRobot(place, node, answer.robot, "its condition holds with this robot");
+      } else if (!answer.robots.empty()) {
+        for (const std::string& robot : answer.robots)
+          AddRobot(place, node, robot, "its condition holds with this robot");
       } else {
         New(place, node, "time")->set_detail(NotYetForLong(ask));
       }

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "docent/v1/workflows.pb.h"
 #include "graph/store/graph_reader.h"
@@ -17,7 +18,7 @@ struct ConditionAnswer {
   bool holds = false;
   std::string missing;  // a pattern without a match, in N-Triples with ?variables; empty: not known
   std::string remarks;  // what else is to be known of that: "now 0.1; where (?b > 0.2)"
-  std::string robot;    // it holds: IRI of ?robot in the first match; empty: it has none
+  std::vector<std::string> robots;  // it holds: IRIs of ?robot in its matches; none: it has no ?robot
 };
 using AskCondition = std::function<ConditionAnswer(const std::string& ask)>;
 

@@ -25,6 +25,8 @@ namespace {
 
 // Number of conditions of one run in which what is missing is looked for; of the others only that they do not hold is told.
 constexpr int kMostConditions = 20;
+// Number of robots that are named for one condition.
+constexpr size_t kMostRobots = 50;
 
 class ConditionAsker {
  public:
@@ -64,12 +66,13 @@ class ConditionAsker {
       answer.remarks = explain::RemarksText(repair, {});
       return answer;
     }
-    auto proof = (*explainer)->WhyAsk(parsed.query);
-    if (!proof.ok()) ReadTrace::NoteAnything();
-    if (!proof.ok() || !*proof) return answer;
-    for (const auto& [name, value] : (*proof)->bindings) {
-      if (name == "robot" && value.IsIri()) answer.robot = value.lexical;
+    auto robots = (*explainer)->ValuesOf(parsed.query, "robot", kMostRobots);
+    if (!robots.ok()) ReadTrace::NoteAnything();
+    if (!robots.ok()) return answer;
+    for (const Term& robot : *robots) {
+      if (robot.IsIri()) answer.robots.push_back(robot.lexical);
     }
+    std::sort(answer.robots.begin(), answer.robots.end());
     return answer;
   }
 

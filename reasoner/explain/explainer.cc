@@ -117,6 +117,29 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
       "the condition holds, but its facts were not found within explain_steps");
 }
 
+absl::StatusOr<std::vector<Term>> Explainer::ValuesOf(const sparql::Query& ask, std::string_view variable,
+                                                      size_t most) {
+  auto clauses = ToClauses(matching::WithoutModifiers(*ask.algebra), dictionary_, default_graph_);
+  if (!clauses.ok()) return clauses.status();
+  Solver solver(*settings_.version, dictionary_, settings_.functions, run_,
+                settings_.explain_limits.explain_steps);
+  std::vector<Term> values;
+  for (const Clause& clause : *clauses) {
+    const auto named = std::find(clause.written.begin(), clause.written.end(), variable);
+    if (named == clause.written.end()) continue;
+    const size_t at = static_cast<size_t>(named - clause.written.begin());
+    absl::Status status = solver.Solve(clause, {}, SolveOptions(), [&](const Solution& solution) {
+      if (solution.row.values[at].IsNone()) return true;
+      Term value = dictionary_.Decode(solution.row.values[at]);
+      if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(std::move(value));
+      return values.size() < most;
+    });
+    if (!status.ok()) return status;
+    if (values.size() >= most) break;
+  }
+  return values;
+}
+
 absl::StatusOr<WhyNotAnswer> Explainer::WhyNot(const sparql::Query& ask, size_t sets) {
   if (!ask.from.empty() || !ask.from_named.empty()) {
     return absl::UnimplementedError("explanations of queries with FROM; leave it out, or use GRAPH");

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,9 @@ class Explainer {
   absl::StatusOr<std::optional<Proof>> WhyFact(const TermQuad& fact);
   // Proofs of all facts of the first solution of the WHERE. nullopt: no solution. UNIMPLEMENTED for FROM.
   absl::StatusOr<std::optional<Proof>> WhyAsk(const sparql::Query& ask);
+  // The values of a variable in the solutions of the WHERE, each once, at most so many.
+  absl::StatusOr<std::vector<Term>> ValuesOf(const sparql::Query& ask, std::string_view variable,
+                                             size_t most);
   // At most `sets` repairs, best first.
   absl::StatusOr<WhyNotAnswer> WhyNot(const sparql::Query& ask, size_t sets);
 

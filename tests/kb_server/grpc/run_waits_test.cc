@@ -44,7 +44,7 @@ class RunWaitsTest : public ::testing::Test {
     return run;
   }
 
-  ConditionAnswer answer_ = {true, "", ""};
+  ConditionAnswer answer_ = {true, "", "", {}};
   Dictionary dictionary_;
   GraphWriter writer_{nullptr};
   BatchApplier applier_{dictionary_, Limits{}};
@@ -61,10 +61,24 @@ TEST_F(RunWaitsTest, ATimeAfterTheNodeWasEnteredIsToldWithItsEnd) {
 }
 
 TEST_F(RunWaitsTest, ATimeThatIsNotOverIsToldBeforeARobotThatIsFree) {
-  answer_.robot = "urn:clara";
+  answer_.robots = {"urn:clara"};
   const v1::Run run = Waiting("# after 20s in the node\nASK {\n}\n");
   EXPECT_EQ(Waits(run, 1'700'000'005'000'000).waits(0).kind(), "time");
   EXPECT_EQ(Waits(run, 1'700'000'020'000'000).waits(0).kind(), "robot");
+}
+
+TEST_F(RunWaitsTest, EachRobotWithWhichTheConditionHoldsIsNamed) {
+  for (const char* robot : {"urn:clara", "urn:hugo"})
+    Tell(robot, std::string(kRdfType), Term::Iri(DocentIri("Robot")));
+  Tell("urn:clara", DocentIri("heldBy"), Term::Iri("urn:docent:run:G-2"));
+  Tell("urn:hugo", DocentIri("heldBy"), Term::Iri("urn:docent:run:G-3"));
+  answer_.robots = {"urn:clara", "urn:hugo"};
+  const v1::ExplainRunReply reply = Waits(Waiting("ASK {\n}\n"));
+  ASSERT_EQ(reply.waits_size(), 2);
+  EXPECT_EQ(reply.waits(0).robot(), "urn:clara");
+  EXPECT_EQ(reply.waits(0).held_by(), "G-2");
+  EXPECT_EQ(reply.waits(1).robot(), "urn:hugo");
+  EXPECT_EQ(reply.waits(1).held_by(), "G-3");
 }
 
 TEST_F(RunWaitsTest, ATimeThatAConditionHasToHoldIsNamed) {
@@ -86,7 +100,7 @@ TEST_F(RunWaitsTest, TheFactThatLacksForWhatHasToHoldIsNamed) {
   v1::Invocation* invocation = run.mutable_nodes(0)->add_invocations();
   invocation->set_state("pending");
   invocation->set_reason("what has to hold while it runs does not hold");
-  answer_ = {false, "<urn:john> <urn:near> ?robot", "now <urn:far>"};
+  answer_ = {false, "<urn:john> <urn:near> ?robot", "now <urn:far>", {}};
   v1::ExplainRunReply reply = Waits(run);
   ASSERT_EQ(reply.waits_size(), 1);
   EXPECT_EQ(reply.waits(0).kind(), "fact");
@@ -103,7 +117,7 @@ TEST_F(RunWaitsTest, TheFactThatLacksForWhatHasToHoldIsNamed) {
 TEST_F(RunWaitsTest, ATimeOfDayIsToldWithItsNextBegin) {
   const std::string window = calendar::TimeIri({{"between", "09:00-17:00"}});
   const std::string each = calendar::TimeIri({{"every", "10min"}});
-  answer_ = {false, "a time", "", ""};
+  answer_ = {false, "a time", "", {}};
   const TimeMicros night = 1'700'000'000'000'000;  // 22:13:20
   v1::ExplainRunReply reply = Waits(Waiting(Concat("ASK { <", window, "> <urn:p> true }")), night);
   ASSERT_EQ(reply.waits_size(), 1);
