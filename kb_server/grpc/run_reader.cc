@@ -75,6 +75,14 @@ void ReadValues(const GraphReader& graph, const std::vector<Term>& variables,
   }
 }
 
+// Whether a robot has yet to say how the invocation's command ended, though that was given up.
+bool HasYetToEnd(const GraphReader& graph, const std::string& iri, const v1::Invocation& invocation) {
+  if (invocation.robot().empty() || (invocation.state() != "cancelled" && invocation.state() != "failed"))
+    return false;
+  const std::vector<Term> works_for = graph.Objects(invocation.robot(), DocentIri("heldFor"));
+  return std::find(works_for.begin(), works_for.end(), Term::Iri(iri)) != works_for.end();
+}
+
 void ReadInvocation(const GraphReader& graph, const std::string& iri, const std::string& wanted,
                     v1::Invocation* out) {
   out->set_operation(graph.Object(iri, DocentIri("operation")));
@@ -83,6 +91,10 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, const std:
   out->set_command(graph.Object(iri, DocentIri("command")));
   out->set_step(graph.Object(iri, DocentIri("step")));
   out->set_reason(graph.Object(iri, DocentIri("reason")));
+  if (HasYetToEnd(graph, iri, *out)) {
+    absl::StrAppend(out->mutable_reason(), out->reason().empty() ? "" : "; ",
+                    "asked to stop, and its robot has not yet confirmed it");
+  }
   double progress = 0;
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
   ReadSteps(graph, iri, out);

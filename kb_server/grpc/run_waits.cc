@@ -89,15 +89,18 @@ class WaitCollector {
       wait->set_detail(absl::StrCat("it undoes what it did: run ", id->value()));
       Add(inner, "", absl::StrCat(id->value(), "/"), 1);
     }
-    if (reply_.waits_size() == 0) AddEndings(run);
+    if (reply_.waits_size() == 0) AddEndings(run, "; what it did is undone when that is known");
   }
+
+  // Of a run that has ended: robots that have not yet confirmed that they stopped.
+  void AddRobotsToStop(const v1::Run& run) { AddEndings(run, ", which was asked to stop"); }
 
   // Of all that waits for robots.
   const std::vector<NeededRobots>& needed() const { return needed_; }
 
  private:
   // Commands of the run, and of runs that are nested in it, whose end is not known.
-  void AddEndings(const v1::Run& run) {
+  void AddEndings(const v1::Run& run, const char* remark) {
     for (const std::string& robot : graph_.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
       for (const Term& command : graph_.Objects(robot, DocentIri("endingCommand"))) {
         const std::string sender = command.lexical.substr(0, command.lexical.find('/'));
@@ -105,8 +108,8 @@ class WaitCollector {
         v1::Wait* wait = reply_.add_waits();
         wait->set_kind("command");
         wait->set_robot(robot);
-        wait->set_detail(absl::StrCat("the end of command ", command.lexical, " of robot ", Angled(robot),
-                                      "; what it did is undone when that is known"));
+        wait->set_detail(
+            absl::StrCat("the end of command ", command.lexical, " of ", AwayText(robot), remark));
       }
     }
   }
@@ -207,6 +210,20 @@ class WaitCollector {
         held_by, PausedText(held_by), ReservedText(robot, why), why.empty() ? "" : absl::StrCat(": ", why)));
   }
 
+  // "robot <R>", and where it does not do as it is told: that it is offline, since when, and out of service.
+  std::string AwayText(const std::string& robot) const {
+    std::string text = absl::StrCat("robot ", Angled(robot));
+    if (RobotStateOf(graph_, robot) == RobotRecord::State::kOffline) {
+      const std::string seen = graph_.Object(robot, DocentIri("lastSeenAt"));
+      absl::StrAppend(&text, ", which is offline",
+                      seen.empty() ? "" : absl::StrCat(" (last seen ", seen, ")"));
+    }
+    if (const auto out = OutOfServiceReason(graph_, robot)) {
+      absl::StrAppend(&text, ", which is out of service", out->empty() ? "" : absl::StrCat(" (", *out, ")"));
+    }
+    return text;
+  }
+
   // The outermost run that holds it; empty: none.
   std::string HolderOf(const std::string& robot) const {
     return RunOfIri(graph_.Object(robot, DocentIri("heldBy"))).value_or(RunId()).value();
@@ -253,10 +270,9 @@ class WaitCollector {
     } else if (!invocation.command().empty()) {
       v1::Wait* wait = New(place, node, "command");
       wait->set_robot(invocation.robot());
-      wait->set_detail(
-          absl::StrCat("command ", invocation.command(), " (", invocation.step(), ") of robot ",
-                       Angled(invocation.robot()),
-                       invocation.reason().empty() ? "" : absl::StrCat(": ", invocation.reason())));
+      wait->set_detail(absl::StrCat(
+          "command ", invocation.command(), " (", invocation.step(), ") of ", AwayText(invocation.robot()),
+          invocation.reason().empty() ? "" : absl::StrCat(": ", invocation.reason())));
     } else if (const std::string from = graph_.Object(iri, DocentIri("notBefore")); !from.empty()) {
       v1::Wait* wait = New(place, node, "time");
       wait->set_until_us(MicrosOfDateTime(from));
@@ -280,7 +296,7 @@ class WaitCollector {
         if (!IsOf(command.lexical, run, node)) continue;
         v1::Wait* wait = New(place, node, "command");
         wait->set_robot(robot);
-        wait->set_detail(absl::StrCat("the end of command ", command.lexical, " of robot ", Angled(robot)));
+        wait->set_detail(absl::StrCat("the end of command ", command.lexical, " of ", AwayText(robot)));
         any = true;
       }
     }
@@ -451,6 +467,7 @@ void AddCircle(const WaitSources& sources, const std::string& run, const std::ve
 void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
               v1::ExplainRunReply* reply) {
   WaitCollector collector(sources, reply);
+  if (run.state() != "running") return collector.AddRobotsToStop(run);
   if (!node.empty()) return collector.Add(run, node, "", 0);
   collector.AddRun(run);
   AddCircle(sources, run.id(), collector.needed(), reply);
@@ -467,6 +484,8 @@ std::string TextOf(const v1::Run& run, const v1::ExplainRunReply& reply) {
       if (node.state() == "failed" || node.state() == "cancelled")
         absl::StrAppend(&text, "  ", node.name(), " ", node.state(), ": ", OneLine(node.reason()), "\n");
     }
+    for (const v1::Wait& wait : reply.waits())
+      absl::StrAppend(&text, "  not yet confirmed: ", OneLine(wait.detail()), "\n");
     return text;
   }
   std::string text = absl::StrCat("Run ", run.id(), reply.waits().empty() ? " goes on.\n" : " waits for:\n");

@@ -1,4 +1,4 @@
-// What a live run waits for, as the graph docent:runs has it: one entry for each thing, runs that are nested in it included.
+// What a live run waits for, and of one that ended the robots that have yet to stop, as the graph docent:runs has it: one entry for each thing, runs that are nested in it included.
 // Pure; any thread.
 #ifndef DOCENT_KB_SERVER_GRPC_RUN_WAITS_H_
 #define DOCENT_KB_SERVER_GRPC_RUN_WAITS_H_
@@ -29,7 +29,8 @@ struct WaitSources {
   AskCondition ask;  // null: conditions are told without what is missing
 };
 
-// Adds to `reply` what the run waits for, or only what its node does (`node` not empty). `run`: a live one.
+// Adds to `reply` what the run waits for, or only what its node does (`node` not empty). Of a run that has ended: robots that have not
+// yet confirmed that they stopped.
 void AddWaits(const WaitSources& sources, const v1::Run& run, const std::string& node,
               v1::ExplainRunReply* reply);
 

@@ -108,7 +108,7 @@ absl::Status Answer(const RunPorts& ports, const v1::ExplainRunRequest& request,
   ConditionAsker asker(ports, *of_then, now_us, cancellation);
   WaitSources sources{&graph, catalog.get(), now_us,
                       [&asker](const std::string& ask) { return asker.Ask(ask); }};
-  if (run.state() == "running") AddWaits(sources, run, request.node(), reply);
+  AddWaits(sources, run, request.node(), reply);
   reply->set_text(TextOf(run, *reply));
   CutToFit(reply, kTextLimits.shown_text_bytes, kTextLimits.listed_bytes);
   return absl::OkStatus();

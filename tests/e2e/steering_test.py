@@ -112,8 +112,14 @@ class Steering(StageTest):
         self.assertRegex(said, rf"it still does {run}/Fetch .*; --cancel-commands ends it")
         robot.kill()
         server.wait_for(f"<{EXPO}R07> docent:status docent:Offline", PATIENCE_S)
-        said = server.run("robots", "out", EXPO + "R07", "--cancel-commands")
-        self.assertIn("it cannot be reached; the cancel is sent when it is back", said.stderr)
+        said = server.run("robots", "out", EXPO + "R07", "--cancel-commands").stderr
+        self.assertRegex(said, rf"{run}/Fetch .* is asked to stop; .*R07, which is offline \(last seen .*\), has not yet confirmed it")
+        self.assertRegex(server.command("runs", run), r"asked to stop, and its robot has not yet confirmed it: its robot was taken out of service")
+        self.assertRegex(server.command("whynot", "--run", run), r"R07.*, which is offline \(last seen .*\), which is out of service \(a wheel squeaks\).*asked to stop")
+        said = server.run("runs", "pause", run, "--cancel-commands").stderr
+        self.assertIn("has not yet confirmed it", said)
+        self.assertRegex(server.command("runs", "cancel", run), r"asked to stop, and its robot has not yet confirmed it")
+        self.assertRegex(server.command("whynot", "--run", run), r"not yet confirmed: the end of command .*R07.*, which is offline")
         self.assertIn("a wheel squeaks", server.command("robots"))  # a reason that is not given erases none
         server.command("robots", "out", EXPO + "R07", "--reason", "it is gone")
         self.assertIn("it is gone", server.command("robots"))

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "graph/base/text.h"
 #include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
@@ -97,6 +98,16 @@ void WriteWantedRobot(const InvocationState& invocation, Writer* out) {
   }
 }
 
+// Why it goes as it goes. A command that is to stop is under way until its robot has said how it ended.
+std::string ReasonOf(const InvocationState& invocation) {
+  for (const OpenCommand& open : invocation.commands) {
+    if (open.stopped == Stopped::kNo) continue;
+    return Concat("asked to stop, and its robot has not yet confirmed it: ", ToString(open.stopped),
+                  invocation.reason.empty() ? "" : "; ", invocation.reason);
+  }
+  return invocation.reason;
+}
+
 void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
                      TermId of_node, Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
@@ -121,7 +132,7 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
   WriteSteps(invocation, out);
   if (invocation.state == WorkState::kRunning)
     out->SayTerm(RunTerm::kProgress, Decimal(ProgressOf(invocation)));
-  out->SayText(RunTerm::kReason, invocation.reason);
+  out->SayText(RunTerm::kReason, ReasonOf(invocation));
   for (const std::string& name : node.for_each) {
     const auto value = invocation.binding.find(name);
     if (value == invocation.binding.end()) continue;

@@ -16,10 +16,9 @@ std::string HeldText(const v1::RobotStatus& robot) {
   return text;
 }
 
-std::string WorkAfterOut(const v1::RobotStatus& robot, bool cancels) {
+std::string WorkAfterOut(const v1::RobotStatus& robot) {
   if (robot.held_for().empty() && robot.ending_commands().empty()) return "";
   const bool away = robot.state() == "offline";
-  if (cancels) return away ? "it cannot be reached; the cancel is sent when it is back\n" : "";
   return absl::StrCat("it still does ", HeldText(robot), away ? ", as far as is known" : "",
                       "; --cancel-commands ends it\n");
 }

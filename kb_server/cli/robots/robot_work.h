@@ -11,9 +11,8 @@ namespace docent::server {
 // "BoothGuide-1/Move2User moveToUser, ending"; empty: no run holds the robot.
 std::string HeldText(const v1::RobotStatus& robot);
 
-// What becomes of the work of a robot that was taken out of service: a sentence each on a line; empty: it did nothing. `cancels`: its
-// commands were to be cancelled.
-std::string WorkAfterOut(const v1::RobotStatus& robot, bool cancels);
+// What a robot that was taken out of service goes on with: a sentence on a line; empty: it did nothing.
+std::string WorkAfterOut(const v1::RobotStatus& robot);
 
 }  // namespace docent::server
 

@@ -1,6 +1,7 @@
 // docent robots: the robots that the server knows.
 #include <iostream>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
 #include "kb_server/cli/robots/robot_work.h"
+#include "kb_server/cli/work_to_stop.h"
 #include "workflow/xml/xml_document.h"
 
 namespace docent::server {
@@ -40,19 +42,6 @@ std::string ReservationText(const v1::RobotReservation& reservation) {
     absl::StrAppend(&text, " until ", DateTimeTerm(reservation.until_us()).lexical);
   absl::StrAppend(&text, ", priority ", reservation.priority());
   return reservation.reason().empty() ? text : absl::StrCat(text, ": ", reservation.reason());
-}
-
-// All robots, a page after the other.
-grpc::Status AllRobots(v1::Fleet::Stub& fleet, v1::ListRobotsReply* all) {
-  v1::ListRobotsRequest request;
-  do {
-    v1::ListRobotsReply page;
-    grpc::ClientContext context;
-    if (grpc::Status status = fleet.List(&context, request, &page); !status.ok()) return status;
-    all->mutable_robots()->MergeFrom(page.robots());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  return grpc::Status::OK;
 }
 
 int ListRobots(const ClientOptions& options) {
@@ -104,12 +93,20 @@ int FailOf(const grpc::Status& status, const ClientOptions& options, const FactA
   return code;
 }
 
-// What the robot goes on with, for people; nothing where the server does not say.
-void SayWork(v1::Fleet::Stub& fleet, const std::string& robot, bool cancels) {
+// What the robot goes on with, or is to stop, for people; nothing where the server does not say.
+void SayWork(const ClientOptions& client, v1::Fleet::Stub& fleet, const std::string& robot, bool cancels) {
   v1::ListRobotsReply reply;
   if (!AllRobots(fleet, &reply).ok()) return;
   for (const v1::RobotStatus& each : reply.robots()) {
-    if (each.robot() == robot) std::cerr << WorkAfterOut(each, cancels);
+    if (each.robot() != robot) continue;
+    if (!cancels) {
+      std::cerr << WorkAfterOut(each);
+      continue;
+    }
+    std::set<std::string> runs;
+    for (const v1::RobotTask& task : each.held_for())
+      runs.insert(task.run().empty() ? each.held_by() : task.run());
+    SayWorkToStop(client, runs, robot);
   }
 }
 
@@ -137,7 +134,7 @@ int SetService(const ServiceArguments& arguments, bool in) {
     return kExitOk;
   }
   std::cout << arguments.robot << (in ? " is in service\n" : " is out of service\n") << std::flush;
-  if (!in) SayWork(*stub, facts.Iri(arguments.robot), arguments.cancel_commands);
+  if (!in) SayWork(arguments.client, *stub, facts.Iri(arguments.robot), arguments.cancel_commands);
   return kExitOk;
 }
 

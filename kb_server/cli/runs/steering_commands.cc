@@ -5,6 +5,7 @@
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -16,6 +17,7 @@
 #include "kb_server/cli/runs/nodes_at_work.h"
 #include "kb_server/cli/runs/run_printer.h"
 #include "kb_server/cli/variable_argument.h"
+#include "kb_server/cli/work_to_stop.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent::server {
@@ -66,6 +68,13 @@ void SayUnderWay(v1::Workflows::Stub& workflows, const v1::PauseReply& paused) {
   }
 }
 
+// Also one that was paused already is asked to stop.
+std::set<std::string> RunsToStop(const v1::PauseRequest& request, const v1::PauseReply& paused) {
+  std::set<std::string> runs(paused.runs().begin(), paused.runs().end());
+  if (request.has_run()) runs.insert(request.run());
+  return runs;
+}
+
 int Pause(const SteeringArguments& arguments) {
   auto stub = v1::Workflows::NewStub(Connect(arguments.client));
   const auto ask = [&](v1::PauseRequest request, const std::string& what) {
@@ -77,9 +86,13 @@ int Pause(const SteeringArguments& arguments) {
     if (!status.ok()) return Fail(status, arguments.client);
     PrintSteered(arguments.client, reply, what, "paused",
                  !request.has_run()          ? " is paused; it has no run that was not paused"
-                 : arguments.cancel_commands ? " is paused already; what it does is cancelled"
+                 : arguments.cancel_commands ? " is paused already; what it does is to stop"
                                              : " is paused already");
-    if (!arguments.client.json && !arguments.cancel_commands) SayUnderWay(*stub, reply);
+    if (arguments.client.json) return static_cast<int>(kExitOk);
+    if (arguments.cancel_commands)
+      SayWorkToStop(arguments.client, RunsToStop(request, reply), "");
+    else
+      SayUnderWay(*stub, reply);
     return static_cast<int>(kExitOk);
   };
   if (!arguments.workflow.empty()) {

@@ -148,6 +148,34 @@ TEST_F(RunWaitsTest, ItIsSaidThatTheHolderOfARobotIsPaused) {
               HasSubstr("held by run G-2, which is paused (smoke); docent runs resume G-2"));
 }
 
+TEST_F(RunWaitsTest, ACommandIsToldWithWhatKeepsItsRobotFromEndingIt) {
+  Tell("urn:clara", std::string(kRdfType), Term::Iri(DocentIri("Robot")));
+  v1::Run run = Waiting("");
+  run.mutable_nodes(0)->set_state("running");
+  v1::Invocation* invocation = run.mutable_nodes(0)->add_invocations();
+  invocation->set_state("running");
+  invocation->set_command("F-1/N/1/0.1/1/1@1");
+  invocation->set_robot("urn:clara");
+  Tell("urn:clara", DocentIri("status"), Term::Iri(DocentIri("Busy")));
+  EXPECT_THAT(Waits(run).waits(0).detail(), Not(HasSubstr("which is")));
+  Tell("urn:clara", DocentIri("status"), Term::Iri(DocentIri("Offline")));
+  Tell("urn:clara", DocentIri("lastSeenAt"),
+       Term::Literal("2023-11-14T22:20:00Z", std::string(kXsdDateTime)));
+  Tell("urn:clara", DocentIri("outOfService"), Term::Literal("brush"));
+  EXPECT_THAT(
+      Waits(run).waits(0).detail(),
+      HasSubstr("robot <urn:clara>, which is offline (last seen 2023-11-14T22:20:00Z), which is out of "
+                "service (brush)"));
+  run.set_state("cancelled");
+  EXPECT_EQ(Waits(run).waits_size(), 0);
+  Tell("urn:clara", DocentIri("endingCommand"), Term::Literal("F-1/N/1/0.1/1/1@1"));
+  const v1::ExplainRunReply reply = Waits(run);
+  ASSERT_EQ(reply.waits_size(), 1);
+  EXPECT_THAT(TextOf(run, reply),
+              HasSubstr("not yet confirmed: the end of command F-1/N/1/0.1/1/1@1 of robot "
+                        "<urn:clara>, which is offline"));
+}
+
 // The reason of the invocation, which is that of one robot, stood with each.
 TEST_F(RunWaitsTest, EachRobotIsToldWithWhatKeepsIt) {
   for (const char* robot : {"urn:clara", "urn:hugo"})

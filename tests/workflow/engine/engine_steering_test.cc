@@ -13,6 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using Kind = RunRequest::Kind;
 
 class EngineSteeringTest : public EngineTest {
@@ -147,6 +148,29 @@ TEST_F(EngineSteeringTest, ACommandThatAPauseCancelsBeginsAgainIfItIsIdempotent)
   EXPECT_EQ(commands_[0].operation, "a");
   EXPECT_NE(commands_[0].id, first);
   EXPECT_GT(commands_[0].deadline_us, now_us_) << "with a time of its own";
+}
+
+TEST_F(EngineSteeringTest, ACommandThatIsToStopSaysSoUntilItsRobotConfirmsIt) {
+  for (const bool paused : {true, false}) {
+    robots_.offers = {{RobotId("urn:r1"), "i1", true, false}};
+    Deploy(TwoNodes());
+    Start();
+    const std::string invocation = absl::StrCat("urn:docent:run:F-", paused ? 1 : 2, "/A/0");
+    Ask(paused ? Kind::kPause : Kind::kCancelCommands, paused ? "F-1" : "urn:r1", true);
+    const CommandId stopped = cancels_[0];
+    const char* why = paused ? "its run was paused" : "its robot was taken out of service";
+    EXPECT_EQ(Fact(invocation, "reason"),
+              absl::StrCat("asked to stop, and its robot has not yet confirmed it: ", why));
+    CommandReport away = Report(stopped, Outcome::kUnreachable);
+    away.message = "no answer";
+    Turn({away});
+    EXPECT_THAT(Fact(invocation, "reason"), HasSubstr(absl::StrCat(why, "; no answer")));
+    Turn({Report(stopped, Outcome::kProgress)});
+    EXPECT_THAT(Fact(invocation, "reason"), HasSubstr("not yet confirmed"));
+    Turn({Report(stopped, Outcome::kCancelled)});
+    EXPECT_THAT(Fact(invocation, "reason"), Not(HasSubstr("not yet confirmed")));
+    if (paused) Ask(Kind::kCancel, "F-1");
+  }
 }
 
 TEST_F(EngineSteeringTest, ACommandThatAPauseCancelsAndMustNotBeginAgainIsAskedAbout) {

@@ -31,8 +31,8 @@ export function StillBusy({ run, runs, again }: { run: Run; runs: readonly Run[]
   const busy = run.paused ? underWay(run, runs) : [];
   if (busy.length === 0) return null;
   return (
-    <div className="stale" role="status"><Pause size={14} /><span className="grow">Paused: {busyWords(busy)} It does so to the end.</span>
-      {!past && <button className="button small danger" onClick={() => attempt("The robot stops", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: true }), again)}><OctagonX size={12} />Stop it now</button>}
+    <div className="stale" role="status"><Pause size={14} /><span className="grow">Paused: {busyWords(busy)} It does so to its end, unless it is asked to stop.</span>
+      {!past && <button className="button small danger" onClick={() => attempt("The robot is asked to stop", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands: true }), again)}><OctagonX size={12} />Stop it now</button>}
     </div>
   );
 }
@@ -46,7 +46,7 @@ export function RunActions({ run, runs, again, keys }: { run: Run; runs: readonl
   const past = usePast() !== null;
   const there = isLive(run.state) && !past;
   const busy = underWay(run, runs);
-  const pauseNow = (cancelCommands: boolean) => attempt(cancelCommands ? "The run is paused, and its robot stops" : "The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands }), again);
+  const pauseNow = (cancelCommands: boolean) => attempt(cancelCommands ? "The run is paused, and its robot is asked to stop" : "The run is paused", () => workflows.pause({ what: { case: "run", value: run.id }, cancelCommands }), again);
   const pause = () => (busy.length > 0 ? setPausing(true) : pauseNow(false));
   const resume = () => attempt("The run goes on", () => workflows.resume({ what: { case: "run", value: run.id } }), again);
   useCommands(there && keys ? [

@@ -32,4 +32,16 @@ std::string_view ToString(WorkState state) {
   return "";
 }
 
+std::string_view ToString(Stopped why) {
+  switch (why) {
+    case Stopped::kNo:
+      return "";
+    case Stopped::kByPause:
+      return "its run was paused";
+    case Stopped::kWithRobot:
+      return "its robot was taken out of service";
+  }
+  return "";
+}
+
 }  // namespace docent::engine

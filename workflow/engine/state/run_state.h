@@ -52,6 +52,8 @@ inline bool IsLive(WorkState state) {
 
 // Why a command was cancelled, or called back, though its invocation goes on.
 enum class Stopped : uint8_t { kNo, kByPause, kWithRobot };
+// "its run was paused", "its robot was taken out of service"; empty: kNo.
+std::string_view ToString(Stopped why);
 
 // A command that went out (or goes out with this turn) and has no final report.
 struct OpenCommand {
@@ -242,11 +244,11 @@ struct Run {
   std::vector<DoneStep> done_steps;  // in order of completion
   std::vector<LateStep> late_steps;
   std::optional<Undoing> undoing;  // no node of its flow goes on any more
-
-  FlowGraphPtr graph;  // of its flow; null until it is first needed
   // Nodes of which something stays when the run is undone, those of sub-flows that have ended as "Call/Grip": they invoked something
   // and have no ext:compensate; they told, withdrew or notified something for longer than the run.
   std::set<std::string> not_compensated, told_for_good;
+
+  FlowGraphPtr graph;  // of its flow; null until it is first needed
   size_t counted = 0;  // its part of the engine's nodes_live
   RunId root;          // the outermost run that it is nested in, or itself
   // Of the outermost run; they follow from its document.
