@@ -9,8 +9,14 @@ std::string RefuseGraph(const Term& graph) {
     return graph.IsBlank() ? "a graph of the store is named by an IRI, and this is a blank node"
                            : "a graph of the store is named by an IRI, and this is a literal";
   }
-  if (!IsServerGraph(graph.lexical)) return "";
-  return Concat("the graph <", graph.lexical, "> is one of those that only the server writes");
+  if (!IsToldByServer(graph.lexical)) return "";
+  return Concat("the graph <", graph.lexical,
+                "> is one of those that only the server writes; name another graph or source");
+}
+
+std::string RefuseRemoval(const Term& graph) {
+  if (graph.IsIri() && !IsServerGraph(graph.lexical)) return "";
+  return RefuseGraph(graph);
 }
 
 }  // namespace docent

@@ -10,9 +10,6 @@
 
 namespace docent {
 
-// Why clients cannot write to a graph of this name; empty: they can. For ParseRdfOptions::refuse_graph.
-std::string RefuseGraph(const Term& graph);
-
 // What turns derive from the others: no batch writes it.
 inline bool IsDerivedGraph(std::string_view graph) {
   return graph == kInferredGraph || graph == kRunsGraph;
@@ -21,6 +18,21 @@ inline bool IsDerivedGraph(std::string_view graph) {
 inline bool IsServerGraph(std::string_view graph) {
   return IsDerivedGraph(graph) || graph == kDocumentsGraph || graph == kClockGraph;
 }
+
+// What operators say of robots: out of service, reserved. The server tells it when they ask for it.
+inline constexpr std::string_view kOperatorGraph = "urn:docent:operator";
+// What the run of this IRI told lies in the graph urn:docent:run:ID.
+inline constexpr std::string_view kRunGraphs = "urn:docent:run:";
+// The server alone adds to it: who reads a fact there may rely on who told it. What runs and operators told, clients may take away:
+// it outlives its run, and nobody else could.
+inline bool IsToldByServer(std::string_view graph) {
+  return IsServerGraph(graph) || graph == kOperatorGraph || graph.starts_with(kRunGraphs);
+}
+
+// Why clients cannot add facts to a graph of this name, and what to do; empty: they can. For ParseRdfOptions::refuse_graph.
+std::string RefuseGraph(const Term& graph);
+// Why they cannot take facts away from it.
+std::string RefuseRemoval(const Term& graph);
 
 // A module of ontology has a graph of its own: this and its name. What is not about one graph by name leaves it alone.
 inline constexpr std::string_view kModuleGraphs = "https://w3id.org/docent/ontology/";

@@ -10,6 +10,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/formats/serializer.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
@@ -36,16 +37,18 @@ RdfFormat FormatOf(const std::string& name) {
                          : RdfFormat::kTriG;
 }
 
-// The graphs that clients may write, and with `inferred` that of the rules.
+// The graphs to which clients may add, and with `inferred` that of the rules.
 std::string QueryText(const ExportArguments& arguments, const std::string& graph) {
   if (!graph.empty())
     return Concat("SELECT ?g ?s ?p ?o { VALUES ?g { ", ToNTriples(Term::Iri(graph)),
                   " } GRAPH ?g { ?s ?p ?o } }");
   std::string left_out = Concat(ToNTriples(Term::Iri(std::string(kRunsGraph))), ", ",
                                 ToNTriples(Term::Iri(std::string(kDocumentsGraph))), ", ",
-                                ToNTriples(Term::Iri(std::string(kClockGraph))));
+                                ToNTriples(Term::Iri(std::string(kClockGraph))), ", ",
+                                ToNTriples(Term::Iri(std::string(kOperatorGraph))));
   if (!arguments.inferred) left_out += ", " + ToNTriples(Term::Iri(std::string(kInferredGraph)));
-  return Concat("SELECT ?g ?s ?p ?o { GRAPH ?g { ?s ?p ?o } FILTER(?g NOT IN (", left_out, ")) }");
+  return Concat("SELECT ?g ?s ?p ?o { GRAPH ?g { ?s ?p ?o } FILTER(?g NOT IN (", left_out,
+                ") && !STRSTARTS(STR(?g), \"", kRunGraphs, "\")) }");
 }
 
 class Export {
@@ -113,6 +116,13 @@ int RunExport(const ExportArguments& arguments) {
     if (out.quads() > 0) std::cerr << "docent: the export ends too early: what is written is not whole\n";
     return Fail(status, arguments.client);
   }
+  if (!graph.empty() && out.quads() == 0 && graph != kDefaultGraph) {
+    return Fail(grpc::Status(grpc::StatusCode::NOT_FOUND,
+                             absl::StrCat("there is no graph ", ToNTriples(Term::Iri(graph)),
+                                          "; the graphs are: docent query "
+                                          "'SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } }'")),
+                arguments.client);
+  }
   out.End();
   std::cerr << out.quads() << (out.quads() == 1 ? " fact" : " facts") << ", revision " << revision << "\n";
   return kExitOk;
@@ -138,9 +148,10 @@ void AddExportCommand(CLI::App* app, int* exit_code) {
       "--inferred", arguments->inferred,
       "Also the facts that rules derive, in their graph docent:inferred, which docent load does not take");
   command->footer(
-      "Left out are the graphs that only the server writes: inferred facts, runs, documents and times. "
-      "Lifetimes of facts are\n"
-      "not kept. A backup (docent backup) has all.\n"
+      "Left out are the graphs that only the server writes: inferred facts, runs and what they told, what "
+      "operators say of robots, documents and times; --graph writes one of them. Lifetimes of facts are not "
+      "kept. A backup (docent "
+      "backup) has all.\n"
       "Examples:\n"
       "  docent export > all.trig\n"
       "  docent export --graph https://example.org/hall --format ttl > hall.ttl");

@@ -15,6 +15,7 @@
 #include "graph/rdf/text_bytes.h"
 #include "graph/store/server_graphs.h"
 #include "graph/wire/message_bytes.h"
+#include "kb_server/grpc/module_requests.h"
 #include "kb_server/robots/measures.h"
 
 namespace docent::server {
@@ -100,7 +101,10 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   if (!request.source().empty()) {
     if (absl::Status source = CheckIri(request.source(), "source"); !source.ok()) return source;
   }
-  if (const std::string why = RefuseGraph(Term::Iri(request.source())); !why.empty())
+  const bool only_removes = request.add_size() == 0 && request.rdf().empty() && request.readings_size() == 0;
+  const Term source_graph = Term::Iri(request.source());
+  if (const std::string why = only_removes ? RefuseRemoval(source_graph) : RefuseGraph(source_graph);
+      !why.empty())
     return absl::InvalidArgumentError(absl::StrCat("source: ", why));
   if (!v1::AssertRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError(
@@ -130,9 +134,10 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
     absl::StatusOr<TermQuad> out = FromProto(quad, what, limits);
     if (!out.ok()) return out.status();
-    if (const std::string why = RefuseGraph(out->graph); !why.empty())
+    const bool adds = kind == QuadOperation::Kind::kAdd;
+    if (const std::string why = adds ? RefuseGraph(out->graph) : RefuseRemoval(out->graph); !why.empty())
       return absl::InvalidArgumentError(absl::StrCat(what, ".graph: ", why));
-    if (kind == QuadOperation::Kind::kAdd) {
+    if (adds) {
       if (absl::Status status = measured(*out, what); !status.ok()) return status;
     }
     if (absl::Status room = count(sizeof(QuadOperation) + TextBytes(*out)); !room.ok()) return room;
@@ -155,13 +160,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     if (!format)
       return absl::InvalidArgumentError(absl::StrCat("rdf_media_type: ", UnknownMediaType(media_type)));
     if (absl::Status base = CheckBase(request.rdf_base_iri()); !base.ok()) return base;
-    ParseRdfOptions options;
-    options.refuse_graph = RefuseGraph;
-    options.file = "rdf";
-    options.base_iri = request.rdf_base_iri();
-    options.charset = "utf-8";
-    options.limits = limits;
-    options.blank_node_scope = BlankLabelStart(request.rdf());
+    ParseRdfOptions options = RdfOptionsOf(request, limits);
     options.cancellation = cancellation;
     options.memory = memory;
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);

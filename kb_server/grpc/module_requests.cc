@@ -103,6 +103,25 @@ LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
           }};
 }
 
+ParseRdfOptions RdfOptionsOf(const v1::AssertRequest& request, const Limits& limits) {
+  ParseRdfOptions options;
+  options.refuse_graph = RefuseGraph;
+  options.file = "rdf";
+  options.base_iri = request.rdf_base_iri();
+  options.charset = "utf-8";
+  options.limits = limits;
+  options.blank_node_scope = BlankLabelStart(request.rdf());
+  return options;
+}
+
+LoadedText TextOf(const v1::AssertRequest& request, const Limits& limits) {
+  if (request.rdf().empty()) return {};
+  ParseRdfOptions options = RdfOptionsOf(request, limits);
+  const RdfFormat format = FormatOfMediaType(request.rdf_media_type()).value_or(RdfFormat::kTurtle);
+  return {options.file,
+          [&request, format, options] { return ParseLocatedRdf(request.rdf(), format, options); }};
+}
+
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
                                        Cancellation* cancellation, Diagnostics* warnings, MemoryUse* memory) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;

@@ -105,8 +105,10 @@ Address ReadAddress(const HttpRequest& http) {
   } else if (!IsValidTermIri(address.graph.lexical)) {
     address.refusal =
         TextResponse(400, "graph must be an absolute IRI, not \"" + address.graph.lexical + "\"");
-  } else if (!reads && IsServerGraph(address.graph.lexical)) {
-    address.refusal = TextResponse(403, "the server alone writes " + ToDisplay(address.graph));
+  } else if (!reads) {  // a PATCH may take away alone; what it adds is looked at when it is read
+    const bool removes = http.method == "DELETE" || http.method == "PATCH";
+    const std::string why = removes ? RefuseRemoval(address.graph) : RefuseGraph(address.graph);
+    if (!why.empty()) address.refusal = TextResponse(403, why);
   }
   return address;
 }
@@ -223,9 +225,16 @@ void ReadPart(const ReadPorts& ports, const HttpPart& part, const Address& addre
   }
   if (content->triples.empty()) {
     content->triples = std::move(parsed.quads);
-  } else {
-    std::move(parsed.quads.begin(), parsed.quads.end(), std::back_inserter(content->triples));
+    return;
   }
+  // The array grows: what it leaves may be as large.
+  if (!content->memory->Add(parsed.quads.size() * sizeof(TermQuad))) {
+    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(
+        absl::StrCat("the parts together say more than fits into the limit query_memory_bytes = ",
+                     ports.limits.query_memory_bytes))));
+    return;
+  }
+  std::move(parsed.quads.begin(), parsed.quads.end(), std::back_inserter(content->triples));
 }
 
 Content ReadContent(const ReadPorts& ports, const HttpExchange& exchange, const Address& address,

@@ -14,11 +14,10 @@
 #include "graph/rdf/iri.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_reader.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 namespace {
-
-constexpr std::string_view kOperatorGraph = "urn:docent:operator";
 
 bool IsOneOf(const GraphReader& graph, const std::string& iri, std::string_view property, const Term& value) {
   const std::vector<Term> told = graph.Objects(iri, property);

@@ -1,18 +1,16 @@
 #include "kb_server/robots/service_state.h"
 
 #include <algorithm>
-#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/store/server_graphs.h"
 
 namespace docent::server {
 namespace {
 
-// The graph of what operators say of robots.
-constexpr std::string_view kOperatorGraph = "urn:docent:operator";
 constexpr char kNoReason[] = "no reason given";
 
 }  // namespace

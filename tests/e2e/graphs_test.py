@@ -6,6 +6,8 @@ import re
 import socket
 import subprocess
 import unittest
+import urllib.error
+import urllib.request
 
 from docent_e2e import StageTest
 
@@ -78,6 +80,43 @@ e:s e:p "a\\n\\"b\\\\"@de-AT , 1.50 , true , "x"^^e:t ; e:q [ e:r e:s ] .
         refused = self.server.run("export", "--format", "ttl")
         self.assertEqual(refused.returncode, 2)
         self.assertIn("--graph", refused.stderr)
+
+    def test_nobody_tells_facts_in_the_name_of_a_run_or_an_operator(self):
+        server = self.server
+        server.load(self.file("tell.cawl.xml", """<CAWL name="T" version="1.0" xmlns:ext="https://w3id.org/docent/cawl-ext#">
+  <flow name="T"><source name="b"/><node name="N"><ext:tell>&lt;urn:a&gt; &lt;urn:p&gt; 1</ext:tell></node><sink name="e"/>
+  <link from="b" to="N"/><link from="N" to="e"/></flow></CAWL>"""))
+        run = server.command("run", "T", "--detach").strip()
+        server.wait_for("<urn:a> <urn:p> 1", 60)
+        data, fact = self.file("d.ttl", "<urn:a> <urn:p> 2 ."), "<urn:a> <urn:p> 2"
+        for graph in (f"urn:docent:run:{run}", "urn:docent:run:None-7", "urn:docent:operator"):
+            named = self.file("n.trig", f"<{graph}> {{ {fact} }}")
+            for arguments in (("load", "--graph", graph, data), ("load", "--graph", graph, "--replace", data), ("load", named),
+                              ("load", "--as", "facts", "--source", graph, data), ("tell", "--source", graph, fact),
+                              ("update", f"INSERT DATA {{ GRAPH <{graph}> {{ {fact} }} }}"),
+                              ("update", f"COPY DEFAULT TO <{graph}>"), ("update", f"ADD DEFAULT TO <{graph}>"),
+                              ("update", f"MOVE DEFAULT TO <{graph}>"),
+                              ("update", f"INSERT {{ GRAPH ?g {{ {fact} }} }} WHERE {{ BIND(<{graph}> AS ?g) }}")):
+                refused = server.run(*arguments)
+                self.assertEqual(refused.returncode, 2, arguments)
+                self.assertIn("only the server writes", refused.stderr, arguments)
+            for method in ("PUT", "POST"):
+                request = urllib.request.Request(f"http://{server.http}/rdf-graphs?graph={graph}", b"<urn:a> <urn:p> 2 .",
+                                                 {"Content-Type": "text/turtle"}, method=method)
+                with self.assertRaises(urllib.error.HTTPError) as answer:
+                    urllib.request.urlopen(request, timeout=60)
+                self.assertEqual(answer.exception.code, 403)
+        self.assertFalse(server.ask(f"GRAPH ?g {{ {fact} }}"))
+        self.assertTrue(server.ask(f"GRAPH <urn:docent:run:{run}> {{ <urn:a> <urn:p> 1 }}"), "it was replaced")
+        self.assertNotIn("urn:docent:run:", server.command("export", "--format", "nq"))
+        self.assertIn("<urn:a>", server.command("export", "--graph", f"urn:docent:run:{run}", "--format", "nt"))
+        server.command("tell", "--withdraw", "--source", f"urn:docent:run:{run}", "<urn:a> <urn:p> 1")
+        self.assertFalse(server.ask("<urn:a> <urn:p> 1"), "it outlived its run")
+
+    def test_a_graph_that_is_not_there_is_not_exported(self):
+        refused = self.server.run("export", "--graph", "https://e.example/none")
+        self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+        self.assertIn("there is no graph <https://e.example/none>", refused.stderr)
 
     def test_a_large_graph_is_written_whole(self):
         self.server.load(self.file("large.nt", "".join(f'<urn:s{i}> <urn:p> "{i}" .\n' for i in range(25000))))

@@ -176,10 +176,12 @@ class Evaluation {
 
   absl::Status Emit(QuadOperation::Kind kind, TermQuad quad) {
     if (!memory_.Add(BytesOf(quad))) return TooMuch();
-    if (IsServerGraph(quad.graph.lexical)) {
+    const bool adds = kind == QuadOperation::Kind::kAdd;
+    if (adds ? IsToldByServer(quad.graph.lexical) : IsServerGraph(quad.graph.lexical)) {
       return absl::InvalidArgumentError(
           "it would write to " + Quoted(quad.graph) +
-          ", which only the server writes; exclude it, as by FILTER(?g != " + Quoted(quad.graph) + ")");
+          ", which only the server writes; name another graph, or exclude it, as by FILTER(?g != " +
+          Quoted(quad.graph) + ")");
     }
     effect_.operations.push_back({kind, std::move(quad)});
     return absl::OkStatus();
@@ -392,9 +394,8 @@ class Evaluation {
                       [this](TermQuad quad) { return Emit(QuadOperation::Kind::kRemove, std::move(quad)); });
   }
 
-  static absl::Status CheckWritable(const Term& graph) {
-    if (!IsServerGraph(graph.lexical)) return absl::OkStatus();
-    return absl::InvalidArgumentError(Quoted(graph) + " is a graph that only the server writes");
+  static absl::Status Check(const std::string& refusal) {
+    return refusal.empty() ? absl::OkStatus() : absl::InvalidArgumentError(refusal);
   }
 
   // CLEAR and DROP: a graph without triples does not exist. ALL and NAMED skip the graphs that the server keeps: a module of
@@ -403,7 +404,7 @@ class Evaluation {
     const Term default_graph = Term::Iri(std::string(kDefaultGraph));
     if (target.kind == GraphTarget::Kind::kDefault) return RemoveAll(default_graph);
     if (target.kind == GraphTarget::Kind::kGraph) {
-      absl::Status status = CheckWritable(target.graph);
+      absl::Status status = Check(RefuseRemoval(target.graph));
       return status.ok() ? RemoveAll(target.graph) : status;
     }
     AddRead({}, &effect_.reads);
@@ -424,9 +425,10 @@ class Evaluation {
       return t.kind == GraphTarget::Kind::kDefault ? Term::Iri(std::string(kDefaultGraph)) : t.graph;
     };
     const Term from = name(operation.source), to = name(operation.target);
-    if (absl::Status status = CheckWritable(to); !status.ok()) return status;
+    if (absl::Status status = Check(RefuseGraph(to)); !status.ok()) return status;
     const bool moves = operation.kind == Kind::kMove;
-    if (absl::Status status = moves ? CheckWritable(from) : absl::OkStatus(); !status.ok()) return status;
+    if (absl::Status status = moves ? Check(RefuseRemoval(from)) : absl::OkStatus(); !status.ok())
+      return status;
     if (operation.source.kind == GraphTarget::Kind::kGraph) {
       const absl::StatusOr<bool> exists = Exists(from);
       if (!exists.ok()) return exists.status();

@@ -11,6 +11,7 @@
 namespace docent::sparql {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -193,6 +194,30 @@ TEST(Update, GraphsAreClearedCopiedMovedAndAdded) {
   EXPECT_THAT(after("ADD DEFAULT TO ex:h"), ElementsAre("a p 1 g", "b p 2 h", "d p 0 -", "d p 0 h"));
   EXPECT_THAT(after("COPY ex:g TO ex:g"), SizeIs(3));
   EXPECT_THAT(after("CREATE GRAPH ex:new ; CREATE SILENT GRAPH ex:g"), SizeIs(3));
+}
+
+TEST(Update, FactsOfRunsAndOperatorsAreTakenAwayAndNoneIsAdded) {
+  for (const char* name : {"<urn:docent:run:Tour-1>", "<urn:docent:operator>"}) {
+    const std::string graph = name;
+    Store store("ex:d ex:p 0 . GRAPH ex:g { ex:a ex:p 1 } GRAPH " + graph + " { ex:b ex:p 2 }");
+    const std::vector<std::string> texts = {
+        "INSERT DATA { GRAPH " + graph + " { ex:x ex:p 1 } }",
+        "COPY ex:g TO " + graph,
+        "ADD DEFAULT TO " + graph,
+        "MOVE ex:g TO " + graph,
+        "WITH " + graph + " INSERT { ex:x ex:p 1 } WHERE {}",
+        std::string("INSERT { GRAPH ?g { ex:x ex:p 1 } } WHERE { GRAPH ?g { ex:b ?p ?o } }")};
+    for (const std::string& text : texts) {
+      const absl::Status status = store.Update(text);
+      EXPECT_FALSE(status.ok()) << text;
+      EXPECT_THAT(std::string(status.message()),
+                  AllOf(HasSubstr("only the server writes"), HasSubstr("another graph")));
+      EXPECT_THAT(store.Quads(), SizeIs(3)) << text;
+    }
+    EXPECT_TRUE(store.Update("ADD " + graph + " TO ex:g").ok());
+    EXPECT_TRUE(store.Update("DELETE DATA { GRAPH " + graph + " { ex:b ex:p 2 } }").ok());
+    EXPECT_THAT(store.Quads(), SizeIs(3)) << graph;
+  }
 }
 
 TEST(Update, WhatCannotBeDoneLeavesEverythingUnlessSilent) {
