@@ -22,11 +22,14 @@
 #include "kb_server/cli/display_width.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/part_loader.h"
+#include "kb_server/cli/presenter.h"
 #include "kb_server/cli/terminal.h"
 #include "nlohmann/json.hpp"
 
 namespace docent::server {
 namespace {
+
+using ProtoDiagnostics = google::protobuf::RepeatedPtrField<v1::Diagnostic>;
 
 struct LoadArguments {
   ClientOptions client;
@@ -119,10 +122,12 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::Workflows::NewStub(channel_)->Deploy(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    PrintDiagnostics(reply.diagnostics());
-    if (arguments_.client.json)
+    if (arguments_.client.json) {
       return Report(
-          {{"file", file}, {"kind", "cawl"}, {"workflow", reply.workflow()}, {"revision", reply.revision()}});
+          {{"file", file}, {"kind", "cawl"}, {"workflow", reply.workflow()}, {"revision", reply.revision()}},
+          reply.diagnostics());
+    }
+    PrintDiagnostics(Named(reply.diagnostics()));
     std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision()
               << "\n";
     return kExitOk;
@@ -136,12 +141,13 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::RobotServices::NewStub(channel_)->Register(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    PrintDiagnostics(reply.diagnostics());
     if (arguments_.client.json) {
       const std::vector<std::string> services(reply.processes().begin(), reply.processes().end());
       return Report(
-          {{"file", file}, {"kind", "rsel"}, {"services", services}, {"revision", reply.revision()}});
+          {{"file", file}, {"kind", "rsel"}, {"services", services}, {"revision", reply.revision()}},
+          reply.diagnostics());
     }
+    PrintDiagnostics(Named(reply.diagnostics()));
     std::cout << file << ": robot services";
     for (const std::string& process : reply.processes()) std::cout << " " << process;
     std::cout << " registered, revision " << reply.revision() << "\n";
@@ -158,9 +164,8 @@ class Loader {
     v1::AssertReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
-    if (!status.ok()) return Fail(status, arguments_.client);
-    PrintDiagnostics(reply.warnings());
-    return ReportChange(file, "facts", reply, reply.offset());
+    if (!status.ok()) return Fail(AtPath(status, "rdf", file), arguments_.client);
+    return ReportChange(file, "facts", reply, reply.offset(), AtPath(reply.warnings(), "rdf", file));
   }
 
   // A large file: checked whole before anything of it is sent.
@@ -183,7 +188,7 @@ class Loader {
       if (terminal) PrintProgress(absl::StrCat(ProgressBar(bytes, document->bytes), " ", rate(bytes), "   "));
     });
     if (terminal) std::cerr << "\n";
-    PrintDiagnostics(outcome.warnings);
+    if (!outcome.status.ok() || !arguments_.client.json) PrintDiagnostics(Named(outcome.warnings));
     if (!outcome.status.ok()) {
       std::cerr << file << ": " << outcome.parts << " of " << document->parts.size() << " parts are loaded ("
                 << outcome.added << " statements were new); loading the file again adds the rest\n";
@@ -196,7 +201,8 @@ class Loader {
                      {"removed", outcome.removed},
                      {"inferred", outcome.inferred},
                      {"revision", outcome.revision},
-                     {"parts", document->parts.size()}});
+                     {"parts", document->parts.size()}},
+                    outcome.warnings);
     }
     std::cout << file << ": data, " << outcome.added << " added, " << outcome.removed << " removed, "
               << outcome.inferred << " inferred, revision " << outcome.revision << " ("
@@ -204,23 +210,52 @@ class Loader {
     return kExitOk;
   }
 
-  static int Report(const nlohmann::json& object) {
+  // With IRIs named as elsewhere.
+  ProtoDiagnostics Named(ProtoDiagnostics diagnostics) const {
+    if (diagnostics.empty() || arguments_.client.full) return diagnostics;
+    const IriNames names = ServerNames(arguments_.client);
+    for (v1::Diagnostic& d : diagnostics) {
+      d.set_message(names.InText(d.message()));
+      d.set_hint(names.InText(d.hint()));
+    }
+    return diagnostics;
+  }
+
+  // As docent check --json writes them.
+  static nlohmann::json Findings(const ProtoDiagnostics& diagnostics) {
+    nlohmann::json findings = nlohmann::json::array();
+    for (const v1::Diagnostic& d : diagnostics) {
+      findings.push_back({{"file", d.file()},
+                          {"line", d.line()},
+                          {"column", d.column()},
+                          {"severity", d.warning() ? "warning" : "error"},
+                          {"rule", d.rule()},
+                          {"message", d.message()},
+                          {"hint", d.hint()}});
+    }
+    return findings;
+  }
+
+  static int Report(nlohmann::json object, const ProtoDiagnostics& diagnostics) {
+    if (!diagnostics.empty()) object["findings"] = Findings(diagnostics);
     std::cout << PrintableJson(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) << "\n";
     return kExitOk;
   }
 
   // What a reply says of facts.
   template <typename Reply>
-  int ReportChange(const std::string& file, const std::string& kind, const Reply& reply,
-                   uint64_t revision) const {
+  int ReportChange(const std::string& file, const std::string& kind, const Reply& reply, uint64_t revision,
+                   const ProtoDiagnostics& diagnostics) const {
     if (arguments_.client.json) {
       return Report({{"file", file},
                      {"kind", kind},
                      {"added", reply.added()},
                      {"removed", reply.removed()},
                      {"inferred", reply.inferred()},
-                     {"revision", revision}});
+                     {"revision", revision}},
+                    diagnostics);
     }
+    PrintDiagnostics(Named(diagnostics));
     std::cout << (file == "-" ? NameOf(file) : file) << ": " << kind << ", " << reply.added() << " added, "
               << reply.removed() << " removed, " << reply.inferred() << " inferred, revision " << revision
               << "\n";
@@ -254,22 +289,25 @@ class Loader {
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
-    if (!status.ok()) return Fail(AtPath(status, file), arguments_.client);
-    for (v1::Diagnostic& warning : *reply.mutable_diagnostics())
-      if (file != "-" && warning.file() == NameOf(file)) warning.set_file(file);
-    PrintDiagnostics(reply.diagnostics());
-    return ReportChange(file, kind, reply, reply.revision());
+    if (!status.ok()) return Fail(AtPath(status, NameOf(file), file), arguments_.client);
+    return ReportChange(file, kind, reply, reply.revision(), AtPath(reply.diagnostics(), NameOf(file), file));
   }
 
   // The server knows a document by its name, which stands before the place of each mistake; here it is found by its path.
-  static grpc::Status AtPath(const grpc::Status& status, const std::string& file) {
-    const std::string name = absl::StrCat(NameOf(file), ":");
+  static ProtoDiagnostics AtPath(ProtoDiagnostics diagnostics, const std::string& name,
+                                 const std::string& file) {
+    for (v1::Diagnostic& d : diagnostics)
+      if (d.file() == name) d.set_file(file == "-" ? NameOf(file) : file);
+    return diagnostics;
+  }
+  static grpc::Status AtPath(const grpc::Status& status, const std::string& known, const std::string& file) {
+    const std::string name = absl::StrCat(known, ":");
     std::string message;
     for (const absl::string_view line : absl::StrSplit(status.error_message(), '\n')) {
       absl::StrAppend(&message, message.empty() ? "" : "\n");
-      absl::StrAppend(&message, file != "-" && absl::StartsWith(line, name)
-                                    ? absl::StrCat(file, ":", line.substr(name.size()))
-                                    : std::string(line));
+      absl::StrAppend(&message, absl::StartsWith(line, name) ? absl::StrCat(file == "-" ? NameOf(file) : file,
+                                                                            ":", line.substr(name.size()))
+                                                             : std::string(line));
     }
     return grpc::Status(status.error_code(), message, status.error_details());
   }

@@ -6,6 +6,7 @@
 #include "kb_server/door/query_memory.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/write_pump.h"
 #include "kb_server/work/load_runner.h"
@@ -84,7 +85,7 @@ class AssertStreamReactor final : public AssertStreamPump {
     const std::shared_ptr<MemoryUse> memory = IsLarge(request) ? MemoryOfRequest(ports) : nullptr;
     absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation, memory.get());
     if (!batch.ok()) return AnswerAndReadOn(stream, self, ports, slot, batch.status());
-    BringJudged(ports, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
+    BringJudged(ports, *std::move(batch), {}, nullptr, /*made_on_turn=*/false, client,
                 [stream, self, &ports, slot, memory](const absl::StatusOr<BatchOutcome>& outcome) {
                   AnswerAndReadOn(stream, self, ports, slot, outcome);
                 });
@@ -160,8 +161,8 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
       return FromProto(*request, ports_.limits, cancellation.get(), memory.get());
     }();
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    BringJudged(ports_, *std::move(batch), nullptr, /*made_on_turn=*/false, client,
-                [reactor, reply, memory](const absl::StatusOr<BatchOutcome>& outcome) {
+    BringJudged(ports_, *std::move(batch), TextOf(*request, ports_.limits), nullptr, /*made_on_turn=*/false,
+                client, [reactor, reply, memory](const absl::StatusOr<BatchOutcome>& outcome) {
                   if (outcome.ok()) ToProto(*outcome, reply);
                   reactor->Finish(ToGrpc(outcome.status()));
                 });

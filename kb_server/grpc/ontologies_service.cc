@@ -133,6 +133,7 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
     };
     if (ReplacesGraph(*request)) {
       UpdateRequest update = ReplaceGraph(Term::Iri(request->graph()), *std::move(batch));
+      update.text = TextOf(*request, ports_.limits);
       update.cancellation = cancellation;
       update.client = client;
       update.timeout = absl::Milliseconds(ports_.limits.query_timeout_ms);
@@ -195,7 +196,8 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
   batch.mode = WriteBatch::Mode::kLoad;
   batch.documents.push_back({kind, Document::Action::kRemove, request->name(), ""});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  BringJudged(ports_, std::move(batch), nullptr, /*made_on_turn=*/false, ClientOf(*context, ports_.clients),
+  BringJudged(ports_, std::move(batch), {}, nullptr, /*made_on_turn=*/false,
+              ClientOf(*context, ports_.clients),
               [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
                 if (outcome.ok()) Fill(*outcome, reply);
                 reactor->Finish(ToGrpc(outcome.status()));

@@ -9,16 +9,23 @@
 #include "graph/base/cancellation.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/known_prefixes.h"
 #include "kb_server/work/load_judge.h"
 
 namespace docent::server {
 namespace {
 
+// For people. Not null.
+std::shared_ptr<const IriNames> NamesOf(const ReadPorts& ports) {
+  auto known = KnownNames(ports);
+  return known != nullptr ? known : std::make_shared<const IriNames>(IriNames::WellKnown());
+}
+
 // Of many results a message shows so many.
 constexpr size_t kShown = 20;
 constexpr absl::Duration kNextVersion = absl::Seconds(10);  // for a version that is on its way, and a worker
 
-Diagnostics AsWarnings(const LoadVerdict& verdict) {
+Diagnostics AsWarnings(const LoadVerdict& verdict, const IriNames& names) {
   Diagnostics warnings;
   for (Diagnostic diagnostic : verdict.diagnostics) {
     diagnostic.severity = Diagnostic::Severity::kWarning;
@@ -30,12 +37,13 @@ Diagnostics AsWarnings(const LoadVerdict& verdict) {
     const std::string shape_place =
         r.shape_file.empty() ? ""
                              : absl::StrCat(" (", r.shape_file, ":", r.shape_line, ":", r.shape_column, ")");
-    warnings.push_back({r.file,
-                        {r.line, r.column},
-                        absl::StrCat(r.severity, ": ", r.focus, r.path.empty() ? "" : " ", r.path,
-                                     r.value.empty() ? "" : " ", r.value, ": ", r.message),
-                        absl::StrCat("see the shape ", r.shape, ", ", r.component, shape_place),
-                        Diagnostic::Severity::kWarning});
+    warnings.push_back(
+        {r.file,
+         {r.line, r.column},
+         names.InText(absl::StrCat(r.severity, ": ", r.focus, r.path.empty() ? "" : " ", r.path,
+                                   r.value.empty() ? "" : " ", r.value, ": ", r.message)),
+         names.InText(absl::StrCat("see the shape ", r.shape, ", ", r.component, shape_place)),
+         Diagnostic::Severity::kWarning});
   }
   return warnings;
 }
@@ -45,7 +53,7 @@ absl::StatusOr<BatchOutcome> With(const Diagnostics& warnings, absl::StatusOr<Ba
   return outcome;
 }
 
-absl::Status Refusal(const LoadVerdict& verdict) {
+absl::Status Refusal(const LoadVerdict& verdict, const IriNames& names) {
   std::string text;
   if (HasErrors(verdict.diagnostics)) {
     text = absl::StrCat("the shapes are ill-formed:\n", Render(verdict.diagnostics, ""));
@@ -53,7 +61,7 @@ absl::Status Refusal(const LoadVerdict& verdict) {
     text = "the graph would violate its shapes; nothing was changed:\n";
     size_t shown = 0;
     for (const JudgedResult& result : verdict.results) {
-      if (result.violation && ++shown <= kShown) text += shapes::Render(result.text);
+      if (result.violation && ++shown <= kShown) text += names.InText(shapes::Render(result.text));
     }
     if (shown > kShown) absl::StrAppend(&text, "and ", shown - kShown, " more\n");
   }
@@ -87,8 +95,8 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
     auto verdict = JudgeLoad(ports_, batch, version, job_.text, runner_.Rules(), cancellation);
     if (!verdict.ok()) return verdict.status();
     const bool refuse = ports_.on_violation == OnViolation::kRefuse;
-    if (refuse && verdict->HasViolations()) return Refusal(*verdict);
-    warnings_ = AsWarnings(*verdict);
+    if (refuse && verdict->HasViolations()) return Refusal(*verdict, *NamesOf(ports_));
+    warnings_ = AsWarnings(*verdict, *NamesOf(ports_));
     warnings_.insert(warnings_.end(), unknown_.begin(), unknown_.end());
     return refuse ? std::move(verdict->reads) : std::vector<ReadPattern>();
   }
@@ -172,16 +180,16 @@ void LoadRunner::Run(LoadJob job) {
     return std::make_shared<Attempt>(*this, std::move(job), std::move(unknown))->Judge();
   LoadVerdict unjudged;
   unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text, Rules());
-  Diagnostics warnings = AsWarnings(unjudged);
+  Diagnostics warnings = AsWarnings(unjudged, *NamesOf(ports_));
   warnings.insert(warnings.end(), unknown.begin(), unknown.end());
   auto done = [done = std::move(job.done), warnings = std::move(warnings)](
                   const absl::StatusOr<BatchOutcome>& outcome) { done(outcome, warnings); };
   ports_.inbox->Push(std::move(job.batch), std::move(done), std::move(job.prepare));
 }
 
-void LoadRunner::Bring(WriteBatch batch, BatchPreparation prepare, bool made_on_turn, ClientPtr client,
-                       BatchCallback done) {
-  Diagnostics unknown = UnknownIn(batch, {});
+void LoadRunner::Bring(WriteBatch batch, LoadedText text, BatchPreparation prepare, bool made_on_turn,
+                       ClientPtr client, BatchCallback done) {
+  Diagnostics unknown = UnknownIn(batch, text);
   if (ports_.on_violation == OnViolation::kIgnore) {
     BatchCallback told = done;
     if (!unknown.empty())
@@ -190,6 +198,7 @@ void LoadRunner::Bring(WriteBatch batch, BatchPreparation prepare, bool made_on_
   }
   LoadJob job;
   job.batch = std::move(batch);
+  job.text = std::move(text);
   job.prepare = std::move(prepare);
   job.cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
@@ -206,11 +215,11 @@ void LoadRunner::Bring(WriteBatch batch, BatchPreparation prepare, bool made_on_
                           .cancellation = cancellation});
 }
 
-void BringJudged(const WritePorts& ports, WriteBatch batch, BatchPreparation prepare, bool made_on_turn,
-                 ClientPtr client, BatchCallback done) {
+void BringJudged(const WritePorts& ports, WriteBatch batch, LoadedText text, BatchPreparation prepare,
+                 bool made_on_turn, ClientPtr client, BatchCallback done) {
   if (ports.loads != nullptr)
-    return ports.loads->Bring(std::move(batch), std::move(prepare), made_on_turn, std::move(client),
-                              std::move(done));
+    return ports.loads->Bring(std::move(batch), std::move(text), std::move(prepare), made_on_turn,
+                              std::move(client), std::move(done));
   ports.inbox->Push(std::move(batch), std::move(done), std::move(prepare));
 }
 

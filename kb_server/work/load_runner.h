@@ -45,8 +45,8 @@ class LoadRunner {
   // On a worker, where it may take long. Answers exactly once, from any thread. FAILED_PRECONDITION with the results: the
   // load is refused; ABORTED: what it is judged by kept changing.
   void Run(LoadJob job);
-  // The same of a write without a text, from any thread: a worker judges it. Warnings are in the outcome.
-  void Bring(WriteBatch batch, BatchPreparation prepare, bool made_on_turn, ClientPtr client,
+  // The same from any thread: a worker judges it. Warnings are in the outcome.
+  void Bring(WriteBatch batch, LoadedText text, BatchPreparation prepare, bool made_on_turn, ClientPtr client,
              BatchCallback done);
 
  private:
@@ -58,9 +58,9 @@ class LoadRunner {
   UnknownWords unknown_words_;
 };
 
-// By LoadRunner::Bring, where there is a runner; else as it is.
-void BringJudged(const WritePorts& ports, WriteBatch batch, BatchPreparation prepare, bool made_on_turn,
-                 ClientPtr client, BatchCallback done);
+// By LoadRunner::Bring, where there is a runner; else as it is. `text`: as in LoadJob.
+void BringJudged(const WritePorts& ports, WriteBatch batch, LoadedText text, BatchPreparation prepare,
+                 bool made_on_turn, ClientPtr client, BatchCallback done);
 
 }  // namespace docent::server
 

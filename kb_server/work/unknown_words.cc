@@ -6,7 +6,9 @@
 
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "kb_server/work/known_prefixes.h"
+#include "reasoner/rules/rule_parser.h"
 
 namespace docent::server {
 namespace {
@@ -61,25 +63,71 @@ std::string NearestWord(const std::string& iri, const DeclaredWords& declared) {
 struct Unknown {
   std::string iri;
   bool is_class;
-  size_t quad;  // of the batch's operations
+  std::string file;  // of a rule, and its place there; empty: of a fact
+  SourceSpan place;
 };
 
-std::vector<Unknown> Find(const WriteBatch& batch, const DeclaredWords& declared) {
-  std::vector<Unknown> found;
-  absl::flat_hash_set<std::string> seen;
-  const auto look = [&](const Term& word, bool is_class, size_t at) {
-    const auto& spaces = is_class ? declared.class_spaces : declared.property_spaces;
-    if (!word.IsIri() || found.size() == UnknownWords::kMost) return;
-    if (!spaces.contains(ToAbsl(NamespaceOf(word.lexical))) || declared.words.contains(word.lexical)) return;
-    if (seen.insert(word.lexical).second) found.push_back({word.lexical, is_class, at});
-  };
-  for (size_t i = 0; i < batch.operations.size(); ++i) {
-    const QuadOperation& operation = batch.operations[i];
-    if (operation.kind != QuadOperation::Kind::kAdd) continue;
-    look(operation.quad.predicate, false, i);
-    if (operation.quad.predicate.lexical == kRdfType) look(operation.quad.object, true, i);
+// Collects the words of facts and rules that are not declared, each once.
+class Finder {
+ public:
+  explicit Finder(const DeclaredWords& declared) : declared_(declared) {}
+
+  void LookAt(const WriteBatch& batch) {
+    for (const QuadOperation& operation : batch.operations) {
+      if (operation.kind != QuadOperation::Kind::kAdd) continue;
+      LookAt(operation.quad.predicate, false, "", {});
+      if (operation.quad.predicate.lexical == kRdfType) LookAt(operation.quad.object, true, "", {});
+    }
   }
-  return found;
+
+  void LookAt(const rules::ParsedRules& rules, const std::string& file) {
+    for (const rules::Rule& rule : rules.rules) {
+      for (const sparql::TriplePattern& pattern : rule.head) LookAt(pattern, file);
+      if (!rule.body.algebra) continue;
+      sparql::AnyNode(*rule.body.algebra, [&](const sparql::Algebra& node) {
+        for (const sparql::TriplePattern& pattern : node.triples) LookAt(pattern, file);
+        if (node.kind == sparql::Algebra::Kind::kPath) LookAt(node.path, file, node.subject.span);
+        return false;
+      });
+    }
+  }
+
+  std::vector<Unknown> Take() { return std::move(found_); }
+
+ private:
+  void LookAt(const Term& word, bool is_class, const std::string& file, const SourceSpan& place) {
+    const auto& spaces = is_class ? declared_.class_spaces : declared_.property_spaces;
+    if (!word.IsIri() || found_.size() == UnknownWords::kMost) return;
+    if (!spaces.contains(ToAbsl(NamespaceOf(word.lexical))) || declared_.words.contains(word.lexical)) return;
+    if (seen_.insert(word.lexical).second) found_.push_back({word.lexical, is_class, file, place});
+  }
+
+  void LookAt(const sparql::TriplePattern& pattern, const std::string& file) {
+    if (pattern.predicate.IsVariable()) return;
+    LookAt(pattern.predicate.term(), false, file, pattern.predicate.span);
+    if (pattern.predicate.term().lexical == kRdfType && !pattern.object.IsVariable())
+      LookAt(pattern.object.term(), true, file, pattern.object.span);
+  }
+
+  void LookAt(const sparql::Path& path, const std::string& file, const SourceSpan& place) {
+    if (path.kind == sparql::Path::Kind::kIri) LookAt(path.iri, false, file, place);
+    for (const sparql::Path& child : path.children) LookAt(child, file, place);
+  }
+
+  const DeclaredWords& declared_;
+  absl::flat_hash_set<std::string> seen_;
+  std::vector<Unknown> found_;
+};
+
+std::vector<Unknown> Find(const WriteBatch& batch, const DeclaredWords& declared, const ReadPorts& ports) {
+  Finder finder(declared);
+  finder.LookAt(batch);
+  for (const Document& document : batch.documents) {
+    if (document.kind != Document::Kind::kRules || document.action != Document::Action::kPut) continue;
+    finder.LookAt(rules::ParseRules(document.text, document.name, ports.limits, ports.functions),
+                  document.name);
+  }
+  return finder.Take();
 }
 
 // Where each of them stands first in the text, by its IRI.
@@ -90,6 +138,7 @@ std::map<std::string, SourceSpan> PlacesOf(const std::vector<Unknown>& unknown, 
   for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
     const TermQuad& quad = document.rdf.quads[i];
     for (const Unknown& word : unknown) {
+      if (!word.file.empty()) continue;
       const Term& term = word.is_class ? quad.object : quad.predicate;
       if (!term.IsIri() || term.lexical != word.iri) continue;
       const QuadPlace& place = document.places[i];
@@ -116,7 +165,7 @@ std::shared_ptr<const DeclaredWords> UnknownWords::Declared() {
 
 Diagnostics UnknownWords::In(const WriteBatch& batch, const LoadedText& text) {
   const auto declared = Declared();
-  const std::vector<Unknown> unknown = Find(batch, *declared);
+  const std::vector<Unknown> unknown = Find(batch, *declared, ports_);
   if (unknown.empty()) return {};
   const auto places = PlacesOf(unknown, text);
   const auto names = KnownNames(ports_);
@@ -125,7 +174,10 @@ Diagnostics UnknownWords::In(const WriteBatch& batch, const LoadedText& text) {
   for (const Unknown& word : unknown) {
     Diagnostic warning;
     warning.severity = Diagnostic::Severity::kWarning;
-    if (const auto place = places.find(word.iri); place != places.end()) {
+    if (!word.file.empty()) {
+      warning.file = word.file;
+      warning.span = word.place;
+    } else if (const auto place = places.find(word.iri); place != places.end()) {
       warning.file = text.name;
       warning.span = place->second;
     }

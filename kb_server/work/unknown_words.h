@@ -29,8 +29,9 @@ class UnknownWords {
   // Both must outlive it. `catalog` null: modules are read again each time.
   UnknownWords(const ReadPorts* ports, const CatalogPort* catalog) : ports_(*ports), catalog_(catalog) {}
 
-  // A warning for each predicate that `batch` adds, and each class of a thing, that is in a namespace of the ontologies and not
-  // among their words: at most kMost, with the nearest word, and its place in `text` if there is one.
+  // A warning for each predicate of the facts and rules that `batch` adds, and each class of a thing, that is in a namespace of the
+  // ontologies and not among their words: at most kMost, with the nearest word, and its place in the rules, or in `text` if there is
+  // one.
   Diagnostics In(const WriteBatch& batch, const LoadedText& text);
 
   static constexpr size_t kMost = 20;

@@ -66,6 +66,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
 
   // What other servers know is fetched once, and never on the writer's turn.
   absl::Status AskOthers(const GraphVersion& version) {
+    const WorkerPool::SharedWork shared(ports_.workers, request_.cancellation.get());
     sparql::RunOptions run = run_;
     run.version = &version;
     run.cancellation = request_.cancellation.get();
@@ -131,8 +132,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
       if (absl::IsAborted(outcome.status()) && self->conflict_) return self->Again();
       self->done_(outcome);
     };
-    BringJudged(ports_, std::move(batch), std::move(check), /*made_on_turn=*/false, request_.client,
-                std::move(done));
+    BringJudged(ports_, std::move(batch), request_.text, std::move(check), /*made_on_turn=*/false,
+                request_.client, std::move(done));
   }
 
   void Again() {
@@ -157,7 +158,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
           " evaluations, and the one while they waited took longer than the limit update_turn_ms = ",
           limit_ms, "; nothing was changed, try again or make it smaller"));
     };
-    BringJudged(ports_, Batch(), std::move(evaluate), /*made_on_turn=*/true, request_.client, done_);
+    BringJudged(ports_, Batch(), request_.text, std::move(evaluate), /*made_on_turn=*/true, request_.client,
+                done_);
   }
 
   const WritePorts& ports_;

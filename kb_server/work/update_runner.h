@@ -20,6 +20,7 @@
 #include "graph/store/graph_version.h"
 #include "kb_server/door/client.h"
 #include "kb_server/door/inbox.h"
+#include "kb_server/work/load_judge.h"
 
 namespace docent::server {
 
@@ -36,6 +37,7 @@ struct UpdateRequest {
   ClientPtr client;                            // null: the server itself
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
   absl::Duration timeout;                      // of waiting for a worker, and for min_revision
+  LoadedText text;                             // of which its LOAD is, if the client sent one
   // For LOAD, once for each document, whose quads are counted in `memory`; empty: what WritePorts::remote allows.
   sparql::LoadDocument load;
   // Looks at each version that the update is evaluated on; an error ends it (a precondition). May be null.

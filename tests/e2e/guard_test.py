@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """`docent serve --on-violation refuse`: the same shapes at every door of clients, with what the rules derive."""
+import json
 import threading
 import unittest
 import urllib.error
@@ -48,6 +49,13 @@ class Guard(StageTest):
             self.assertGreaterEqual(status, 400)
             self.assertIn("a room needs a door", body)
         self.assertFalse(self.server.ask("<https://e.example/A> ?p ?o"), "nothing of them")
+
+    def test_a_refusal_names_the_line_of_the_file_however_it_is_loaded(self):
+        file = self.file("a.ttl", "@prefix e: <https://e.example/> .\n\ne:A\n  a e:Room .")
+        for arguments in ((), ("--as", "facts"), ("--graph", "https://e.example/g"), ("--graph", "https://e.example/g", "--replace")):
+            refused = self.server.run("load", *arguments, file)
+            self.assertEqual(refused.returncode, 2, arguments)
+            self.assertRegex(refused.stderr, r"a\.ttl:3:1: violation: e:A", arguments)
 
     def test_what_conforms_passes(self):
         self.server.command("tell", "<https://e.example/A> a <https://e.example/Room> ; <https://e.example/door> 1")
@@ -122,6 +130,13 @@ class Warnings(StageTest):
         self.assertIn("did you mean e:door?", self.http_put(server, "<urn:a> <https://e.example/dor> 1 ."))
         loaded = server.run("load", self.file("d.ttl", "@prefix e: <https://e.example/> .\ne:B e:width 1 ;\n  e:dor 2 ."))
         self.assertIn("d.ttl:3:3: warning", loaded.stderr)
+        rules = self.file("n.rules", "PREFIX e: <https://e.example/>\nRULE { ?o a e:Rom } WHERE { ?o e:door/e:widht ?w }\n")
+        said = server.run("load", rules).stderr
+        self.assertIn("n.rules:2:13: warning: no loaded ontology has the class e:Rom", said)
+        self.assertIn("did you mean e:width?", said)
+        told = json.loads(server.run("load", "--json", rules).stdout)
+        self.assertEqual([f["line"] for f in told["findings"]], [2, 2])
+        self.assertEqual(server.run("load", "--json", rules).stderr, "")
         self.assertEqual(server.run("tell", "e:A a e:Room ; e:door 1").stderr, "")
         self.assertTrue(server.ask("e:A e:dor 1 , 2 . e:B e:dor 2"), "it is taken")
 
