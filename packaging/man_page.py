@@ -17,6 +17,7 @@ be written."""
 ENVIRONMENT = {
     "docent": [("DOCENT_SERVER", "Address of the server, where --server is not given."),
                ("DOCENT_GRPC, DOCENT_HTTP", "Addresses that docent serve listens at, where --grpc and --http are not given."),
+               ("DOCENT_DATA_DIR", "Folder with the ontologies that docent check reads, in the place of /usr/share/docent."),
                ("NO_COLOR", "If it is not empty, no colours are used."),
                ("COLUMNS", "Width of the help, where standard output is no terminal."),
                ("XDG_STATE_HOME", "The data folder is docent in this folder, by default ~/.local/state.")],

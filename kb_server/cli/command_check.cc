@@ -90,7 +90,9 @@ class Checker {
   // Ontologies, RSEL processes and the names of workflows first, so that workflows are checked against them whatever the
   // order of the files.
   absl::Status Prepare() {
-    for (const std::vector<std::string>& files : {OwnOntology(), arguments_.ontologies}) {
+    const absl::StatusOr<std::vector<std::string>> own = OwnOntology();
+    if (!own.ok()) return own.status();
+    for (const std::vector<std::string>& files : {*own, arguments_.ontologies}) {
       for (const std::string& file : files) {
         if (absl::Status added = AddOntology(file); !added.ok()) return added;
       }
@@ -100,7 +102,7 @@ class Checker {
       auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
       if (!rdf.ok()) return rdf.status();
       files_.AddRdf(file, *rdf, false);
-      environment_.AddOntology(ParseScoped(file, *rdf).quads);
+      environment_.AddOntology(files_.QuadsOf(file));
       rdf_texts_[file] = std::move(rdf->text);
     }
     for (const std::string& file : arguments_.files) {
@@ -210,13 +212,15 @@ class Checker {
   }
 
  private:
-  // The modules of Docent's own ontology, but for those that are checked themselves. None where the program has come without
-  // its files: then the words of docent: are checked only where they are described.
-  std::vector<std::string> OwnOntology() const {
+  // The modules of Docent's own ontology, but for those that are checked themselves. Without them a word of docent: that is
+  // misspelt would not be seen: an error.
+  absl::StatusOr<std::vector<std::string>> OwnOntology() const {
+    const absl::StatusOr<std::string> core = FindDataFile("ontology/docent.ttl");
+    if (!core.ok()) return core.status();
     std::vector<std::string> modules;
-    const absl::StatusOr<std::string> folder = FindDataFile("ontology");
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.value_or(""), error)) {
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(*core).parent_path(), error)) {
       const auto is_module = [&entry](const std::string& file) {
         std::error_code none;
         return std::filesystem::equivalent(file, entry.path(), none);
@@ -232,10 +236,9 @@ class Checker {
   absl::Status AddOntology(const std::string& file) {
     auto rdf = ReadRdf(file, arguments_.base, "", kDocumentText);
     if (!rdf.ok()) return rdf.status();
-    ParsedRdf parsed = ParseScoped(file, *rdf);
-    if (!parsed.ok()) return ToStatus(parsed, rdf->text);
-    environment_.AddOntology(parsed.quads);
-    files_.AddRdf(file, *rdf, true);
+    const Diagnostics read = files_.AddRdf(file, *rdf, true);
+    if (HasErrors(read)) return ToStatus(read, rdf->text);
+    environment_.AddOntology(ParseScoped(file, *rdf).quads);
     return absl::OkStatus();
   }
 
@@ -435,6 +438,9 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   command->add_flag("--full", arguments->full, "Print whole IRIs, not named by the files' prefixes");
   command->footer(
       "Exit code 1: errors were found.\n"
+      "It needs Docent's own ontology, which it looks for beside the program; of a copied program, "
+      "DOCENT_DATA_DIR "
+      "names the folder in which the folder ontology is.\n"
       "Example:\n"
       "  docent check hall.ttl guide.rules booth_guide.cawl.xml --ontology place.ttl");
   command->callback([arguments, exit_code] {

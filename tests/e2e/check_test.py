@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What ontology authors use: docent check, docent validate, docent ontology, with their exit codes."""
 import json
+import os
+import subprocess
 import unittest
 
 from docent_e2e import StageTest, stage
@@ -110,6 +112,15 @@ class Check(StageTest):
             self.assertIn("docent:isatt is not defined", done.stderr)
             good = self.docent("check", self.file(name, text.replace("isatt", "isAt")))
             self.assertEqual((good.returncode, good.stderr), (0, ""), name)
+
+    def test_a_copied_program_says_that_it_lacks_its_own_ontology(self):
+        file = self.file("t.ttl", "@prefix docent: <https://w3id.org/docent#> . <urn:a> a docent:Regoin .")
+        done = subprocess.run([self.stage.bin / "docent", "check", file], capture_output=True, text=True, timeout=60,
+                              env={**os.environ, "DOCENT_DATA_DIR": str(self.stage.folder)})
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("DOCENT_DATA_DIR", done.stderr)
+        self.assertIn("ontology/docent.ttl", done.stderr)
+        self.assertIn("docent:Region", self.docent("check", file).stderr)
 
     def test_modules_of_the_ontology_are_checked_by_themselves(self):
         modules = sorted(stage.ROOT.glob("ontology/*.ttl"))
