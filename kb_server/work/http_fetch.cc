@@ -95,11 +95,16 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
   co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
   if (!error) TakeHead(parser.get(), response);
   if (!error && !request.reads_body) co_return absl::OkStatus();
+  size_t counted = 0;
   while (!error && !parser.is_done()) {
     if (parser.content_length().value_or(0) > request.max_bytes ||
         parser.get().body().size() > request.max_bytes)
       break;
     co_await http::async_read_some(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
+    const size_t size = parser.get().body().size();
+    if (request.count) {
+      if (absl::Status room = request.count(size - std::exchange(counted, size)); !room.ok()) co_return room;
+    }
   }
   if (error) co_return ToStatus(error, "reading the answer", request);
   if (!parser.is_done() || parser.get().body().size() > request.max_bytes) {

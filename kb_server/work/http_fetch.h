@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_WORK_HTTP_FETCH_H_
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,12 +36,14 @@ struct FetchRequest {
   std::chrono::milliseconds timeout{30000};  // for all of it
   size_t max_bytes = 0;                      // of the answer's body
   bool reads_body = true;                    // false: status and headers are all that counts, and end it
-  bool half_time = false;                    // no longer than half of the time that the cancellation leaves
+  // Told of each piece of the answer's body, in bytes, also of one that leads elsewhere: its error ends it. Null: none.
+  std::function<absl::Status(size_t more)> count;
+  bool half_time = false;  // no longer than half of the time that the cancellation leaves
 };
 
 // The answer, whatever its status. INVALID_ARGUMENT (the URL), UNAVAILABLE (no such host, refused, cut off, a
 // bad certificate), DEADLINE_EXCEEDED, CANCELLED (looked at several times a second), RESOURCE_EXHAUSTED
-// beyond `max_bytes`.
+// beyond `max_bytes`, the error of `count`.
 absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* cancellation);
 
 }  // namespace docent::server

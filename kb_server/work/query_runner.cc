@@ -94,9 +94,9 @@ absl::Status QueryRunner::Run(const QueryRequest& request, Cancellation* cancell
   run.cancellation = cancellation;
   run.now_us = ports_.clock->Now();
   run.seed = static_cast<uint64_t>(run.now_us);
+  const WorkerPool::SharedWork shared(ports_.workers, cancellation);
   absl::Status resolved = sparql::ResolveServices(&*query, ports_.remote, dictionary, options, run);
   if (!resolved.ok()) return resolved;
-  const WorkerPool::SharedWork shared(ports_.workers, cancellation);
   absl::StatusOr<std::unique_ptr<sparql::PreparedQuery>> prepared =
       sparql::PreparedQuery::Prepare(*std::move(query), dictionary, options);
   if (!prepared.ok()) return prepared.status();

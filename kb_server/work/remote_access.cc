@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -11,13 +10,14 @@
 #include "graph/base/diagnostic.h"
 #include "graph/base/gzip.h"
 #include "graph/base/memory_part.h"
+#include "graph/base/overload.h"
 #include "graph/base/regular_file.h"
 #include "graph/base/text.h"
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
-#include "graph/rdf/vocabulary.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/worker_pool.h"
+#include "kb_server/work/service_answer_json.h"
 #include "kb_server/work/service_answer_xml.h"
 
 namespace docent::server {
@@ -66,68 +66,6 @@ std::string RealPathOf(std::string_view entry) {
   return error ? "" : real.string();
 }
 
-// An RDF term in SPARQL 1.1 Query Results JSON, section 3.2.2, as it is written: whoever takes the answer checks its
-// terms.
-std::optional<Term> ToTerm(const nlohmann::json& value) {
-  bool has_form = true;
-  const auto text = [&](const char* name) -> std::string {
-    const auto it = value.find(name);
-    if (it == value.end()) return "";
-    has_form = has_form && it->is_string();
-    return it->is_string() ? it->get<std::string>() : "";
-  };
-  const std::string type = text("type"), lexical = text("value"), language = text("xml:lang");
-  std::string datatype = text("datatype");
-  if (!has_form || !value.contains("value")) return std::nullopt;
-  if (type == "uri") return Term::Iri(lexical);
-  if (type == "bnode") return Term::Blank(lexical);
-  if (type != "literal" && type != "typed-literal") return std::nullopt;
-  if (language.empty()) return Term::Literal(lexical, std::move(datatype));
-  Term literal = Term::LangString(lexical, language);
-  if (datatype != kRdfLangString) literal.datatype = std::move(datatype);
-  return literal;
-}
-
-constexpr size_t kValuesARow = 4;  // on the average, in an answer of as many rows as it may have
-
-absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t max_rows) {
-  const nlohmann::json root = nlohmann::json::parse(body, nullptr, false);
-  if (root.is_discarded() || !root.is_object()) return absl::UnknownError("the answer is not JSON");
-  const auto head = root.find("head");
-  const auto results = root.find("results");
-  if (head == root.end() || results == root.end() || !results->is_object() ||
-      !results->contains("bindings") || !(*results)["bindings"].is_array() || !head->is_object()) {
-    return absl::UnknownError("the answer is JSON, but no rows of SPARQL results");
-  }
-  sparql::ServiceAnswer answer;
-  for (const auto& name : head->value("vars", nlohmann::json::array())) {
-    if (name.is_string()) answer.variables.push_back(name.get<std::string>());
-  }
-  std::vector<std::string> names = answer.variables;
-  std::sort(names.begin(), names.end());
-  if (std::adjacent_find(names.begin(), names.end()) != names.end())
-    return absl::UnknownError("the answer names a variable twice");
-  for (const auto& binding : (*results)["bindings"]) {
-    if (answer.rows.size() == max_rows) {
-      return absl::ResourceExhaustedError(
-          absl::StrCat("the answer has more rows than the limit remote_rows = ", max_rows));
-    }
-    if ((answer.rows.size() + 1) * answer.variables.size() > kValuesARow * max_rows) {
-      return absl::ResourceExhaustedError(absl::StrCat("the answer has more values than ", kValuesARow,
-                                                       " times the limit remote_rows = ", max_rows));
-    }
-    std::vector<std::optional<Term>>& row = answer.rows.emplace_back();
-    for (const std::string& name : answer.variables) {
-      const auto cell = binding.is_object() ? binding.find(name) : binding.end();
-      row.emplace_back();
-      if (!binding.is_object() || cell == binding.end()) continue;
-      row.back() = cell->is_object() ? ToTerm(*cell) : std::nullopt;
-      if (!row.back()) return absl::UnknownError("the answer holds what is no RDF term");
-    }
-  }
-  return answer;
-}
-
 // While another server is waited for, the worker's place is free.
 absl::StatusOr<HttpResponse> Ask(const FetchRequest& request, Cancellation* cancellation) {
   const WorkerPool::Waiting waiting;
@@ -167,6 +105,11 @@ absl::Status RemoteAccess::Refuse(std::string_view url) const {
       "<", url, "> is not among the addresses that this server may reach; start it with --allow ", url));
 }
 
+absl::Status RemoteAccess::TooMuch(const std::string& url, const MemoryUse& memory) const {
+  return memory.Refusal(absl::ResourceExhaustedError(absl::StrCat(
+      "<", url, "> has more than fits into the limit query_memory_bytes = ", limits_.query_memory_bytes)));
+}
+
 absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellation* cancellation) const {
   request->timeout = std::chrono::milliseconds(limits_.query_timeout_ms);
   request->max_bytes = limits_.remote_bytes;
@@ -192,7 +135,7 @@ absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellati
 
 absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint,
                                                            const std::string& query, bool silent,
-                                                           Cancellation* cancellation) {
+                                                           Cancellation* cancellation, MemoryUse* memory) {
   FetchRequest request;
   request.method = "POST";
   request.url = endpoint;
@@ -200,13 +143,18 @@ absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& en
                      {"Accept", "application/sparql-results+json, application/sparql-results+xml;q=0.5"}};
   request.body = query;
   request.half_time = silent;
+  MemoryPart of_body(memory);
+  request.count = [&](size_t more) {
+    return of_body.Add(more) ? absl::OkStatus() : TooMuch(endpoint, *memory);
+  };
   absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
   if (!response.ok()) return response.status();
   // XML says so itself, which more servers do than name its type.
   const size_t begin =
       std::min(response->body.find_first_not_of("\xEF\xBB\xBF \t\r\n"), response->body.size());
-  if (response->body.compare(begin, 1, "<") == 0) return ReadXmlAnswer(response->body, limits_, cancellation);
-  return ReadAnswer(response->body, limits_.remote_rows);
+  if (response->body.compare(begin, 1, "<") == 0)
+    return ReadXmlAnswer(response->body, limits_, cancellation, memory);
+  return ReadJsonAnswer(response->body, limits_, cancellation, memory);
 }
 
 absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url, Cancellation* cancellation,
@@ -215,6 +163,10 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   const std::string document = url.substr(0, url.find('#'));
   std::string text, base = document, type;
   std::optional<RdfFormat> format;
+  MemoryPart of_text(memory);
+  const auto count = [&](size_t more) {
+    return of_text.Add(more) ? absl::OkStatus() : TooMuch(url, *memory);
+  };
   if (absl::StartsWith(document, ToAbsl(kFile))) {
     if (!IsAllowed(document)) return Refuse(document);
     absl::StatusOr<RegularFile> file = ReadFile(document, limits_.remote_bytes);
@@ -225,9 +177,11 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
     if (!file.ok())
       return absl::Status(file.status().code(), absl::StrCat("<", url, ">: ", file.status().message()));
     text = std::move(file->text);
+    if (absl::Status room = count(text.size()); !room.ok()) return room;
   } else {
     FetchRequest request;
     request.url = document;
+    request.count = count;
     request.headers = {
         {"Accept",
          "text/turtle, application/n-triples, application/trig;q=0.9, application/n-quads;q=0.9, "
@@ -241,11 +195,14 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   }
   if (!format) format = FormatOfFile(base);
   if (IsGzip(text)) {
-    absl::StatusOr<std::string> unpacked = Gunzip(text, limits_.remote_bytes, "remote_bytes");
+    absl::StatusOr<std::string> unpacked =
+        Gunzip(text, limits_.remote_bytes, "remote_bytes", memory, cancellation);
     if (!unpacked.ok())
-      return absl::Status(unpacked.status().code(),
-                          absl::StrCat("<", url, ">: ", unpacked.status().message()));
+      return WithMessage(unpacked.status(), absl::StrCat("<", url, ">: ", unpacked.status().message()));
     text = *std::move(unpacked);
+    of_text.Reset();
+    memory->Release(text.size());
+    if (absl::Status room = count(text.size()); !room.ok()) return room;
   }
   if (!format) {
     if (absl::Status unread = CheckFormatOfFile(base); !unread.ok()) return unread;
@@ -260,12 +217,6 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   options.limits = limits_;
   options.cancellation = cancellation;
   options.memory = memory;
-  MemoryUse alone(SIZE_MAX);
-  MemoryPart of_text(memory != nullptr ? memory : &alone);
-  if (!of_text.Add(text.size())) {
-    return memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
-        "<", url, "> has more than fits into the limit query_memory_bytes = ", limits_.query_memory_bytes)));
-  }
   ParsedRdf parsed = ParseRdf(text, *format, options);
   if (!parsed.ok()) return ToStatus(parsed, text);
   return std::move(parsed.quads);

@@ -36,15 +36,18 @@ class RemoteAccess final : public sparql::ServiceClient {
 
   // For SERVICE: POST of the query, answer in SPARQL JSON or XML.
   absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
-                                               bool silent, Cancellation* cancellation) override;
+                                               bool silent, Cancellation* cancellation,
+                                               MemoryUse* memory) override;
   // For LOAD: the document's quads, in the format that its Content-Type or name says. `memory` counts them, which stay
-  // counted, and meanwhile the text; null: they are not counted.
+  // counted, and meanwhile the text.
   absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation,
-                                             MemoryUse* memory = nullptr) const;
+                                             MemoryUse* memory) const;
 
  private:
   bool IsAllowedPath(const std::string& real_path) const;
   absl::Status Refuse(std::string_view url) const;
+  // While what does not fit is still counted.
+  absl::Status TooMuch(const std::string& url, const MemoryUse& memory) const;
   // The answer with status 200, and in request->url where it came from. UNKNOWN: what the other server did instead.
   absl::StatusOr<HttpResponse> Get(FetchRequest* request, Cancellation* cancellation) const;
 

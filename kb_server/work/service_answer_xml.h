@@ -9,14 +9,16 @@
 #include "absl/status/statusor.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
 #include "graph/sparql/run/federation.h"
 
 namespace docent::server {
 
-// The rows of a SELECT, whose blank nodes have labels of ours. UNKNOWN: it is not well-formed, no such document, or holds
-// what is no RDF term. RESOURCE_EXHAUSTED: more rows than Limits::remote_rows.
+// The rows of a SELECT. UNKNOWN: it is not well-formed, no such document, or holds what is no RDF term. RESOURCE_EXHAUSTED:
+// more rows than Limits::remote_rows, a term of more than term_bytes, or more than `memory` allows, which counts the answer.
+// `cancellation` may be null.
 absl::StatusOr<sparql::ServiceAnswer> ReadXmlAnswer(const std::string& body, const Limits& limits,
-                                                    Cancellation* cancellation);
+                                                    Cancellation* cancellation, MemoryUse* memory);
 
 }  // namespace docent::server
 

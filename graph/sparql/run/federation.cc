@@ -38,6 +38,8 @@ absl::Status CheckAnswer(const ServiceAnswer& answer) {
   return absl::OkStatus();
 }
 
+constexpr size_t kBytesOfLabel = 100;  // of a blank node, beside its text, in a table
+
 class Resolver {
  public:
   Resolver(const Query& query, ServiceClient* client, const Dictionary& dictionary,
@@ -99,13 +101,9 @@ class Resolver {
     for (const std::string& endpoint : endpoints) {
       absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text, service.silent);
       if (answer.ok()) {
-        if (!AddRows(*answer, open ? &endpoint : nullptr, values.get())) {
-          return At(
-              service,
-              use_->Refusal(absl::ResourceExhaustedError(absl::StrCat(
-                  "the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
-                  options_.memory_bytes))));
-        }
+        const absl::Status added = AddRows(&*answer, open ? &endpoint : nullptr, values.get());
+        use_->Release(answer->counted);
+        if (!added.ok()) return At(service, added);
       } else if (service.silent && answer.status().code() != absl::StatusCode::kCancelled) {
         values->rows.emplace_back(values->variables.size());
         if (open) values->rows.back().back() = Term::Iri(endpoint);
@@ -120,9 +118,12 @@ class Resolver {
 
   absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& text, bool silent) {
     if (client_ == nullptr) return absl::PermissionDeniedError("no other endpoint may be asked here");
-    absl::StatusOr<ServiceAnswer> answer = client_->Select(endpoint, text, silent, run_.cancellation);
+    absl::StatusOr<ServiceAnswer> answer = client_->Select(endpoint, text, silent, run_.cancellation, use_);
     if (!answer.ok()) return answer;
-    if (absl::Status status = CheckAnswer(*answer); !status.ok()) return status;
+    if (absl::Status status = CheckAnswer(*answer); !status.ok()) {
+      use_->Release(answer->counted);
+      return status;
+    }
     return answer;
   }
 
@@ -139,34 +140,44 @@ class Resolver {
     return head + " WHERE " + PrintPattern(*service.children[0]);
   }
 
-  // False: beyond the memory of the request.
-  bool AddRows(const ServiceAnswer& answer, const std::string* endpoint, Algebra* values) {
+  // While what does not fit is still counted.
+  absl::Status TooMuch() const {
+    return use_->Refusal(absl::ResourceExhaustedError(
+        absl::StrCat("the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
+                     options_.memory_bytes)));
+  }
+
+  // Moves the answer's rows.
+  absl::Status AddRows(ServiceAnswer* answer, const std::string* endpoint, Algebra* values) {
     ++answers_;
     absl::flat_hash_map<std::string, size_t> blanks;  // numbers of the labels of this answer
+    MemoryPart labels(use_);
     std::vector<size_t> columns;
     for (const Variable& v : values->variables) {
-      const auto it = std::find(answer.variables.begin(), answer.variables.end(), v.name);
-      columns.push_back(static_cast<size_t>(it - answer.variables.begin()));
+      const auto it = std::find(answer->variables.begin(), answer->variables.end(), v.name);
+      columns.push_back(static_cast<size_t>(it - answer->variables.begin()));
     }
-    for (const auto& given : answer.rows) {
-      std::vector<std::optional<Term>> row;
+    for (ServiceRow& given : answer->rows) {
+      const size_t given_bytes = std::min(answer->counted, MemoryOf(given));
+      ServiceRow row;
       row.reserve(columns.size());
       for (const size_t column : columns) {
-        row.push_back(column < given.size() ? given[column] : std::nullopt);
+        row.push_back(column < given.size() ? std::move(given[column]) : std::nullopt);
         std::optional<Term>& term = row.back();
         // Blank nodes of the endpoint differ from all of ours; their labels may be anything.
-        if (term && term->IsBlank()) {
-          const size_t number = blanks.try_emplace(term->lexical, blanks.size()).first->second;
-          term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "b", number);
-        }
+        if (!term || !term->IsBlank()) continue;
+        const auto [label, is_new] = blanks.try_emplace(std::move(term->lexical), blanks.size());
+        if (is_new && !labels.Add(label->first.size() + kBytesOfLabel)) return TooMuch();
+        term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "b", label->second);
       }
       if (endpoint != nullptr) row.back() = Term::Iri(*endpoint);
-      size_t bytes = 2 * sizeof(row);
-      for (const std::optional<Term>& term : row) bytes += sizeof(term) + (term ? TextMemory(*term) : 0);
-      if (!use_->Add(bytes)) return false;
+      given = ServiceRow();
+      answer->counted -= given_bytes;
+      use_->Release(given_bytes);
+      if (!use_->Add(MemoryOf(row))) return TooMuch();
       values->rows.push_back(std::move(row));
     }
-    return true;
+    return absl::OkStatus();
   }
 
   // The IRIs that the patterns joined with SERVICE ?x bind to ?x.
@@ -223,6 +234,12 @@ class Resolver {
 };
 
 }  // namespace
+
+size_t MemoryOf(const ServiceRow& row) {
+  size_t bytes = 2 * sizeof(row);  // in an array that grows
+  for (const std::optional<Term>& term : row) bytes += sizeof(term) + (term ? TextMemory(*term) : 0);
+  return bytes;
+}
 
 bool HasService(const Query& query) {
   return query.algebra && AnyNode(*query.algebra, IsService);

@@ -15,20 +15,29 @@
 
 namespace docent::sparql {
 
+using ServiceRow = std::vector<std::optional<Term>>;  // a term for each variable
+
+// What a row takes in memory, in bytes.
+size_t MemoryOf(const ServiceRow& row);
+
 struct ServiceAnswer {
   std::vector<std::string> variables;
-  std::vector<std::vector<std::optional<Term>>> rows;  // a term for each variable
+  std::vector<ServiceRow> rows;
+  size_t counted =
+      0;  // bytes of it in the memory that Select was given; whoever drops the answer releases them
 };
 
 // Client for other endpoints. Any thread.
 class ServiceClient {
  public:
   virtual ~ServiceClient() = default;
-  // The rows of a SELECT. `silent`: the query goes on without them, so some time is kept for it.
+  // The rows of a SELECT; any text may label a blank node. `silent`: the query goes on without them, so some time is kept
+  // for it. `memory` counts what comes and what is kept.
   // PERMISSION_DENIED for an endpoint that is not allowed, UNKNOWN (the endpoint fails), DEADLINE_EXCEEDED,
   // RESOURCE_EXHAUSTED (an answer beyond a limit, named).
   virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
-                                               bool silent, Cancellation* cancellation) = 0;
+                                               bool silent, Cancellation* cancellation,
+                                               MemoryUse* memory) = 0;
 };
 
 bool HasService(const Query& query);

@@ -21,7 +21,8 @@ std::string Binding(const std::string& name, const std::string& term) {
 const std::string kHead = "<variable name=\"a\"/><variable name=\"b\"/>";
 
 absl::StatusOr<sparql::ServiceAnswer> Read(const std::string& text, Limits limits = {}) {
-  return ReadXmlAnswer(text, limits, nullptr);
+  MemoryUse memory(SIZE_MAX);
+  return ReadXmlAnswer(text, limits, nullptr, &memory);
 }
 
 TEST(ServiceAnswerXml, RowsAreRead) {
@@ -38,8 +39,9 @@ TEST(ServiceAnswerXml, RowsAreRead) {
   EXPECT_EQ(answer->rows[0][1], Term::LangString("h<i", "en"));
   EXPECT_EQ(answer->rows[1][0], std::nullopt);
   EXPECT_EQ(answer->rows[1][1], Term::Integer(1));
-  EXPECT_EQ(answer->rows[2][0], Term::Blank("x0")) << "labels are ours";
-  EXPECT_EQ(answer->rows[2][1], Term::Blank("x0"));
+  EXPECT_EQ(answer->rows[2][0], Term::Blank("nodeID://b1"))
+      << "whoever takes the answer gives it another label";
+  EXPECT_EQ(answer->rows[2][1], Term::Blank("nodeID://b1"));
   EXPECT_EQ(answer->rows[3][1], Term::Literal(""));
   EXPECT_EQ(answer->rows[4][1], std::nullopt);
 }
@@ -52,7 +54,11 @@ TEST(ServiceAnswerXml, WhatIsNoAnswerIsAnError) {
         Answer(kHead, "<results>" + Row(Binding("a", "<literal xml:lang=\"en . &lt;x>\">t</literal>")) +
                           "</results>"),
         Answer(kHead,
-               "<results>" + Row(Binding("a", "<literal datatype=\"no iri\">t</literal>")) + "</results>")}) {
+               "<results>" + Row(Binding("a", "<literal datatype=\"no iri\">t</literal>")) + "</results>"),
+        Answer(kHead, "<results>" + Row("") + "<variable name=\"c\"/>" +
+                          Row(Binding("c", "<uri>urn:x</uri>")) + "</results>"),
+        Answer(kHead, "<results>" + Row(Binding("a", "<uri>urn:x</uri>") + Binding("a", "<uri>urn:y</uri>")) +
+                          "</results>")}) {
     EXPECT_EQ(Read(text).status().code(), absl::StatusCode::kUnknown) << text;
   }
   EXPECT_TRUE(Read(Answer(kHead, "<results/>")).ok());
@@ -65,6 +71,15 @@ TEST(ServiceAnswerXml, RowsAreLimited) {
   EXPECT_TRUE(Read(two, limits).ok());
   limits.remote_rows = 1;
   EXPECT_THAT(std::string(Read(two, limits).status().message()), HasSubstr("remote_rows = 1"));
+}
+
+TEST(ServiceAnswerXml, WhatIsKeptIsCounted) {
+  std::string rows;
+  for (int i = 0; i < 5000; ++i) rows += Row(Binding("a", "<uri>urn:x</uri>"));
+  MemoryUse memory(1 << 20);
+  const auto answer = ReadXmlAnswer(Answer(kHead, "<results>" + rows + "</results>"), {}, nullptr, &memory);
+  EXPECT_THAT(std::string(answer.status().message()), HasSubstr("query_memory_bytes"));
+  EXPECT_EQ(memory.used(), 0u);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using testing::SizeIs;
 class FakeClient final : public ServiceClient {
  public:
   absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool,
-                                       Cancellation*) override {
+                                       Cancellation*, MemoryUse*) override {
     asked.push_back(endpoint + " " + query);
     const auto it = answers.find(endpoint);
     if (it == answers.end()) return absl::UnknownError("nobody there");
