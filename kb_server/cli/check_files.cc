@@ -35,6 +35,15 @@ std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findin
   return out;
 }
 
+Diagnostic TooMuch(const std::string& file, const CheckLimits& limits) {
+  return {
+      file,
+      {1, 1},
+      absl::StrCat("the RDF documents of this check say more than fits into the limit check_memory_bytes = ",
+                   limits.check_memory_bytes),
+      "check fewer files at a time, or split the document"};
+}
+
 // The name by which a server knows a rule set.
 std::string NameOf(const std::string& file) {
   return std::string(NameWithoutGz(std::filesystem::path(file).filename().string()));
@@ -63,15 +72,23 @@ std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnos
   return findings;
 }
 
-FileChecker::FileChecker() {
+FileChecker::FileChecker(const CheckLimits& limits) : limits_(limits) {
   RegisterSpatialFunctions(&functions_);
 }
 
-void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_words) {
+Diagnostics FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_words) {
+  const size_t before = memory_.used();
   ParseRdfOptions options = rdf.Options(file);
+  options.memory = &memory_;
   options.blank_node_scope = absl::StrCat("f", ++texts_, "_");
-  options.refuse_graph = RefuseGraph;
+  if (!only_words) options.refuse_graph = RefuseGraph;
   LocatedRdf document = ParseLocatedRdf(rdf.text, rdf.format, options);
+  if (!document.rdf.stopped.ok()) {
+    Diagnostic too_much = TooMuch(file, limits_);
+    if (!document.rdf.diagnostics.empty()) too_much.span = document.rdf.diagnostics.back().span;
+    document.rdf.diagnostics = {too_much};
+  }
+  if (!document.rdf.ok() || only_words) memory_.Release(memory_.used() - before);
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);
     for (const auto& [prefix, name_space] : document.rdf.prefixes) names_.Add(prefix, name_space);
@@ -82,7 +99,9 @@ void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_
     if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
     if (!only_words) imported_[file] = std::move(imported);
   }
+  Diagnostics read = document.rdf.diagnostics;
   if (!only_words) documents_[file] = std::move(document);
+  return read;
 }
 
 void FileChecker::AddRules(const std::string& file, const std::string& text) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/base/check_limits.h"
+#include "graph/base/memory_budget.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/formats/located_parser.h"
 #include "graph/rdf/formats/text_input.h"
@@ -26,11 +27,14 @@ namespace docent::server {
 
 class FileChecker {
  public:
-  FileChecker();
+  explicit FileChecker(const CheckLimits& limits = {});
 
   // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
   // first is checked.
-  void AddRdf(const std::string& file, const RdfText& rdf, bool only_words);
+  // Gives what its reader says; more than the limit check_memory_bytes is an error.
+  Diagnostics AddRdf(const std::string& file, const RdfText& rdf, bool only_words);
+  // Of a document that was added to be checked: none where it has syntax errors.
+  const std::vector<TermQuad>& QuadsOf(const std::string& file) { return documents_[file].rdf.quads; }
   // Rules that the others are to be consistent with; likewise before the first is checked.
   void AddRules(const std::string& file, const std::string& text);
 
@@ -66,6 +70,7 @@ class FileChecker {
   rules::RuleEngine rules_{dictionary_, {}, &functions_};
   ontology::Vocabulary vocabulary_;
   IriNames names_ = IriNames::WellKnown();
+  MemoryUse memory_{limits_.check_memory_bytes};  // of documents_
   std::map<std::string, LocatedRdf> documents_;
   std::set<std::string> cycles_;
   shapes::FileGraph graph_;

@@ -37,6 +37,25 @@ std::string Check(const std::string& turtle) {
   return Text(checker.CheckRdf("f.ttl"));
 }
 
+TEST(CheckFilesTest, DocumentsThatTakeTooMuchAreRefused) {
+  CheckLimits limits;
+  limits.check_memory_bytes = 2 << 20;
+  FileChecker checker(limits);
+  std::string text = "<u:a> <u:b> 0";
+  for (int i = 0; i < 2000; ++i) absl::StrAppend(&text, ",\n", i);
+  const RdfText fits{text + " ."}, larger{absl::StrCat(text, text.substr(13), " .")};
+  checker.AddRdf("one.ttl", fits, false);
+  EXPECT_EQ(Text(checker.CheckRdf("one.ttl")), "");
+  for (const bool only_words : {false, true}) {
+    const Diagnostics read = checker.AddRdf("two.ttl", larger, only_words);
+    ASSERT_TRUE(HasErrors(read));
+    EXPECT_THAT(read[0].message, HasSubstr("check_memory_bytes = 2097152"));
+    EXPECT_GT(read[0].span.line, 1) << "where it was too much";
+  }
+  EXPECT_THAT(Text(checker.CheckRdf("two.ttl")), HasSubstr("check_memory_bytes"));
+  EXPECT_FALSE(HasErrors(checker.AddRdf("three.ttl", {"<u:a> <u:b> 1 ."}, false)));
+}
+
 TEST(CheckFilesTest, EveryKindOfContradictionIsFound) {
   const std::pair<const char*, const char*> cases[] = {
       {"cax-dw", ":A a owl:Class ; owl:disjointWith :B . :B a owl:Class .\n:i a :A , :B ."},
