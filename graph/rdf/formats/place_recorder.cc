@@ -19,6 +19,7 @@ void PlaceRecorder::Finish(std::string_view text, LocatedRdf* out) {
   out->prefixes = std::move(prefixes_);
   if (!out->rdf.ok()) return;
   std::vector<std::pair<size_t, SourceSpan*>> wanted;
+  wanted.reserve(3 * offsets_.size() + prefix_offsets_.size());
   if (!offsets_.empty()) places_.resize(offsets_.size());
   for (size_t i = 0; i < offsets_.size(); ++i) {
     wanted.push_back({offsets_[i].subject, &places_[i].subject});

@@ -40,8 +40,12 @@ class QuadCollector {
   // False if the quad exceeds the number of quads or the size of all texts (see Refusal); short names under a
   // long prefix reach the latter. A quad takes many times the memory of its shortest text.
   bool Add(TermQuad quad) {
-    if (quads_.size() == most_ || !Charge(TextBytes(quad), sizeof(TermQuad))) return false;
-    quads_.push_back(std::move(quad));
+    if (quads_ == most_ || !Charge(TextBytes(quad), sizeof(TermQuad))) return false;
+    if (quads_++ % kQuadsAPiece == 0) {
+      pieces_.emplace_back();
+      if (pieces_.size() > 1) pieces_.back().reserve(kQuadsAPiece);
+    }
+    pieces_.back().push_back(std::move(quad));
     return true;
   }
   // Counts text that a parser keeps beside the quads, and what keeping it takes in addition.
@@ -51,13 +55,14 @@ class QuadCollector {
     return bytes_ <= most_bytes_ && (uncounted_ < kBytesAChunk || Count());
   }
   std::string Refusal() const;
-  // RESOURCE_EXHAUSTED if `memory` was not enough.
+  // RESOURCE_EXHAUSTED if `memory` was not enough. Nothing more is to be read then.
   const absl::Status& stopped() const { return stopped_; }
 
   // Moves all quads out; the collector is empty afterwards.
   std::vector<TermQuad> TakeQuads();
 
  private:
+  std::vector<TermQuad> Joined();
   static constexpr size_t kBytesOfQuad = 32;  // of text for each quad
   static constexpr size_t kFewQuads = 1000;   // allowed in any case
   static constexpr size_t kGrowth = 16;       // bytes of all terms for each byte of the limit
@@ -74,8 +79,11 @@ class QuadCollector {
   absl::Status stopped_;
   const size_t most_, most_bytes_;
   size_t bytes_ = 0;
-  std::vector<TermQuad> quads_;
-  absl::flat_hash_set<std::string> named_like_new_;  // labels of the document of the form b[0-9]+
+  // In pieces: an array that grows takes twice as much, the old and the new one, as soon as it is large.
+  static constexpr size_t kQuadsAPiece = 1u << 15;
+  std::vector<std::vector<TermQuad>> pieces_;
+  size_t quads_ = 0;
+  absl::flat_hash_set<uint64_t> named_like_new_;  // N of the document's labels of the form bN
   uint64_t new_blanks_ = 0;
 };
 

@@ -45,8 +45,7 @@ ParsedRdf RdfXmlReader::Run() {
   if (parsed.stopped.ok()) parsed.stopped = collector_.stopped();
   parsed.prefixes = prefixes_.Take();
   parsed.diagnostics = mistakes_.Take();
-  parsed.quads = collector_.TakeQuads();
-  if (!parsed.ok()) parsed.quads.clear();
+  if (parsed.ok()) parsed.quads = collector_.TakeQuads();
   return parsed;
 }
 

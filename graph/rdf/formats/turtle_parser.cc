@@ -38,7 +38,7 @@ class TurtleParser {
       return parsed;
     }
     while (!scan_.AtEnd() && !too_many_ && parsed.diagnostics.size() < options_.limits.document_diagnostics) {
-      if (!Alive()) break;
+      if (!Alive() || !collector_.stopped().ok()) break;
       if (!(line_based_ ? LineStatement() : Statement())) {
         if (!stopped_.ok()) break;
         const TurtleScanner::Failure& f = scan_.failure();
@@ -52,8 +52,7 @@ class TurtleParser {
     parsed.diagnostics.insert(parsed.diagnostics.end(), refusals_.begin(), refusals_.end());
     parsed.stopped = stopped_.ok() ? collector_.stopped() : stopped_;
     parsed.prefixes = prefixes_.Take();
-    parsed.quads = collector_.TakeQuads();
-    if (!parsed.ok()) parsed.quads.clear();
+    if (parsed.ok()) parsed.quads = collector_.TakeQuads();
     return parsed;
   }
 

@@ -1,6 +1,11 @@
 // What a document says counts in the memory of the request that sends it, in each format.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
 
 #include "graph/base/memory_budget.h"
 #include "graph/rdf/formats/located_parser.h"
@@ -79,6 +84,70 @@ TEST(ReaderMemory, PlacesCountToo) {
   options.memory = &located;
   EXPECT_TRUE(ParseLocatedRdf(text, RdfFormat::kTurtle, options).rdf.ok());
   EXPECT_GT(located.used(), plain.used() + 10000 * sizeof(QuadPlace) / 2);
+}
+
+// By how much a process of its own grows that does `work`, at most.
+size_t MostMemoryOf(const std::function<void()>& work) {
+  const auto grown = [](const std::function<void()>& what) {
+    const pid_t child = fork();
+    if (child == 0) {
+      what();
+      _exit(testing::Test::HasFailure() ? 1 : 0);
+    }
+    rusage use{};
+    int status = 0;
+    EXPECT_EQ(wait4(child, &status, 0, &use), child);
+    EXPECT_EQ(status, 0);
+    return static_cast<size_t>(use.ru_maxrss) << 10;
+  };
+  const size_t idle = grown([] {});
+  return grown(work) - idle;
+}
+
+// An array that grows by doubling is there twice for a while, which nothing counts.
+TEST(ReaderMemory, ADocumentTakesNoMoreThanIsCounted) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need memory of their own";
+#endif
+  std::string text = "<u:a> <u:b> <u:c>";
+  for (int i = 0; i < 1000000; ++i) text += ", <u:c>";
+  for (const size_t quads : {270000, 520000}) {  // just beyond, and just within, a power of two
+    MemoryUse memory(SIZE_MAX);
+    const std::string document = text.substr(0, 17 + 7 * quads) + " .";
+    const auto parse = [&] {
+      ParseRdfOptions options;
+      options.memory = &memory;
+      return ParseRdf(document, RdfFormat::kTurtle, options);
+    };
+    const size_t most = MostMemoryOf([&] { EXPECT_EQ(parse().quads.size(), quads + 1); });
+    EXPECT_TRUE(parse().ok());
+    EXPECT_LT(most, memory.used() + memory.used() / 4) << quads;
+  }
+  // What does not fit is refused before it is there.
+  const size_t limit = 100u << 20;
+  EXPECT_LT(MostMemoryOf([&] {
+              MemoryUse memory(limit);
+              ParseRdfOptions options;
+              options.memory = &memory;
+              EXPECT_EQ(ParseRdf(text + " .", RdfFormat::kTurtle, options).stopped.code(),
+                        absl::StatusCode::kResourceExhausted);
+            }),
+            limit + limit / 4);
+}
+
+// Graphs and labels that no triple uses take memory, too.
+TEST(ReaderMemory, WhatNoTripleUsesCountsOrIsNotKept) {
+  ParseRdfOptions options;
+  std::string labels, brackets;
+  for (int i = 1; i < 40000; ++i) {
+    labels += "_:b" + std::to_string(i) + "{}\n";
+    brackets += "[]{}\n";
+  }
+  MemoryUse little(1 << 20), other(1 << 20);
+  options.memory = &little;
+  EXPECT_EQ(ParseRdf(labels, RdfFormat::kTriG, options).stopped.code(), absl::StatusCode::kResourceExhausted);
+  options.memory = &other;
+  EXPECT_TRUE(ParseRdf(brackets, RdfFormat::kTriG, options).ok());
 }
 
 }  // namespace
