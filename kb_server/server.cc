@@ -258,8 +258,8 @@ Server::~Server() {
   queries_.Stop();
   if (replay_workers_) replay_workers_->Stop();
   if (workers_) workers_->Stop();
-  http_server_.reset();
   if (live_) live_->Stop();
+  http_server_.reset();
   if (grpc_server_) grpc_server_->Stop(deadline);
   inbox_.Close();
   const bool snapshot = writer_thread_.joinable();

@@ -32,6 +32,7 @@ void Live::Stop() {
     stopping_ = true;
   }
   if (thread_.joinable()) thread_.join();
+  for (const std::shared_ptr<LiveSession>& session : Sessions()) session->Stop();
 }
 
 void Live::AddRoute(HttpRoutes* routes) {
@@ -46,9 +47,14 @@ void Live::Accept(std::shared_ptr<HttpExchange> exchange) {
   auto session = std::make_shared<LiveSession>(&ports_, exchange);
   exchange->Upgrade(std::move(headers), session);
   session->Begin();
-  absl::MutexLock lock(&mutex_);
-  std::erase_if(sessions_, [](const std::weak_ptr<LiveSession>& one) { return one.expired(); });
-  sessions_.push_back(session);
+  bool late = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    std::erase_if(sessions_, [](const std::weak_ptr<LiveSession>& one) { return one.expired(); });
+    sessions_.push_back(session);
+    late = stopping_;
+  }
+  if (late) session->Stop();
 }
 
 std::vector<std::shared_ptr<LiveSession>> Live::Sessions() {

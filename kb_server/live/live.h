@@ -58,7 +58,8 @@ class Live {
 
   // GET /live. This must outlive the server.
   void AddRoute(HttpRoutes* routes);
-  // Ends the thread: no call is begun from now on. After the HTTP server, before `calls` ends.
+  // Ends the thread and what all tabs follow, and drops what they have sent: no call is begun from now on. Before the HTTP
+  // server ends, whose threads would take message after message, and before `calls` ends.
   void Stop();
 
   size_t open();  // connections; for metrics

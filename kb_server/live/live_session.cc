@@ -268,6 +268,10 @@ void LiveSession::LeaveReadPlace(absl::Time asked, absl::Time answered) {
   resting_.push_back(answered + (answered - asked));
 }
 
+void LiveSession::Stop() {
+  Close(WebSocketClose(kWebSocketGoingAway, "the server stops"));
+}
+
 void LiveSession::Close(std::string_view frame) {
   EndAll();
   exchange_->Push(frame);

@@ -44,6 +44,8 @@ class LiveSession final : public HttpUpgradeReader, public std::enable_shared_fr
   void Begin();
   void OnBytes(std::string_view bytes) override;
   void Look(absl::Time now, uint64_t newest);
+  // The server stops: ends what the tab follows. What it has sent and sends is dropped from now on. Any thread.
+  void Stop();
 
   // For its streams, any thread.
 

@@ -51,8 +51,8 @@ class LiveTest : public ::testing::Test {
     http_ = *HttpServer::Start(options, std::move(routes));
   }
   void Stop() {
-    http_.reset();
     if (live_) live_->Stop();
+    http_.reset();
     workers_.reset();
     calls_.reset();
     live_.reset();
@@ -302,6 +302,25 @@ TEST_F(LiveTest, ATabThatLeavesLeavesNothing) {
   }
   EXPECT_TRUE(
       Soon([this] { return calls_->open() == 0 && live_->open() == 0 && http_->counts().open == 0; }));
+}
+
+// Else a stop would wait behind what tabs have sent: each message begins a call.
+TEST_F(LiveTest, AStopDropsWhatTabsSend) {
+  fleet_.Hold();
+  WebSocketClient tab(http_->port());
+  tab.Receive();
+  tab.Send(R"({"id":1,"call":"docent.v1.Fleet/List"})");
+  EXPECT_THAT(tab.Receive(), HasSubstr("begun"));
+  EXPECT_TRUE(Soon([this] { return fleet_.listed() == 1; }));
+  live_->Stop();
+  EXPECT_TRUE(Soon([this] { return fleet_.held() == 1; }));
+  fleet_.LetGo();
+  for (int i = 2; i < 100; ++i) tab.Send(absl::StrCat("{\"id\":", i, ",\"call\":\"docent.v1.Fleet/List\"}"));
+  EXPECT_THAT(tab.Receive(), HasSubstr("the server stops"));
+  EXPECT_TRUE(tab.Ended());
+  tab.Close();
+  EXPECT_TRUE(Soon([this] { return http_->counts().open == 0 && calls_->open() == 0; }));
+  EXPECT_EQ(fleet_.listed(), 1u);
 }
 
 TEST_F(LiveTest, ClosesAsItIsAsked) {
