@@ -5,7 +5,6 @@
 
 #include "absl/strings/ascii.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/turn/default_robot_order.h"
 #include "workflow/cawl/robot_choice.h"
 
 namespace docent::server {
@@ -27,8 +26,9 @@ bool Mentions(const std::string& text, const std::string& variable) {
 
 }  // namespace
 
-void GraphRobotRanking::BeginRound(const GraphVersion& version, TimeMicros now_us,
-                                   Cancellation* cancellation) {
+void GraphRobotRanking::BeginRound(const GraphVersion& version, std::initializer_list<const Delta*> deltas,
+                                   TimeMicros now_us, Cancellation* cancellation) {
+  for (const Delta* delta : deltas) default_.Refresh(*delta);
   version_ = &version;
   now_us_ = now_us;
   cancellation_ = cancellation;
@@ -48,18 +48,18 @@ sparql::PreparedQuery* GraphRobotRanking::Prepared(const Key& key) const {
   return entry->second.get();
 }
 
-std::vector<RobotId> GraphRobotRanking::Order(const std::string& select, std::vector<RobotId> able,
-                                              const engine::TermBinding& values) const {
-  if (able.size() < 2 || version_ == nullptr) return able;
-  if (!select.empty()) return OrderByQuery(select, std::move(able), values);
+RobotId GraphRobotRanking::Best(const std::string& select, const std::vector<RobotId>& able,
+                                const engine::TermBinding& values) const {
+  if (able.size() < 2 || version_ == nullptr) return able.front();
+  if (!select.empty()) return BestByQuery(select, able, values);
   const auto goal = values.find("goal");
   const std::optional<TermId> place = goal == values.end() ? std::nullopt : dictionary_.Find(goal->second);
-  if (auto ordered = DefaultRobotOrder(*version_, dictionary_, place, able)) return *std::move(ordered);
-  return OrderByQuery(std::string(cawl::DefaultRobotChoice()), std::move(able), values);
+  if (std::optional<RobotId> best = default_.Best(*version_, place, able)) return *std::move(best);
+  return BestByQuery(std::string(cawl::DefaultRobotChoice()), able, values);
 }
 
-std::vector<RobotId> GraphRobotRanking::OrderByQuery(const std::string& select, std::vector<RobotId> able,
-                                                     const engine::TermBinding& values) const {
+RobotId GraphRobotRanking::BestByQuery(const std::string& select, const std::vector<RobotId>& able,
+                                       const engine::TermBinding& values) const {
   Key key{select, {}};
   std::vector<TermId> bound;
   for (const auto& [name, value] : values) {
@@ -71,33 +71,25 @@ std::vector<RobotId> GraphRobotRanking::OrderByQuery(const std::string& select, 
     bound.push_back(*id);
   }
   sparql::PreparedQuery* query = Prepared(key);
-  if (query == nullptr) return able;
+  if (query == nullptr) return able.front();
   const std::vector<std::string>& columns = query->variables();
   const auto robot = std::find(columns.begin(), columns.end(), "robot");
-  if (robot == columns.end()) return able;
+  if (robot == columns.end()) return able.front();
   const size_t column = static_cast<size_t>(robot - columns.begin());
-  std::vector<RobotId> ordered;
+  std::optional<RobotId> best;
   size_t rows = 0;
   const absl::Status status =
       query->Select({version_, cancellation_, now_us_, 0}, bound, [&](absl::Span<const TermId> row) {
         if (!row[column].IsNone()) {
-          const auto found = std::find(able.begin(), able.end(), RobotId(query->Decode(row[column]).lexical));
-          if (found != able.end()) {
-            ordered.push_back(*found);
-            able.erase(found);
-          }
+          RobotId named(query->Decode(row[column]).lexical);
+          if (std::find(able.begin(), able.end(), named) != able.end()) best = std::move(named);
         }
-        return !able.empty() && ++rows < kRowsAtMost;
+        return !best && ++rows < kRowsAtMost;
       });
   query->Stop();
-  // After an error the order is that of the IRIs, as without a query.
-  if (!status.ok()) {
-    able.insert(able.end(), ordered.begin(), ordered.end());
-    std::sort(able.begin(), able.end());
-    return able;
-  }
-  ordered.insert(ordered.end(), able.begin(), able.end());
-  return ordered;
+  // After an error the first by its IRI, as without a query.
+  if (!status.ok()) return *std::min_element(able.begin(), able.end());
+  return best ? *std::move(best) : able.front();
 }
 
 }  // namespace docent::server

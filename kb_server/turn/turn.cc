@@ -130,7 +130,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& given, uint64_t offset, Tu
       stages->robots.Refresh(graph, Both(*withdrawn, *delta));
     else
       stages->robots.Refresh(graph, *delta);
-    stages->ranking.BeginRound(graph, batch.time_us, stages->cancellation);
+    stages->ranking.BeginRound(graph, {&*withdrawn, &*delta}, batch.time_us, stages->cancellation);
     engine::EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);

@@ -48,7 +48,7 @@ struct Stages {
         standing_conditions(*dictionary_in, functions_in),
         conditions(dictionary_in, &standing_conditions, &rules),
         robots(dictionary_in),
-        ranking(*dictionary_in, functions, limits_in),
+        ranking(dictionary_in, functions, limits_in),
         engine(dictionary_in, limits_in) {}
 
   const Limits limits;

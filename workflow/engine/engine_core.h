@@ -223,6 +223,9 @@ struct Engine::Core {
   // why.
   std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
                                  const CommandOwner& self, std::string* why_not) const;
+  // Of these, those that are online and offer all of the operations, in term order: what they offer of the first one.
+  std::vector<const RobotOffer*> OnlineFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
+                                           const CommandOwner& self, std::string* why_not) const;
   // What the robot offers of this operation; null: nothing. Of a capability: the most general.
   const RobotOffer* OfferOf(const std::string& operation, const RobotId& robot) const;
   // Likewise for `self`: of a capability, the most general operation whose inputs all have a value there. `*lacks`: of the last
@@ -233,13 +236,13 @@ struct Engine::Core {
   Occupation OccupationOf(const rsel::Plan& plan, const RobotId& robot, const CommandOwner& self) const;
   // Why the robot takes no command now, for people; empty: it takes some.
   std::string OutOfService(const RobotOffer& offer) const;
-  // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
-  rsel::PlanPtr PlanOf(const std::string& operation) const;
-
   // What keeps the robot from the runs of `root` now, for people: "is held by run Tour-1", "is reserved …".
   std::vector<std::string> WhatKeeps(const RobotId& robot, const RunId& root) const;
   // The same from any run that would begin the plan: "is offline", "is out of service: brush", "does not offer grip".
   std::vector<std::string> WhatKeeps(const RobotId& robot, const rsel::Plan& plan) const;
+  // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
+  rsel::PlanPtr PlanOf(const std::string& operation) const;
+
   // How many runs a run is nested in as a subflow.
   int DepthOf(const Run& run) const;
   // Whether the run, or one that it is nested in, is of the flow, in whatever version of its document.

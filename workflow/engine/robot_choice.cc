@@ -169,25 +169,31 @@ std::string Engine::Core::OutOfService(const RobotOffer& offer) const {
   return "is busy with something of its own";
 }
 
-std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
-                                             const RunId& root, const CommandOwner& self,
-                                             std::string* why_not) const {
-  std::vector<RobotId> able;
+std::vector<const RobotOffer*> Engine::Core::OnlineFor(const rsel::Plan& plan,
+                                                       const std::optional<Term>& wanted,
+                                                       const CommandOwner& self, std::string* why_not) const {
+  std::vector<const RobotOffer*> online;  // of the first step
   for (size_t i = 0; i < plan.steps.size(); ++i) {
     const std::string& operation = plan.steps[i].operation;
     const bool by_class = CapabilityOf(operation).has_value();
-    std::vector<RobotId> offering;
     std::string lacks;
-    for (const RobotOffer& offer : input->robots->Offers(operation)) {
-      bool still = i == 0 || std::find(able.begin(), able.end(), offer.robot) != able.end();
-      bool meant = !wanted || wanted->lexical == offer.robot.value();
-      if (offer.offline || !still || !meant) continue;
-      if (!offering.empty() && offering.back() == offer.robot) continue;  // by another operation of the class
-      if (!by_class || OfferFor(operation, offer.robot, self, &lacks) != nullptr)
-        offering.push_back(offer.robot);
+    const auto serves = [&](const RobotOffer& offer) {
+      return !offer.offline && (!by_class || OfferFor(operation, offer.robot, self, &lacks) != nullptr);
+    };
+    if (i == 0) {
+      for (const RobotOffer& offer : input->robots->Offers(operation)) {
+        const bool again =
+            !online.empty() && online.back()->robot == offer.robot;  // by another operation of the class
+        if (!again && (!wanted || wanted->lexical == offer.robot.value()) && serves(offer))
+          online.push_back(&offer);
+      }
+    } else {
+      std::erase_if(online, [&](const RobotOffer* robot) {
+        const RobotOffer* offer = OfferOf(operation, robot->robot);
+        return offer == nullptr || !serves(*offer);
+      });
     }
-    able = std::move(offering);
-    if (!able.empty()) continue;
+    if (!online.empty()) continue;
     if (!lacks.empty())
       *why_not = lacks;
     else if (wanted)
@@ -198,27 +204,39 @@ std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::
                               operation);
     else
       *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
-    return able;
+    break;
   }
-  std::erase_if(able, [&](const RobotId& robot) { return !ledger.IsFree(robot, root); });
+  return online;
+}
+
+std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
+                                             const RunId& root, const CommandOwner& self,
+                                             std::string* why_not) const {
+  std::vector<const RobotOffer*> able = OnlineFor(plan, wanted, self, why_not);
+  if (able.empty()) return {};
+  std::erase_if(able, [&](const RobotOffer* offer) { return !ledger.IsFree(offer->robot, root); });
   if (able.empty()) *why_not = std::string(kAllServeOthers);
-  std::erase_if(able, [&](const RobotId& robot) {
-    const Reservation* reservation = Bars(robot, root);
+  std::erase_if(able, [&](const RobotOffer* offer) {
+    const Reservation* reservation = Bars(offer->robot, root);
     if (reservation != nullptr)
-      *why_not = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " ", ShowReservation(*reservation));
+      *why_not = absl::StrCat(ToDisplay(Term::Iri(offer->robot.value())), " ", ShowReservation(*reservation));
     return reservation != nullptr;
   });
-  std::erase_if(able, [&](const RobotId& robot) {
-    const std::string why = OutOfService(*OfferOf(plan.steps[0].operation, robot));
-    if (!why.empty()) *why_not = absl::StrCat(ToDisplay(Term::Iri(robot.value())), " ", why);
+  std::erase_if(able, [&](const RobotOffer* offer) {
+    const std::string why = OutOfService(*offer);
+    if (!why.empty()) *why_not = absl::StrCat(ToDisplay(Term::Iri(offer->robot.value())), " ", why);
     return !why.empty();
   });
-  std::erase_if(able, [&](const RobotId& robot) {
-    const bool occupied = ledger.Occupied(robot, OccupationOf(plan, robot, self), self);
+  std::erase_if(able, [&](const RobotOffer* offer) {
+    const bool occupied = ledger.HasWork(offer->robot) &&
+                          ledger.Occupied(offer->robot, OccupationOf(plan, offer->robot, self), self);
     if (occupied) *why_not = std::string(kAtAnotherStep);
     return occupied;
   });
-  return able;
+  std::vector<RobotId> robots;
+  robots.reserve(able.size());
+  for (const RobotOffer* offer : able) robots.push_back(offer->robot);
+  return robots;
 }
 
 }  // namespace docent::engine

@@ -138,7 +138,7 @@ RobotId RunStepper::BestOf(const std::string& choose, const std::vector<std::str
   }
   // Without a goal, one that has no place: an open ?goal would be every thing that has one.
   if (choose.empty()) values.emplace("goal", Term::Iri(std::string(kRdfType)));
-  return core_.input->ranking->Order(choose, std::move(able), values).front();
+  return core_.input->ranking->Best(choose, able, values);
 }
 
 // Of candidates of a node that is to open, by its first invoke that says how to choose, or the first one.

@@ -56,11 +56,10 @@ void Engine::Core::Covet(const Run& run, const std::string& operation, const std
 
 void Engine::Core::Preempt(const RobotId& robot) {
   const RunId* holder = ledger.Holder(robot);
-  if (holder == nullptr || ledger.Awaits(robot) || preempted.contains(robot)) return;
+  if (waiting.empty() || holder == nullptr || ledger.Awaits(robot) || preempted.contains(robot)) return;
   const auto from = runs.find(*holder);
   if (from == runs.end() || from->second.state != WorkState::kRunning) return;
-  const std::map<CommandOwner, Occupation> tasks = ledger.Tasks(robot);
-  for (const auto& [owner, occupies] : tasks) {
+  for (const auto& [owner, occupies] : ledger.Tasks(robot)) {
     const auto run = runs.find(owner.run);
     if (run == runs.end() || !run->second.nodes[owner.node].invocations[owner.invocation].commands.empty())
       return;

@@ -201,10 +201,10 @@ struct FactWrite {
 class RobotRanking {
  public:
   virtual ~RobotRanking() = default;
-  // The robots, the one to be preferred first. `select`: workflow/cawl/robot_choice.h; empty: the default query. `values`: of
-  // the query's variables.
-  virtual std::vector<RobotId> Order(const std::string& select, std::vector<RobotId> able,
-                                     const TermBinding& values) const = 0;
+  // Of the robots, of which there is at least one, the one to be preferred. `select`: workflow/cawl/robot_choice.h; empty: the
+  // default query. `values`: of the query's variables.
+  virtual RobotId Best(const std::string& select, const std::vector<RobotId>& able,
+                       const TermBinding& values) const = 0;
 };
 
 inline const std::vector<Reservation>& RobotDirectory::ReservationsOf(const RobotId&) const {

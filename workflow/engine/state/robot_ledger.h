@@ -80,6 +80,8 @@ class RobotLedger {
   void Keep(const CommandId& command, const RunId& run, std::vector<TermQuad> facts);
   const Ending& ending() const { return ending_; }
 
+  // False: nothing occupies the robot.
+  bool HasWork(const RobotId& robot) const { return tasks_.contains(robot) || Awaits(robot); }
   // Whether something other than the task of `self` occupies some of what `wanted` does.
   bool Occupied(const RobotId& robot, const Occupation& wanted, const CommandOwner& self) const;
 

@@ -48,6 +48,8 @@ class WaitingRoom {
   // none: it is not blocked.
   void Block(uint64_t number, const RunId& run, const std::set<RobotId>& robots);
 
+  // Nobody waits.
+  bool empty() const { return owners_.empty() && blocked_runs_.empty(); }
   // How many invocations wait for this robot alone.
   size_t WaitingFor(const RobotId& robot) const;
   // Robots for which WaitingFor may have changed since this was asked last.

@@ -1,5 +1,5 @@
-// The order of the default query, read from the indexes, is the order of the query.
-#include "kb_server/turn/default_robot_order.h"
+// The robot that is chosen without the default query is the one that the query chooses.
+#include "kb_server/turn/default_robot_choice.h"
 
 #include <random>
 
@@ -17,9 +17,9 @@ namespace {
 
 using test::Fact;
 
-class DefaultRobotOrderTest : public testing::Test {
+class DefaultRobotChoiceTest : public testing::Test {
  protected:
-  DefaultRobotOrderTest() { RegisterSpatialFunctions(&functions_); }
+  DefaultRobotChoiceTest() { RegisterSpatialFunctions(&functions_); }
 
   // A graph of robots of which some say more than others, and what it says of the place Goal.
   void Fill(unsigned seed, bool goal_has_place) {
@@ -75,31 +75,64 @@ class DefaultRobotOrderTest : public testing::Test {
   GraphWriter writer_{nullptr};
 };
 
-TEST_F(DefaultRobotOrderTest, IsThatOfTheQueryOnRandomGraphs) {
+// The robots that are able are others each time, so that each robot is compared with each.
+TEST_F(DefaultRobotChoiceTest, IsThatOfTheQueryOnRandomGraphs) {
+  DefaultRobotChoice choice(&dictionary_);
+  GraphRobotRanking ranking(&dictionary_, &functions_, Limits());
   int direct = 0;
+  std::vector<Quad> before;
   for (unsigned seed = 0; seed < 500; ++seed) {
     SCOPED_TRACE(seed);
+    std::mt19937 dice(seed);
     Fill(seed, false);
     const GraphVersionPtr version = writer_.Freeze(Revision(seed + 1));
-    GraphRobotRanking ranking(dictionary_, &functions_, Limits());
-    ranking.BeginRound(*version, 0, nullptr);
-    const std::vector<RobotId> by_query = ranking.OrderByQuery(std::string(cawl::DefaultRobotChoice()),
-                                                               Robots(), {{"goal", test::Iri("Goal")}});
-    if (const auto order =
-            DefaultRobotOrder(*version, dictionary_, dictionary_.Find(test::Iri("Goal")), Robots())) {
-      ++direct;
-      ASSERT_EQ(*order, by_query);
+    Delta delta;
+    delta.added = All(*version);
+    delta.removed = before;
+    choice.Refresh(delta);
+    ranking.BeginRound(*version, {&delta}, 0, nullptr);
+    std::vector<RobotId> able = Robots();
+    while (!able.empty()) {
+      const RobotId by_query =
+          ranking.BestByQuery(std::string(cawl::DefaultRobotChoice()), able, {{"goal", test::Iri("Goal")}});
+      if (const auto best = choice.Best(*version, dictionary_.Find(test::Iri("Goal")), able)) {
+        ++direct;
+        ASSERT_EQ(best->value(), by_query.value());
+      }
+      able.erase(dice() % 3 == 0 ? able.begin() : std::find(able.begin(), able.end(), by_query));
     }
-    writer_.RemoveAll(All(*version));
+    before = All(*version);
+    writer_.RemoveAll(before);
   }
-  EXPECT_GT(direct, 100) << "those without several values of one property";
+  EXPECT_GT(direct, 5000) << "those without several values of one property";
 }
 
-TEST_F(DefaultRobotOrderTest, AGoalThatHasAPlaceIsForTheQuery) {
+TEST_F(DefaultRobotChoiceTest, WhatChangesIsReadAgain) {
+  DefaultRobotChoice choice(&dictionary_);
+  auto turn = [&, revision = 0](const TermQuad& fact, bool add) mutable {
+    const Quad quad{dictionary_.Intern(fact.subject), dictionary_.Intern(fact.predicate),
+                    dictionary_.Intern(fact.object), dictionary_.Intern(test::Iri("a-source"))};
+    const Delta delta = add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad});
+    choice.Refresh(delta);
+    const GraphVersionPtr version = writer_.Freeze(Revision(++revision));
+    const std::vector<RobotId> able = {RobotId(test::Name("R1")), RobotId(test::Name("R2"))};
+    return choice.Best(*version, std::nullopt, able)->value();
+  };
+  turn(Fact("R1", "a", "docent:Robot"), true);
+  EXPECT_EQ(turn(Fact("R2", "a", "docent:Robot"), true), test::Name("R1"));
+  EXPECT_EQ(turn(Fact("R1", "docent:load", Term::Integer(1)), true), test::Name("R2"));
+  EXPECT_EQ(turn(Fact("R1", "docent:battery", Term::Integer(5)), true), test::Name("R1"));
+  EXPECT_EQ(turn(Fact("R2", "docent:battery", Term::Integer(6)), true), test::Name("R2"));
+  EXPECT_EQ(turn(Fact("R2", "docent:battery", Term::Integer(6)), false), test::Name("R1"));
+  EXPECT_EQ(turn(Fact("R1", "a", "docent:Robot"), false), test::Name("R2"));
+}
+
+TEST_F(DefaultRobotChoiceTest, AGoalThatHasAPlaceIsForTheQuery) {
+  DefaultRobotChoice choice(&dictionary_);
   Fill(1, true);
   const GraphVersionPtr version = writer_.Freeze(Revision(1));
-  EXPECT_FALSE(DefaultRobotOrder(*version, dictionary_, dictionary_.Find(test::Iri("Goal")), Robots()));
-  EXPECT_TRUE(DefaultRobotOrder(*version, dictionary_, dictionary_.Find(test::Iri("Booth")), {Robots()[0]}));
+  EXPECT_FALSE(choice.Best(*version, dictionary_.Find(test::Iri("Goal")), Robots()));
+  EXPECT_TRUE(choice.Best(*version, dictionary_.Find(test::Iri("Booth")), {Robots()[0]}));
 }
 
 }  // namespace
