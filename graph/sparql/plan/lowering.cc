@@ -67,6 +67,7 @@ void Lowering::Fail(absl::StatusCode code, const SourceSpan& span, const std::st
 int Lowering::SlotOf(const std::string& variable, Scope& scope) {
   const auto [slot, added] = scope.Add(variable, next_slot_);
   if (added) ++next_slot_;
+  if (added && Variable{variable}.IsHidden()) hidden_.Add(slot);
   return slot;
 }
 
@@ -417,6 +418,7 @@ PlanNodePtr Lowering::LowerGroup(const Algebra& a, Scope& scope, const GraphRef&
                                 aggregate.expression ? Lower(*aggregate.expression, scope, graph) : nullptr,
                                 aggregate.separator, slot});
     node->possible.Add(slot);
+    if (aggregate.distinct && !aggregate.expression) node->columns = child->possible.Minus(hidden_).List();
   }
   node->mentions |= node->possible;
   node->children.push_back(std::move(child));

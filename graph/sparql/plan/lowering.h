@@ -77,6 +77,7 @@ class Lowering {
   Scope root_;
   SlotSet bound_;
   int next_slot_ = 0;
+  SlotSet hidden_;  // slots of blank nodes and of steps of paths: no variables of the query
   ConstantTerms constants_;
   absl::flat_hash_map<Term, int> constant_numbers_;  // used if there are many constants
   absl::Status status_;

@@ -116,7 +116,7 @@ struct PlanNode {
   int slot = -1;                           // kExtend
   int graph_slot = -1;                     // kGraph
   PlanTerm name;                           // kGraph
-  std::vector<int> columns;                // kValues, kProject, kDistinct
+  std::vector<int> columns;                // kValues, kProject, kDistinct; kGroup: of COUNT(DISTINCT *)
   const std::vector<std::vector<std::optional<Term>>>* rows = nullptr;  // kValues: as in `source`
   std::vector<std::pair<int, PlanExpressionPtr>> keys;                  // kGroup
   std::vector<AggregatePlan> aggregates;                                // kGroup

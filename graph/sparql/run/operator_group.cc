@@ -197,7 +197,6 @@ class GroupOperator final : public Operator {
         context_(*build.context),
         in_(build.slots),
         child_(BuildOperator(*node.children[0], build)),
-        all_(node.children[0]->possible.List()),
         keys_(node.keys.size()),
         counts_(node.keys.empty() &&
                 std::all_of(node.aggregates.begin(), node.aggregates.end(),
@@ -257,14 +256,12 @@ class GroupOperator final : public Operator {
       for (size_t i = 0; i < counts_rows_.size(); ++i) totals[i].AddRows(rows);
       return;
     }
-    const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
-                                    [](const auto& a) { return a.distinct && !a.expression; });
     Accumulator* group = nullptr;  // of the row before: rows of a group are often adjacent in the index
     while (child_->Next(row.data()) && context_.Poll()) {
       for (size_t i = 0; i < key.size(); ++i)
         key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
-      if (wholes) whole.clear();
-      for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
+      whole.clear();
+      for (const int slot : node_.columns) whole.push_back(row[slot]);
       if (group == nullptr || !keys_.Is(last_, key.data())) group = GroupOf(key);
       for (size_t i = 0; i < counts_rows_.size(); ++i) {
         if (counts_rows_[i] != 0) {
@@ -293,7 +290,6 @@ class GroupOperator final : public Operator {
   EvaluationContext& context_;
   std::vector<TermId> in_;
   std::unique_ptr<Operator> child_;
-  std::vector<int> all_;
   RowSet keys_;                    // of the groups, by number
   std::vector<char> counts_rows_;  // each aggregate: CountsRows
   const bool counts_;              // only the number of rows matters

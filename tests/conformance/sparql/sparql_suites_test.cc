@@ -76,7 +76,7 @@ class Endpoints final : public sparql::ServiceClient {
       stores_[endpoint].Load(file, std::string(kDefaultGraph));
   }
   absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool,
-                                               Cancellation*) override {
+                                               Cancellation*, MemoryUse*) override {
     const auto store = stores_.find(endpoint);
     if (store == stores_.end()) return absl::UnavailableError("there is no such endpoint");
     sparql::ParsedQuery parsed = sparql::ParseQuery(query);

@@ -34,6 +34,39 @@ TEST(SparqlEvaluatorGroups, ASumBeyond38DigitsOnTheWayIsTheSameInEveryOrder) {
   EXPECT_THAT(g.Rows("SELECT (SUM(?n) AS ?x) { VALUES ?n { " + a + " 1 -1 } }"), ElementsAre(most));
 }
 
+// Sections 18.3.1 and 18.5.1: a solution has the variables of the query alone, not those that stand for the
+// blank nodes of a pattern and for the middle of a path.
+TEST(SparqlEvaluatorGroups, CountDistinctOfAllTakesTheVariablesOfTheQueryAlone) {
+  TestGraph g(
+      "ex:x ex:p ex:y , ex:z . ex:y ex:q ex:w . ex:z ex:q ex:w , ex:v . GRAPH ex:g { ex:x ex:p ex:y , ex:z . "
+      "ex:y ex:q ex:w . ex:z ex:q ex:w }");
+  const auto count = [&](const std::string& where) {
+    return g.Rows("SELECT (COUNT(DISTINCT *) AS ?n) " + where);
+  };
+  for (const char* one :
+       {"{ ex:x ex:p [] }", "{ _:b ex:p _:c }", "{ ex:x ex:p [ ex:q ex:w ] }",
+        "{ ex:x (ex:none|(ex:p/ex:q)) ex:w }", "{ ex:x ex:p/ex:q ex:w }",
+        "{ ?d ^ex:q/^ex:p ex:x FILTER(?d = ex:w) }",
+        "{ ex:x (ex:p/ex:q)|(ex:p/ex:q/^ex:q/ex:q) ?d FILTER(?d = ex:w) }",
+        "{ { SELECT * { ex:x ex:p [] } } }", "{ GRAPH ex:g { ex:x ex:p _:y } }",
+        "{ GRAPH ex:g { ex:x ex:p/ex:q ?d } }", "{ ex:x ex:p [] OPTIONAL { ex:x ex:p/ex:q [] } }",
+        "{ { ex:x ex:p [] } UNION { ex:x ex:p/ex:q [] } }",
+        "{ ?x ex:p [] FILTER EXISTS { ?x ex:p/ex:q ?y } }", "{ ?x ex:p [] MINUS { ?y ex:p [] } }",
+        "{ ?x ex:p [] } GROUP BY ?x HAVING (COUNT(DISTINCT *) < 2)", "{ BIND(1 AS ?i) ex:x ex:p [] }"}) {
+    EXPECT_THAT(count(one), ElementsAre("1")) << one;
+  }
+  EXPECT_THAT(count("{ ex:x ex:p ?y }"), ElementsAre("2"));
+  EXPECT_THAT(count("{ ex:x ex:p/ex:q ?d }"), ElementsAre("2"));
+  EXPECT_THAT(count("{ ex:x ex:p [ ex:q ?d ] } GROUP BY ?d ORDER BY ?d"), ElementsAre("1", "1"));
+  EXPECT_THAT(count("{ ex:x ex:none [] }"), ElementsAre("0"));
+  EXPECT_THAT(g.Rows("SELECT (COUNT(*) AS ?n) { ex:x ex:p/ex:q ex:w }"), ElementsAre("2"))
+      << "each way is a solution";
+  EXPECT_THAT(
+      g.Rows("SELECT ?d (COUNT(DISTINCT *) AS ?n) (COUNT(*) AS ?all) { [] ex:q ?d } GROUP BY ?d ORDER BY ?d"),
+      ElementsAre("v 1 1", "w 1 2"));
+  EXPECT_THAT(g.Rows("SELECT DISTINCT * { ex:x ex:p/ex:q ?d } ORDER BY ?d"), ElementsAre("v", "w"));
+}
+
 TEST(SparqlEvaluatorGroups, AStringMayHoldTheCharacterZero) {
   TestGraph g("");
   EXPECT_THAT(g.Rows("SELECT (STRLEN(\"a\\u0000b\") AS ?n) {}"), ElementsAre("3"));
