@@ -23,7 +23,7 @@ void Fields(Archive& a, BatchOutcome& o) {
 namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
-constexpr uint64_t kStateFormat = 13;
+constexpr uint64_t kStateFormat = 14;
 constexpr uint64_t kOldestStateFormat = 4;  // that can be read
 // About what they take there: where it is enough, the bytes need not move when they become more.
 constexpr size_t kBytesATerm = 16;

@@ -240,7 +240,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
   AddedIn11(writer, packed);
   AddedIn12(writer, packed);
   AddedIn13(writer, packed);
-  AddedLaterIn13(writer, packed);
+  AddedIn14(writer, packed);
   return writer.Take();
 }
 
@@ -264,7 +264,7 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   if (!reader.AtEnd()) AddedIn11(reader, packed);
   if (!reader.AtEnd()) AddedIn12(reader, packed);
   if (!reader.AtEnd()) AddedIn13(reader, packed);
-  if (!reader.AtEnd()) AddedLaterIn13(reader, packed);
+  if (!reader.AtEnd()) AddedIn14(reader, packed);
   if (!reader.AtEnd()) return Damaged();
   EngineState state;
   Shared shared;

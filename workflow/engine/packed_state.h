@@ -397,9 +397,9 @@ void AddedIn13(Archive& a, Packed& p) {
   for (auto& [name, deployment] : p.deployments) a(deployment.names);
 }
 
-// What came to format 13 later.
+// What format 14 added.
 template <class Archive>
-void AddedLaterIn13(Archive& a, Packed& p) {
+void AddedIn14(Archive& a, Packed& p) {
   for (PackedRun& run : p.runs) a(run.run.not_compensated, run.run.told_for_good);
 }
 

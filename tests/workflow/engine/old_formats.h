@@ -10,7 +10,7 @@
 
 namespace docent::engine::test {
 
-// Formats 4 to 13 (docs/reference/file_formats.md).
+// Formats 4 to 14 (docs/reference/file_formats.md).
 inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   const std::string bytes = *EncodeEngineState(state);
   Packed packed;
@@ -25,6 +25,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   AddedIn11(reader, packed);
   AddedIn12(reader, packed);
   AddedIn13(reader, packed);
+  AddedIn14(reader, packed);
   EXPECT_TRUE(reader.AtEnd()) << "a newer format: leave out here what it added";
   ByteWriter writer;
   Fields(writer, packed);
@@ -37,6 +38,7 @@ inline std::string EngineInFormat(uint64_t format, const EngineState& state) {
   if (format >= 11) AddedIn11(writer, packed);
   if (format >= 12) AddedIn12(writer, packed);
   if (format >= 13) AddedIn13(writer, packed);
+  if (format >= 14) AddedIn14(writer, packed);
   return writer.Take();
 }
 
