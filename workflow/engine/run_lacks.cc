@@ -44,17 +44,20 @@ class LackFinder {
     for (const cawl::Event* event : alternative.parts.events)
       AddNew(Concat("it lacks the event ", event->operation.value), &lacks);
     cawl::Conjunction there;
+    std::set<std::string> unknown;  // variables of facts that lack
     for (const cawl::Constraint* constraint : alternative.parts.constraints) {
-      if (IsThere(*constraint))
+      if (IsThere(*constraint)) {
         there.constraints.push_back(constraint);
-      else
-        AddNew(Concat("it lacks ", Shown(*constraint)), &lacks);
+        continue;
+      }
+      AddNew(Concat("it lacks ", Shown(*constraint)), &lacks);
+      unknown.merge(OpenVariables(*constraint));
     }
     if (!Holds(there)) {
       if (lacks.empty()) lacks.emplace_back("each of its facts is there, but not together");
       return lacks;
     }
-    for (const cawl::Formula& absent : alternative.parts.absent) AddInTheWay(absent, there, &lacks);
+    for (const cawl::Formula& absent : alternative.parts.absent) AddInTheWay(absent, there, unknown, &lacks);
     if (lacks.empty()) {
       lacks.emplace_back(Holds(alternative.parts)
                              ? "each of its facts is there, but not for long enough"
@@ -82,16 +85,34 @@ class LackFinder {
     return known->second;
   }
 
-  // Of an `or`, those of its parts that are in the way.
+  // Of an `or`, those of its parts that are in the way. Nothing can be said of what shares a variable with a fact that lacks.
   void AddInTheWay(const cawl::Formula& absent, const cawl::Conjunction& there,
-                   std::vector<std::string>* lacks) const {
+                   const std::set<std::string>& unknown, std::vector<std::string>* lacks) const {
     if (absent.kind == Kind::kOr) {
-      for (const cawl::Formula& child : absent.children) AddInTheWay(child, there, lacks);
+      for (const cawl::Formula& child : absent.children) AddInTheWay(child, there, unknown, lacks);
       return;
     }
+    if (Mentions(absent, unknown)) return;
     cawl::Conjunction without = there;
     without.absent.push_back(absent);
     if (!Holds(without)) AddNew(Concat("in its way is ", Shown(absent)), lacks);
+  }
+
+  std::set<std::string> OpenVariables(const cawl::Constraint& constraint) const {
+    std::set<std::string> names;
+    for (const cawl::Word* word : {&constraint.subject, &constraint.verb, &constraint.object}) {
+      const bool open = word->kind == cawl::Word::Kind::kVariable && !values_(word->name);
+      if (open || word->kind == cawl::Word::Kind::kFree) names.insert(word->name);
+    }
+    return names;
+  }
+  bool Mentions(const cawl::Formula& formula, const std::set<std::string>& names) const {
+    if (formula.kind == Kind::kConstraint) {
+      const std::set<std::string> own = OpenVariables(*formula.constraint);
+      return std::any_of(own.begin(), own.end(), [&](const auto& name) { return names.contains(name); });
+    }
+    return std::any_of(formula.children.begin(), formula.children.end(),
+                       [&](const cawl::Formula& child) { return Mentions(child, names); });
   }
 
   std::string Shown(const cawl::Formula& formula) const {
