@@ -159,7 +159,8 @@ TEST_F(ServerExplainTest, WhatIfTellsWhatWouldHappenAndNothingDoes) {
   EXPECT_THAT(places, Contains("run " + run.run() + ", node Hello"));
   EXPECT_THAT(places, Contains("activator of Called"));
   EXPECT_THAT(moves, Contains("Come-2 running")) << reply.DebugString();
-  EXPECT_THAT(moves, Not(Contains(run.run() + "/Hello running")));  // the one robot goes to the caller
+  EXPECT_THAT(moves, Contains(run.run() + "/Hello running"));  // the one robot goes to the older run
+  EXPECT_THAT(moves, Not(Contains("Come-2/Hello/0 running")));
   EXPECT_GT(reply.commands_size(), 0);
 
   // none of it has happened
@@ -170,7 +171,7 @@ TEST_F(ServerExplainTest, WhatIfTellsWhatWouldHappenAndNothingDoes) {
   v1::AssertRequest tell;
   *tell.mutable_add() = request.add();
   ASSERT_TRUE(Assert(tell).ok());
-  EXPECT_EQ(FindNode(GetRun(run.run()), "Hello")->state(), "waiting");
+  EXPECT_EQ(FindNode(GetRun(run.run()), "Hello")->state(), "running");
   EXPECT_EQ(GetRun("Come-2").state(), "running");
 }
 

@@ -2,6 +2,7 @@
 #ifndef DOCENT_TESTS_KB_SERVER_TURN_UNDO_MODEL_H_
 #define DOCENT_TESTS_KB_SERVER_TURN_UNDO_MODEL_H_
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -44,14 +45,24 @@ class UndoModel {
  private:
   void CheckEnd(const Transition& end) {
     const bool says_so = absl::StrContains(end.cause, "what it did was undone");
-    const bool says_not = absl::StrContains(end.cause, "not undone: ");
-    if (says_not || (end.to != "failed" && !says_so)) return;
+    if (SaysThatUndoingFailed(end.cause) || (end.to != "failed" && !says_so)) return;
     for (const std::string& done : done_) {
       if (!IsIn(done.substr(0, done.find('/')), end.subject)) continue;
       ++checked_;
       EXPECT_TRUE(undone_.contains(done))
           << done << " was done, and is not undone at the end of " << end.subject << ": " << end.cause;
     }
+  }
+
+  // "not undone: A: no ext:compensate; B: stuck": B. What nothing undoes is not in the model.
+  static bool SaysThatUndoingFailed(const std::string& cause) {
+    const std::string not_undone = "not undone: ";
+    const size_t at = cause.find(not_undone);
+    if (at == std::string::npos) return false;
+    const std::vector<std::string> items = absl::StrSplit(cause.substr(at + not_undone.size()), "; ");
+    return std::any_of(items.begin(), items.end(), [](const std::string& item) {
+      return !item.ends_with(": no ext:compensate") && !item.ends_with("stays so");
+    });
   }
 
   bool IsIn(std::string run, const std::string& outer) const {

@@ -147,8 +147,8 @@ TEST_F(EngineIncidentsTest, AnInvocationEndsWithTheTimeOfItsNode) {
   Start();
   Pass(200);  // the server was down
   Turn();
-  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "reason"), "it was not done within 90 s");
-  EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "reason"), "it was not done within 90 s");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "reason"), "it was not done within 90 s: a on <urn:r1>: 1/1 a");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "reason"), "it was not done within 90 s: a on <urn:r1>: 1/1 a");
 }
 
 TEST_F(EngineIncidentsTest, ASubflowThatIsTooLateIsNamed) {
