@@ -24,10 +24,10 @@ void AddMetricsRoute(HttpRoutes* routes, const Metrics* metrics) {
 void AddHttpMetrics(Metrics* metrics, const HttpServer* server) {
   metrics->AddGaugeFunction("docent_http_connections", "Open HTTP connections.",
                             [server] { return static_cast<double>(server->counts().open); });
-  metrics->AddGaugeFunction(
-      "docent_http_bodies_bytes",
-      "Bodies of HTTP requests as they came and unpacked, begun messages of /live, and what is followed there (http_bodies_bytes).",
-      [server] { return static_cast<double>(server->counts().body_bytes); });
+  metrics->AddGaugeFunction("docent_http_bodies_bytes",
+                            "Bodies of HTTP requests as they came and unpacked, begun messages of /live, and "
+                            "what is followed there (http_bodies_bytes).",
+                            [server] { return static_cast<double>(server->counts().body_bytes); });
   metrics->AddCounterFunction("docent_http_connections_total", "HTTP connections accepted.",
                               [server] { return static_cast<double>(server->counts().connections); });
   metrics->AddCounterFunction("docent_http_requests_total", "HTTP requests answered, refused ones included.",

@@ -48,11 +48,11 @@ class FlowChecker {
     const auto [first, is_new] = seen_.try_emplace({link.from.value, link.to.value}, &link);
     if (!is_new) {
       const bool same = SameKind(*first->second, link);
-      Diagnostic& report = reader_.Error(
-          link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value),
-          same ? "leave it out"
-               : Concat("give this case a node of its own, which needs no invoke: a link from ",
-                        link.from.value, " to it, and one from it to ", link.to.value));
+      Diagnostic& report =
+          reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value),
+                        same ? "leave it out"
+                             : Concat("give this case a node of its own, which needs no invoke: a link from ",
+                                      link.from.value, " to it, and one from it to ", link.to.value));
       if (same) report.fix = {reader_.Removal(link.span)};
       return;
     }
