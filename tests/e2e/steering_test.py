@@ -113,7 +113,7 @@ class Steering(StageTest):
         robot.kill()
         server.wait_for(f"<{EXPO}R07> docent:status docent:Offline", PATIENCE_S)
         said = server.run("robots", "out", EXPO + "R07", "--cancel-commands").stderr
-        self.assertRegex(said, rf"{run}/Fetch .* is asked to stop; .*R07, which is offline \(last seen .*\), has not yet confirmed it")
+        self.assertRegex(said, rf"{run}/Fetch .* is asked to stop; .*R07>, which is offline \(last seen .*\), has not yet confirmed it")
         self.assertRegex(server.command("runs", run), r"asked to stop, and its robot has not yet confirmed it: its robot was taken out of service")
         self.assertRegex(server.command("whynot", "--run", run), r"R07.*, which is offline \(last seen .*\), which is out of service \(a wheel squeaks\).*asked to stop")
         said = server.run("runs", "pause", run, "--cancel-commands").stderr
