@@ -110,7 +110,7 @@ e:s e:p "a\\n\\"b\\\\"@de-AT , 1.50 , true , "x"^^e:t ; e:q [ e:r e:s ] .
         self.assertTrue(server.ask(f"GRAPH <urn:docent:run:{run}> {{ <urn:a> <urn:p> 1 }}"), "it was replaced")
         self.assertNotIn("urn:docent:run:", server.command("export", "--format", "nq"))
         self.assertIn("<urn:a>", server.command("export", "--graph", f"urn:docent:run:{run}", "--format", "nt"))
-        server.command("tell", "--withdraw", "--source", f"urn:docent:run:{run}", "<urn:a> <urn:p> 1")
+        server.command("tell", "--source", f"urn:docent:run:{run}", "--withdraw", "<urn:a> <urn:p> 1")
         self.assertFalse(server.ask("<urn:a> <urn:p> 1"), "it outlived its run")
 
     def test_a_graph_that_is_not_there_is_not_exported(self):
