@@ -54,45 +54,41 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   for (const Triple& t : matched) {
     for (const TermId id : {t.subject, t.predicate, t.object}) add_text(id);
   }
-  const std::string name = rule.name.empty() ? NameInIri(rule.set) : rule.name;
-  const std::string iri =
-      absl::StrCat(std::string(kPrefix), name, ":", absl::Hex(Fingerprint(text), absl::kZeroPad16));
+  const std::string iri = absl::StrCat(PrefixOf(rule), absl::Hex(Fingerprint(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
   InternWords();
-  out.push_back({id, type_, inconsistency_});
-  out.push_back(
-      {id, words_[kRule], dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
+  const auto of = [&](ReportWords::Word word) { return words_.words[word]; };
+  out.push_back({id, words_.type, words_.inconsistency});
+  out.push_back({id, of(ReportWords::kRule),
+                 dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
   int number = 0;
   for (const Triple& t : matched) {
     const TermId evidence = dictionary_.InternIri(absl::StrCat(iri, ":", ++number));
-    out.push_back({id, words_[kEvidence], evidence});
-    out.push_back({evidence, words_[kSubject], t.subject});
-    out.push_back({evidence, words_[kPredicate], t.predicate});
-    out.push_back({evidence, words_[kObject], t.object});
+    out.push_back({id, of(ReportWords::kEvidence), evidence});
+    out.push_back({evidence, of(ReportWords::kSubject), t.subject});
+    out.push_back({evidence, of(ReportWords::kPredicate), t.predicate});
+    out.push_back({evidence, of(ReportWords::kObject), t.object});
   }
   for (size_t i = 0; !flat && i < row.size(); ++i) {
     const matching::Body::Column& column = rule.body->columns()[i];
     if (!column.visible || row[i].IsNone()) continue;
     const TermId binding = dictionary_.InternIri(absl::StrCat(iri, ":variable:", column.name));
-    out.push_back({id, words_[kBinding], binding});
-    out.push_back({binding, words_[kBindingName], dictionary_.Intern(Term::Literal(column.name))});
-    out.push_back({binding, words_[kBindingValue], row[i]});
+    out.push_back({id, of(ReportWords::kBinding), binding});
+    out.push_back({binding, of(ReportWords::kBindingName), dictionary_.Intern(Term::Literal(column.name))});
+    out.push_back({binding, of(ReportWords::kBindingValue), row[i]});
   }
 }
 
 void InconsistencyFacts::InternWords() {
-  if (!inconsistency_.IsNone()) return;
-  type_ = dictionary_.InternIri(kRdfType);
-  inconsistency_ = dictionary_.InternIri(DocentIri("Inconsistency"));
-  words_[kRule] = dictionary_.InternIri(DocentIri("rule"));
-  words_[kEvidence] = dictionary_.InternIri(DocentIri("evidence"));
-  words_[kBinding] = dictionary_.InternIri(DocentIri("binding"));
-  words_[kBindingName] = dictionary_.InternIri(DocentIri("bindingName"));
-  words_[kBindingValue] = dictionary_.InternIri(DocentIri("bindingValue"));
-  const auto rdf = [&](const char* word) { return dictionary_.InternIri(Concat(kRdfNs, word)); };
-  words_[kSubject] = rdf("subject");
-  words_[kPredicate] = rdf("predicate");
-  words_[kObject] = rdf("object");
+  if (words_.inconsistency.IsNone()) words_ = ReportWords::Intern(dictionary_);
+}
+
+std::string InconsistencyFacts::PrefixOf(const CompiledRule& rule) {
+  return absl::StrCat(std::string(kPrefix), rule.name.empty() ? NameInIri(rule.set) : rule.name, ":");
+}
+
+bool InconsistencyFacts::MayBeOf(const CompiledRule& rule, const Triple& t) const {
+  return IsOfReport(t) && dictionary_.Lexical(t.subject).starts_with(PrefixOf(rule));
 }
 
 std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const {
@@ -104,8 +100,8 @@ std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const
       return true;
     });
   };
-  take({TermId(), type_, inconsistency_, TermId()});
-  for (const TermId word : words_) take({TermId(), word, TermId(), TermId()});
+  take({TermId(), words_.type, words_.inconsistency, TermId()});
+  for (const TermId word : words_.words) take({TermId(), word, TermId(), TermId()});
   std::sort(facts.begin(), facts.end());
   facts.erase(std::unique(facts.begin(), facts.end()), facts.end());
   return facts;

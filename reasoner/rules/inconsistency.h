@@ -20,15 +20,14 @@
 #ifndef DOCENT_REASONER_RULES_INCONSISTENCY_H_
 #define DOCENT_REASONER_RULES_INCONSISTENCY_H_
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/types/span.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/graph_version.h"
+#include "reasoner/rules/report_words.h"
 #include "reasoner/rules/rule_program.h"
 
 namespace docent::rules {
@@ -40,38 +39,24 @@ class InconsistencyFacts {
   void Make(const CompiledRule& rule, absl::Span<const TermId> row, std::vector<Triple>& out);
   // True for a fact of this form about a report. Call InternWords first.
   bool IsOfReport(const Triple& t) const {
-    const bool worded = t.predicate == type_
-                            ? t.object == inconsistency_
-                            : std::find(words_.begin(), words_.end(), t.predicate) != words_.end();
-    return worded && t.subject.IsIri() && dictionary_.Lexical(t.subject).starts_with(kPrefix);
+    return words_.Describe(t.predicate, t.object) && t.subject.IsIri() &&
+           dictionary_.Lexical(t.subject).starts_with(kPrefix);
   }
+  // True if such a fact may be about a report of the check `rule`.
+  bool MayBeOf(const CompiledRule& rule, const Triple& t) const;
   // Interns the words.
   void InternWords();
   // The turn is refused: what it interned is gone.
-  void ForgetWords() {
-    type_ = inconsistency_ = TermId();
-    words_.fill(TermId());
-  }
+  void ForgetWords() { words_ = {}; }
   // All such facts of `graph`.
   std::vector<Triple> FactsIn(const GraphVersion& graph) const;
 
  private:
-  enum Word : uint8_t {
-    kRule,
-    kEvidence,
-    kSubject,
-    kPredicate,
-    kObject,
-    kBinding,
-    kBindingName,
-    kBindingValue,
-    kWords
-  };
   static constexpr std::string_view kPrefix = "urn:docent:inconsistency:";
+  static std::string PrefixOf(const CompiledRule& rule);  // of its reports' IRIs
 
   Dictionary& dictionary_;
-  std::array<TermId, kWords> words_;  // kNone: not interned yet
-  TermId type_, inconsistency_;
+  ReportWords words_;  // kNone: not interned yet
 };
 
 }  // namespace docent::rules

@@ -80,6 +80,13 @@ absl::Status Materialiser::SettleAsserted() {
   bool any_proven = false;
   for (const AssertedEntry& entry : asserted_) {
     if (entry.now || entry.inferred_before) continue;
+    if (context_.inconsistencies.IsOfReport(entry.triple)) {  // only its check makes it again
+      for (uint32_t r = 0; r < program_.rules.size(); ++r) {
+        if (program_.rules[r].check && context_.inconsistencies.MayBeOf(program_.rules[r], entry.triple))
+          told_checks_.insert(r);
+      }
+      continue;
+    }
     const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(entry.triple);
     if (!answer.ok()) return answer.status();
     if (*answer == ProofSearch::Answer::kProven) {

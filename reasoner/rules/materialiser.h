@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
@@ -121,6 +122,11 @@ class Materialiser {
   void RemoveMarked();
   absl::Status Rederive(int stratum);
   absl::StatusOr<bool> IsDerivable(const Triple& triple, int stratum);
+  void NoteCheck(const CompiledRule& rule, absl::Span<const TermId> row);
+  void ForgetChecks() {
+    check_rows_.clear();
+    noted_checks_.clear();
+  }
   absl::Status RepeatChecks(int stratum);
 
   // materialiser_equality.cc
@@ -158,8 +164,8 @@ class Materialiser {
   absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
   bool InScope(uint32_t rule) const;
-  // True if the running stratum may make, or test, a fact of an entangled rule. It also makes facts of
-  // earlier strata: they follow from reports, since checks are not entangled with the rules that they match.
+  // True if the running stratum may make, or test, a fact of an entangled rule. It also makes, and tests, facts of
+  // earlier strata that follow from late reports (RuleProgram::IsLate).
   // It tests only facts of its own stratum; the first stratum also tests facts that the former axioms placed
   // in a later one.
   bool MayMake(const CompiledRule& rule, const Triple& fact, Phase phase) const {
@@ -167,7 +173,7 @@ class Materialiser {
     if (!program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data()))) return true;
     const int stratum = program_.StratumOf(fact);
     if (phase == Phase::kAdd) return stratum <= stratum_;
-    return stratum == stratum_ || of_report_ || stratum_ == program_.first_entangled;
+    return stratum == stratum_ || of_late_report_ || stratum_ == program_.first_entangled;
   }
   // The same for newly made facts; remembers a fact that belongs to a later stratum.
   bool MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase);
@@ -202,10 +208,11 @@ class Materialiser {
   const Context context_;
   ProofSearch proofs_;
 
-  int stratum_ = -1;                     // the running one
-  bool of_report_ = false;               // the consequences of lost report facts are being tested
-  std::vector<AssertedEntry> asserted_;  // by triple
-  std::vector<uint32_t> entering_;       // rules of program_ that are not in before_
+  int stratum_ = -1;                                // the running one
+  bool of_late_report_ = false;                     // the consequences of a lost late report are being tested
+  absl::flat_hash_set<Triple> after_late_reports_;  // facts lost as such consequences
+  std::vector<AssertedEntry> asserted_;             // by triple
+  std::vector<uint32_t> entering_;                  // rules of program_ that are not in before_
   std::vector<bool> is_entering_;
   std::vector<uint32_t> leaving_;  // rules of before_ that are not in program_
   bool old_state_ = false;
@@ -227,7 +234,11 @@ class Materialiser {
     uint32_t rule;
     std::vector<TermId> row;
   };
-  std::vector<CheckRow> check_rows_;  // solutions of checks that may no longer hold
+  // Solutions of checks that may no longer hold, or whose reports belong to a later stratum.
+  std::vector<CheckRow> check_rows_;
+  absl::flat_hash_set<std::pair<uint32_t, std::vector<TermId>>> noted_checks_;
+  absl::btree_set<uint32_t>
+      told_checks_;  // checks with reports whose facts were also told, and are no longer
 
   // Equality, if ClosesEquality(stratum_).
   std::vector<Triple> unwritten_;              // facts not yet written out under all names

@@ -253,12 +253,13 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   if (rule.check) {
     std::vector<Triple> facts;
     context_.inconsistencies.Make(rule, row, facts);
-    const auto number = static_cast<uint32_t>(&rule - program_.rules.data());
-    if (phase == Phase::kTakeAway && !rule.positive && number < program_.rules.size()) {
-      check_rows_.push_back({number, {row.begin(), row.end()}});
-    }
+    if (phase == Phase::kTakeAway) NoteCheck(rule, row);
     for (const Triple& fact : facts) {
-      if (!Collect(rule, fact, phase)) return false;
+      if (program_.IsLate(rule) || MayMake(rule, fact, phase)) {
+        if (!Collect(rule, fact, phase)) return false;
+      } else {
+        NoteCheck(rule, row);
+      }
     }
     return true;
   }

@@ -26,7 +26,7 @@ absl::Status Materialiser::TakeAwayFromLeavingRules() {
   }
   ToNewState();
   if (before_.equality.by_classes && !program_.equality.by_classes) CollectFactsWithOtherNames();
-  check_rows_.clear();
+  ForgetChecks();
   const std::vector<Triple> made = std::exchange(made_, {});
   for (size_t i = 0; i < made.size() && status.ok(); ++i) status = Consider(made[i]);
   if (status.ok()) RemoveMarked();
@@ -50,8 +50,8 @@ absl::Status Materialiser::TakeAway(int stratum) {
 absl::Status Materialiser::TakeAwayLost(int stratum) {
   made_.clear();
   whole_.clear();
-  check_rows_.clear();
-  proofs_.Forget();  // because facts were added
+  if (program_.ordered.empty()) ForgetChecks();  // else a later stratum may need them
+  proofs_.Forget();                              // because facts were added
   lost_names_.clear();
   if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
   whole_.clear();
@@ -124,13 +124,15 @@ absl::Status Materialiser::Propagate(int stratum) {
     const Triple triple = queue_[i];
     made_.clear();
     const Quad quad = InferredQuad(triple);
-    of_report_ = context_.inconsistencies.IsOfReport(triple);
+    of_late_report_ = program_.AnyIsLate() &&
+                      (after_late_reports_.contains(triple) || context_.inconsistencies.IsOfReport(triple));
     absl::Status status = DispatchInstances(quad, stratum, Phase::kTakeAway);
     if (status.ok()) status = DispatchRules(quad, stratum, Phase::kTakeAway, /*also_negative=*/i >= ghosts_);
     if (status.ok()) status = LoseEquals(triple);
     if (!status.ok()) return status;
-    of_report_ = false;
+    const bool of_late_report = std::exchange(of_late_report_, false);
     scratch_ = made_;
+    if (of_late_report) after_late_reports_.insert(made_.begin(), made_.end());
     for (const Triple& made : scratch_) {
       status = Consider(made);
       if (!status.ok()) return status;
@@ -252,12 +254,26 @@ absl::Status Materialiser::Rederive(int stratum) {
   return RederivePairs(stratum);
 }
 
-// Tests the solutions of checks with negation that may no longer hold.
+// The facts of a report do not tell its check's solution, so Rederive does not find them. A positive check that never
+// waits is evaluated again by the premises that return.
+void Materialiser::NoteCheck(const CompiledRule& rule, absl::Span<const TermId> row) {
+  if (rule.positive && program_.ordered.empty()) return;
+  const auto number = static_cast<uint32_t>(&rule - program_.rules.data());
+  if (stratum_ < 0 || number >= program_.rules.size()) return;  // of the rules before
+  std::vector<TermId> solution(row.begin(), row.end());
+  if (!noted_checks_.emplace(number, solution).second) return;
+  check_rows_.push_back({number, std::move(solution)});
+}
+
 absl::Status Materialiser::RepeatChecks(int stratum) {
-  for (const CheckRow& check : check_rows_) {
-    if (program_.rules[check.rule].stratum != stratum) continue;
-    seed_ = check.row;
-    if (absl::Status status = FireSeeded(check.rule, Phase::kAdd); !status.ok()) return status;
+  for (const uint32_t check : told_checks_) {
+    if (!program_.Runs(check, stratum)) continue;
+    if (absl::Status status = FireWhole(program_, check, Phase::kAdd); !status.ok()) return status;
+  }
+  for (size_t i = 0; i < check_rows_.size(); ++i) {  // it may grow
+    if (!program_.Runs(check_rows_[i].rule, stratum)) continue;
+    seed_ = check_rows_[i].row;
+    if (absl::Status status = FireSeeded(check_rows_[i].rule, Phase::kAdd); !status.ok()) return status;
   }
   return absl::OkStatus();
 }

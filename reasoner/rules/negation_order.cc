@@ -29,7 +29,8 @@ struct Taker {
   uint32_t trigger;
   uint32_t instance;  // kNone: the rule itself
   QuadPattern pattern;
-  bool of_axioms;  // it matches an axiom, not a fact
+  bool of_axioms;      // it matches an axiom, not a fact
+  bool names_reports;  // so it also takes late ones (RuleProgram::IsLate)
 };
 
 // A pattern reached from a conclusion, and the rule that led to it.
@@ -38,6 +39,7 @@ struct Reached {
   size_t from = kItself;  // index of the pattern before; kItself: a conclusion of the rule itself
   uint32_t by = 0;
   uint32_t instance = kNone;  // of it
+  bool late = false;          // a report of a late check (RuleProgram::IsLate)
 };
 
 // A step of a path: a rule, and its instance.
@@ -50,7 +52,8 @@ struct Step {
 struct Following {
   std::vector<Reached> reached;
   absl::flat_hash_set<FactPattern> seen;  // patterns of reached
-  size_t next = 0;                        // of reached: the first that is not followed yet
+  absl::flat_hash_set<FactPattern> seen_late;
+  size_t next = 0;  // of reached: the first that is not followed yet
 };
 
 // An application of a rule to a pattern.
@@ -105,13 +108,15 @@ void AddNew(const std::vector<TermId>& from, std::vector<TermId>& to) {
 class Order {
  public:
   Order(const RuleProgram& program, const SchemaIndex& schema, const EqualityClasses& classes,
-        const GraphVersion& graph, const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask)
+        const GraphVersion& graph, const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask,
+        bool late_reports)
       : program_(program),
         schema_(schema),
         graph_(graph),
         dictionary_(dictionary),
         before_(before),
         ask_(ask),
+        late_reports_(late_reports),
         place_(program.rules.size(), -1),
         followings_(program.ordered.size()) {
     for (size_t i = 0; i < program.ordered.size(); ++i) place_[program.ordered[i]] = static_cast<int>(i);
@@ -153,11 +158,13 @@ class Order {
     for (uint32_t i = 0; i < count; ++i) order.of_rules.push_back(of_component[strata.stratum[i]]);
     for (uint32_t i = 0; i < count; ++i) {
       for (const Reached& each : followings_[i].reached) {
+        if (each.late) continue;
         int& level = order.of_facts[each.pattern];
         level = std::max(level, order.of_rules[i]);
         if (each.pattern.KnowsSubject()) order.with_subjects.insert(each.pattern.predicate);
       }
     }
+    order.late_reports = late_reports_;
     order.asked = std::move(answers_);
     return order;
   }
@@ -212,14 +219,15 @@ class Order {
         pattern.subject = TermId();  // one of many subjects
       }
       by_predicate_[pattern.predicate].push_back(takers_.size());
-      takers_.push_back({rule, i, instance, pattern, of_axioms});
+      takers_.push_back({rule, i, instance, pattern, of_axioms,
+                         program_.report_words.AreNamedBy(pattern) && (instance == kNone || !late_reports_)});
     }
   }
 
   // False for an instance that differs from an earlier one in subjects only: one of them is enough.
   bool IsOther(uint32_t rule, uint32_t trigger, const QuadPattern& pattern, const std::vector<TermId>& row) {
     Key key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
-    for (const HeadTriple& head : program_.rules[rule].head) {
+    for (const HeadTriple& head : program_.rules[rule].conclusions()) {
       for (const int i : {1, 2})
         key.push_back(head.columns[i] == matching::Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
     }
@@ -259,6 +267,7 @@ class Order {
 
   void Take(uint32_t number, const Taker& taker, size_t from) {
     const FactPattern pattern = followings_[number].reached[from].pattern;  // a copy: reached grows
+    if (followings_[number].reached[from].late && !taker.names_reports) return;
     std::array<TermId, 3> terms;
     if (!Unify(taker.pattern, pattern, terms)) return;
     const CompiledRule& rule = program_.rules[taker.rule];
@@ -323,7 +332,7 @@ class Order {
                        [&](const matching::Body::Pattern& p) { return PlacesOf(taking, p) == made; });
   }
   bool MakesNothingNew(const Taking& taking) const {
-    const std::vector<HeadTriple>& head = program_.rules[taking.rule].head;
+    const std::vector<HeadTriple>& head = program_.rules[taking.rule].conclusions();
     return std::all_of(head.begin(), head.end(),
                        [&](const HeadTriple& h) { return IsPremise(taking, PlacesOf(taking, h)); });
   }
@@ -408,7 +417,9 @@ class Order {
 
   void Conclude(const Taking& taking) {
     Following& following = followings_[taking.number];
-    for (const HeadTriple& head : program_.rules[taking.rule].head) {
+    const CompiledRule& rule = program_.rules[taking.rule];
+    const bool late = rule.check && (rule.negates_itself || late_reports_);
+    for (const HeadTriple& head : rule.conclusions()) {
       Places places = PlacesOf(taking, head);
       if (taking.instance == kNone && IsPremise(taking, places)) continue;
       // The subject of an instance may differ in a similar instance.
@@ -418,7 +429,7 @@ class Order {
       const TermId predicate = places[1].term, object = places[2].term;
       FactPattern made{TermId(), predicate, object};
       if (IsOfAxioms(predicate, object)) {
-        made.reflexive = places[0] == places[2];
+        made.reflexive = !rule.check && places[0] == places[2];
         made.subject = places[0].term;
         if (following.reached.size() >= kManyAxioms) made.subject = made.object = TermId();
       } else if (following.reached.size() >= kManyPatterns) {
@@ -426,9 +437,9 @@ class Order {
       }
       if (AnyWider(made, true, [&](const FactPattern& wider) { return following.seen.contains(wider); }))
         continue;
-      following.seen.insert(made);
-      following.reached.push_back({made, taking.from, taking.rule, taking.instance});
-      if (all_seen_.insert(made).second) all_reached_[made.predicate].push_back(made);
+      if (!(late ? following.seen_late : following.seen).insert(made).second) continue;
+      following.reached.push_back({made, taking.from, taking.rule, taking.instance, late});
+      if (!late && all_seen_.insert(made).second) all_reached_[made.predicate].push_back(made);
     }
   }
 
@@ -499,6 +510,7 @@ class Order {
   const Dictionary& dictionary_;
   const AxiomAnswers& before_;
   const AskAxioms ask_;
+  const bool late_reports_;  // of all checks
   std::vector<SchemaIndex::Instance> equals_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: not in it
   std::vector<Taker> takers_;
@@ -522,7 +534,12 @@ absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const Sc
                                             const EqualityClasses& classes, const GraphVersion& graph,
                                             const Dictionary& dictionary, const AxiomAnswers& before,
                                             AskAxioms ask) {
-  return Order(program, schema, classes, graph, dictionary, before, ask).Find();
+  const auto find = [&](bool late_reports) {
+    return Order(program, schema, classes, graph, dictionary, before, ask, late_reports).Find();
+  };
+  absl::StatusOr<NegationOrder> order = find(false);
+  const bool has_checks = !program.report_words.inconsistency.IsNone();
+  return order.ok() || !has_checks ? std::move(order) : find(true);
 }
 
 bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph) {

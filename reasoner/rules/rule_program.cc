@@ -16,16 +16,18 @@ namespace docent::rules {
 namespace {
 
 // Adds a → b with the strongest sign that any of their patterns gives: once for dependencies that hold for
-// all axioms, and once for a rule with a part about axioms, which decide its results.
-void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b,
+// all axioms, and once for a rule with a part about axioms, which decide its results. A pattern that matches
+// reports without naming them depends on them only as far as there is an order (RuleProgram::IsLate).
+void AddDependencies(const std::vector<CompiledRule>& rules, const ReportWords& words, uint32_t a, uint32_t b,
                      std::vector<RuleDependency>& out) {
   RuleDependency found[2] = {{a, b, false, false}, {a, b, false, true}};
   bool any[2] = {false, false};
   for (const matching::Trigger& trigger : rules[a].body->triggers()) {
     const bool about_axioms = trigger.pattern >= 0 && (rules[a].schema & (1u << trigger.pattern)) != 0;
-    for (const HeadTriple& head : rules[b].head) {
+    for (const HeadTriple& head : rules[b].conclusions()) {
       if (!CanUnify(trigger.match.constants, head.Pattern())) continue;
-      const bool by_axioms = rules[b].schema != 0 || (rules[a].schema != 0 && !about_axioms);
+      const bool by_axioms = rules[b].schema != 0 || (rules[a].schema != 0 && !about_axioms) ||
+                             (rules[b].check && !words.AreNamedBy(trigger.match.constants));
       any[by_axioms] = true;
       found[by_axioms].negative |= trigger.polarity != matching::Polarity::kPositive;
     }
@@ -36,11 +38,12 @@ void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_
 }
 
 // Of all rules with all: each only with those whose heads have a predicate of its body. It ends past `most`.
-std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rules, size_t most) {
+std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rules, const ReportWords& words,
+                                           size_t most) {
   const auto count = static_cast<uint32_t>(rules.size());
   absl::flat_hash_map<TermId, std::vector<uint32_t>> makers;  // by predicate; kNone: of any
   for (uint32_t b = 0; b < count; ++b) {
-    for (const HeadTriple& head : rules[b].head) {
+    for (const HeadTriple& head : rules[b].conclusions()) {
       std::vector<uint32_t>& of_predicate = makers[head.Pattern().predicate];
       if (of_predicate.empty() || of_predicate.back() != b) of_predicate.push_back(b);
     }
@@ -61,7 +64,7 @@ std::vector<RuleDependency> DependenciesOf(const std::vector<CompiledRule>& rule
     }
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
-    for (const uint32_t b : used) AddDependencies(rules, a, b, dependencies);
+    for (const uint32_t b : used) AddDependencies(rules, words, a, b, dependencies);
   }
   return dependencies;
 }
@@ -246,10 +249,27 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
         compiled.patterns = static_cast<uint32_t>((uint64_t{1} << compiled.body->patterns().size()) - 1);
         FindSchemaPart(dictionary, compiled);
       }
+      if (compiled.check) AddReports(dictionary, compiled);
       rules.push_back(std::move(compiled));
     }
   }
   return ok;
+}
+
+void RuleProgram::AddReports(Dictionary& dictionary, CompiledRule& check) {
+  if (report_words.inconsistency.IsNone()) report_words = ReportWords::Intern(dictionary);
+  check.reports.push_back({.constants = {TermId(), report_words.type, report_words.inconsistency}});
+  for (const TermId word : report_words.words)
+    check.reports.push_back({.constants = {TermId(), word, TermId()}});
+  for (const matching::Trigger& trigger : check.body->triggers()) {
+    if (trigger.polarity == matching::Polarity::kPositive) continue;
+    check.negates_itself =
+        check.negates_itself ||
+        std::any_of(check.reports.begin(), check.reports.end(), [&](const HeadTriple& form) {
+          return CanUnify(trigger.match.constants, form.Pattern());
+        });
+  }
+  any_negates_itself_ = any_negates_itself_ || check.negates_itself;
 }
 
 void RuleProgram::FindEquality(const RuleSets& sets, Dictionary& dictionary) {
@@ -380,7 +400,7 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   program->FindEquality(sets, dictionary);
   const size_t most =
       origin == RuleTextOrigin::kNew ? kRuleLimits.rule_dependencies : std::numeric_limits<size_t>::max();
-  program->dependencies_ = DependenciesOf(program->rules, most);
+  program->dependencies_ = DependenciesOf(program->rules, program->report_words, most);
   if (program->dependencies_.size() > most) {
     const CompiledRule& last = program->rules[program->dependencies_.back().from];
     diagnostics.push_back({last.set, last.span,

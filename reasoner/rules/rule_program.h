@@ -21,6 +21,7 @@
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/fact_pattern.h"
+#include "reasoner/rules/report_words.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/stratification.h"
 
@@ -58,6 +59,7 @@ struct CompiledRule {
   std::string text;  // canonical: rules of the same set and text are the same rule
   SourceSpan span;
   std::vector<HeadTriple> head;
+  std::vector<HeadTriple> reports;  // of a check: the forms of its reports' facts; they have no columns
   std::unique_ptr<matching::Body> body;
   int stratum = 0;
   bool check = false;     // no head: each solution is an inconsistency
@@ -70,6 +72,10 @@ struct CompiledRule {
   bool of_schema = false;    // positive, and all of its patterns are about the schema
   bool of_equality = false;  // EqualityClasses writes its results; it is never evaluated
 
+  bool negates_itself = false;  // a check: what it negates or aggregates may be its own reports
+
+  // What it makes.
+  const std::vector<HeadTriple>& conclusions() const { return check ? reports : head; }
   // The triple that a solution matches with pattern `i` of a flat body.
   Triple Premise(size_t i, absl::Span<const TermId> row) const;
   // The status with the rule's label in front; OK stays OK.
@@ -84,10 +90,11 @@ struct NegationOrder {
   std::vector<int> of_rules;                       // of RuleProgram::ordered, from 1
   absl::flat_hash_map<FactPattern, int> of_facts;  // from 1; others: 0
   absl::flat_hash_set<TermId> with_subjects;       // predicates of patterns with a known subject
-  AxiomAnswers asked;  // basis of the order, in addition to the instances of the SchemaIndex
+  bool late_reports = false;  // no order with what general rules make of reports: see RuleProgram::IsLate
+  AxiomAnswers asked;         // basis of the order, in addition to the instances of the SchemaIndex
 
   bool IsSame(const NegationOrder& other) const {
-    return of_rules == other.of_rules && of_facts == other.of_facts;
+    return of_rules == other.of_rules && of_facts == other.of_facts && late_reports == other.late_reports;
   }
 };
 
@@ -116,6 +123,15 @@ class RuleProgram {
     return rules[rule].stratum == stratum ||
            (IsEntangled(rule) && rules[rule].stratum < stratum && stratum <= last_entangled);
   }
+  // A check whose reports only come after the rules that do not name them: `?s ?p ?o` or `?x a ?c` would also
+  // match a report, but the check (or with late_reports: any check) needs what those rules make. So such a
+  // rule takes them where they are made, in the stratum of the check. Patterns that name reports
+  // (ReportWords) always come after them.
+  bool IsLate(const CompiledRule& rule) const {
+    return rule.check && (rule.negates_itself || order_.late_reports);
+  }
+  bool AnyIsLate() const { return any_negates_itself_ || order_.late_reports; }
+  ReportWords report_words;  // none without checks
   // The equality rules: true if all five are present, and the rules named in messages.
   struct Equality {
     bool by_classes = false;
@@ -140,6 +156,7 @@ class RuleProgram {
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
                Diagnostics& diagnostics);
+  void AddReports(Dictionary& dictionary, CompiledRule& check);
   void FindEquality(const RuleSets& sets, Dictionary& dictionary);
   bool FindOrdered(Diagnostics& diagnostics);
   void Index();
@@ -148,6 +165,7 @@ class RuleProgram {
   std::vector<int> component_;  // of each rule in the dependencies; a dependency has a lower number
   int component_count_ = 0;
   int entangled_ = -1;  // the component of `ordered`
+  bool any_negates_itself_ = false;
   NegationOrder order_;
 };
 

@@ -1,5 +1,5 @@
 // Naive computation of the inferences of rules from asserted facts: the reference of the property tests. It
-// shares the parser, the SPARQL evaluator and the strata with the engine.
+// shares the parser, the SPARQL evaluator, the strata and the form of reports with the engine.
 #ifndef DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 #define DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 
@@ -12,6 +12,7 @@
 
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/equality_classes.h"
+#include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/negation_order.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_program.h"
@@ -43,16 +44,41 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
     EXPECT_TRUE(prepared.ok()) << prepared.status();
     constructs.push_back(*std::move(prepared));
   }
+  rules::InconsistencyFacts inconsistencies(world.dictionary);
+  inconsistencies.InternWords();
+  // All results of a rule, in the graph of inferences.
+  const auto results = [&](size_t r) {
+    std::vector<Quad> quads;
+    const rules::CompiledRule& rule = program->rules[r];
+    if (rule.check) {
+      std::vector<rules::Triple> facts;
+      const std::vector<TermId> nothing(rule.body->columns().size());
+      EXPECT_TRUE(rule.body
+                      ->Evaluate({.version = &world.writer.current()}, nothing,
+                                 [&](absl::Span<const TermId> row) {
+                                   inconsistencies.Make(rule, row, facts);
+                                   return true;
+                                 })
+                      .ok());
+      for (const rules::Triple& t : facts) quads.push_back({t.subject, t.predicate, t.object, inferred});
+      return quads;
+    }
+    const auto triples = constructs[r]->Construct({.version = &world.writer.current()});
+    EXPECT_TRUE(triples.ok()) << triples.status();
+    for (const TermQuad& t : *triples) {
+      const rules::Triple made = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
+                                  world.dictionary.Intern(t.object)};
+      if (!inconsistencies.IsOfReport(made))
+        quads.push_back({made.subject, made.predicate, made.object, inferred});
+    }
+    return quads;
+  };
   for (int stratum = 0; stratum < program->stratum_count; ++stratum) {
     for (bool changed = true; changed;) {
       changed = false;
       for (size_t r = 0; r < program->rules.size(); ++r) {
         if (program->rules[r].stratum > stratum) continue;
-        const auto triples = constructs[r]->Construct({.version = &world.writer.current()});
-        EXPECT_TRUE(triples.ok()) << triples.status();
-        for (const TermQuad& t : *triples) {
-          const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
-                             world.dictionary.Intern(t.object), inferred};
+        for (const Quad& quad : results(r)) {
           if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid())
             continue;
           changed = world.writer.Add(quad) || changed;
@@ -75,12 +101,8 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
     if (order.ok()) program->Place(*order);
   }
   std::set<Quad> made;
-  for (const auto& construct : constructs) {
-    const auto triples = construct->Construct({.version = &world.writer.current()});
-    for (const TermQuad& t : *triples) {
-      made.insert({world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
-                   world.dictionary.Intern(t.object), inferred});
-    }
+  for (size_t r = 0; r < program->rules.size(); ++r) {
+    for (const Quad& quad : results(r)) made.insert(quad);
   }
   world.writer.current().ForEach({TermId(), TermId(), TermId(), inferred}, [&](const Quad& quad) {
     EXPECT_TRUE(made.contains(quad)) << "nothing makes " << world.Text(quad.subject) << " "
@@ -94,11 +116,6 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
         << rules;
   }
   return world.Inferred();
-}
-
-inline std::vector<std::string> WithoutReports(std::vector<std::string> triples) {
-  std::erase_if(triples, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
-  return triples;
 }
 
 }  // namespace docent

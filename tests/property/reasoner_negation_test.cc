@@ -28,11 +28,25 @@ constexpr char kLikes[] =
     "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
     "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
 
+// Checks, and rules that read their reports.
+constexpr char kChecks[] =
+    "RULE { } WHERE { ?x :q0 ?y , ?z FILTER(STR(?y) < STR(?z)) }\n"
+    "RULE { } WHERE { ?x a :n0 . ?x a :n3 }\n"
+    "RULE { } WHERE { ?x :p2 ?y NOT { ?y a :n1 } }\n"
+    "RULE { } WHERE { ?x :p3 ?y MINUS { ?x :q2 ?y } }\n"
+    "RULE { } WHERE { { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :q3 ?y } GROUP BY ?x } FILTER(?n > 1) }\n"
+    "RULE { } WHERE { ?x :p1 ?y NOT { ?x a ?c } }\n"
+    "RULE { ?x :p1 :warned } WHERE { ?i docent:evidence/rdf:subject ?x }\n"
+    "RULE { ?x :trusted true } WHERE { ?x :p0 ?y NOT { ?i docent:evidence/rdf:subject ?x } }\n"
+    "RULE { :all :reports ?n } WHERE { { SELECT (COUNT(?i) AS ?n) WHERE { ?i a docent:Inconsistency } } }\n"
+    "RULE { ?x :calm ?y } WHERE { ?x :p0 ?y MINUS { ?i a :n4 ; docent:evidence/rdf:subject ?x } }\n";
+
 // A pool from which rules are drawn.
 struct RulePool {
   std::vector<std::string> schema, negating, likes;
   int schema_percent, negating_percent;
   std::vector<std::string> unusual;  // facts, told now and then
+  std::string set;  // a built-in set that is always there: the reference is then a new engine
 };
 
 // Seeds from `first` to `last`.
@@ -57,6 +71,7 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
         if (!random.Chance(pool.negating_percent)) continue;
         TestWorld world;
         rules::RuleEngine engine(world.dictionary);
+        if (!pool.set.empty()) engine.PutRules(pool.set, rules::BuiltInRuleSet(pool.set));
         if (!HasErrors(engine.PutRules("rules", kRulesPrefix + rules + rule)) &&
             engine.Update(world.writer, {}).ok())
           rules += rule + "\n";
@@ -87,8 +102,8 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
       steps.push_back(std::move(step));
     }
     std::string trace;
-    if (rules.empty() || FirstDifference(rules, steps, &trace, &tally) < 0) continue;
-    FAIL() << "seed " << seed << "\n" << trace << "\n" << Shrink(rules, steps);
+    if (rules.empty() || FirstDifference(rules, steps, &trace, &tally, pool.set) < 0) continue;
+    FAIL() << "seed " << seed << "\n" << trace << "\n" << Shrink(rules, steps, pool.set);
   }
   std::cout << tally.taken << " steps taken, " << tally.refused << " refused\n";
   EXPECT_GT(tally.taken, 2 * tally.refused);
@@ -98,7 +113,31 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
 TEST(ReasonerRulesProperty, NegationBesideASchema) {
   std::vector<std::string> schema = Lines(kSchemaRules);
   schema.pop_back();
-  CheckNegationBeside({schema, Lines(kNegatingRules), Lines(kLikes), 60, 50, {}}, 1, SequenceCount());
+  CheckNegationBeside({schema, Lines(kNegatingRules), Lines(kLikes), 60, 50, {}, ""}, 1, SequenceCount());
+}
+
+const std::vector<std::string> kReportAxioms = {
+    "docent:Inconsistency rdfs:subClassOf n4", "docent:rule rdfs:domain n4",
+    "docent:evidence rdfs:subPropertyOf q0", "rdf:subject rdfs:subPropertyOf p0"};
+
+std::vector<std::string> WithChecks(std::vector<std::string> rules) {
+  for (const std::string& check : Lines(kChecks)) rules.push_back(check);
+  return rules;
+}
+
+TEST(ReasonerRulesProperty, ChecksAndNegationBesideASchema) {
+  std::vector<std::string> schema = Lines(kSchemaRules);
+  schema.pop_back();
+  CheckNegationBeside({schema, WithChecks(Lines(kNegatingRules)), Lines(kLikes), 60, 35, kReportAxioms, ""},
+                      1, SequenceCount());
+}
+
+class ReasonerRulesBesideASet : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Sets, ReasonerRulesBesideASet, testing::Values("rdfs", "owl2rl"));
+
+TEST_P(ReasonerRulesBesideASet, ChecksAndNegation) {
+  CheckNegationBeside({{}, WithChecks(Lines(kNegatingRules)), {}, 0, 35, kReportAxioms, GetParam()}, 1,
+                      SequenceCount() / 2);
 }
 
 // One rule a line, and without names.

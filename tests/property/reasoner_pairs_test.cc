@@ -201,6 +201,11 @@ std::string Difference(const Facts& got, const Facts& expected) {
   return absl::StrJoin(lines, "\n");
 }
 
+Facts WithoutReports(Facts facts) {
+  std::erase_if(facts, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
+  return facts;
+}
+
 int PairCount() {
   const char* asked = std::getenv("DOCENT_PROPERTY_PAIRS");
   return asked == nullptr ? 2000 : std::atoi(asked);
@@ -215,9 +220,10 @@ class ReasonerRulesPairs : public testing::TestWithParam<Theme> {
     const Facts got = reasoner.Inferred(), scratch = Reasoner(told).Inferred();
     ASSERT_EQ(Difference(got, scratch), "") << when << all;
     if (!naive) return;
-    ASSERT_EQ(
-        Difference(WithoutReports(got), NaiveInferences(rules::BuiltInRuleSet("owl2rl"), reasoner.told())),
-        "")
+    // the reference calls the rule set, and so the reports, otherwise
+    ASSERT_EQ(Difference(WithoutReports(got),
+                         WithoutReports(NaiveInferences(rules::BuiltInRuleSet("owl2rl"), reasoner.told()))),
+              "")
         << when << all;
   }
 };
