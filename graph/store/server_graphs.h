@@ -23,8 +23,8 @@ inline bool IsServerGraph(std::string_view graph) {
 inline constexpr std::string_view kOperatorGraph = "urn:docent:operator";
 // What the run of this IRI told lies in the graph urn:docent:run:ID.
 inline constexpr std::string_view kRunGraphs = "urn:docent:run:";
-// The server alone adds to it: who reads a fact there may rely on who told it. What runs and operators told, clients may take away:
-// it outlives its run, and nobody else could.
+// Only the server adds facts to these graphs, so a reader may rely on who told them. Clients may withdraw facts of runs and
+// operators: a fact stays after its run has ended, and then only a client can withdraw it.
 inline bool IsToldByServer(std::string_view graph) {
   return IsServerGraph(graph) || graph == kOperatorGraph || graph.starts_with(kRunGraphs);
 }

@@ -137,7 +137,8 @@ class Fleet {
     }
   }
   bool IsGone(int robot) const { return gone_.contains(robot); }
-  // Commands for the adapter before it are reported as not begun, but for those that the server may have sent before it restarted.
+  // Commands that were meant for the adapter before it are reported as not begun, except those that the server may have sent before
+  // it restarted.
   WriteBatch Join(int robot, TimeMicros now_us) {
     gone_.erase(robot);
     for (auto& [id, command] : commands_) {
