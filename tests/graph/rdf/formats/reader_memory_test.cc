@@ -87,6 +87,7 @@ TEST(ReaderMemory, PlacesCountToo) {
   EXPECT_GT(located.used(), plain.used() + 10000 * sizeof(QuadPlace) / 2);
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take memory of their own
 // By how much a process of its own grows that does `work`, at most.
 size_t MostMemoryOf(const std::function<void()>& work) {
   const auto grown = [](const std::function<void()>& what) {
@@ -134,6 +135,7 @@ TEST(ReaderMemory, ADocumentTakesNoMoreThanIsCounted) {
             }),
             limit + limit / 4);
 }
+#endif
 
 // Graphs and labels that no triple uses take memory, too.
 TEST(ReaderMemory, WhatNoTripleUsesCountsOrIsNotKept) {
