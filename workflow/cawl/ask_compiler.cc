@@ -38,7 +38,9 @@ absl::StatusOr<CompiledAsk> Compile(const Document& document, const std::vector<
   AskWriter writer(document, values, limits);
   absl::Status status = writer.Write(alternatives);
   if (!status.ok()) return status;
-  return Written(std::move(writer), std::move(name), priority);
+  CompiledAsk written = Written(std::move(writer), std::move(name), priority);
+  written.has_alternatives = alternatives.size() > 1;
+  return written;
 }
 
 absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula,

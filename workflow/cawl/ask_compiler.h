@@ -62,6 +62,8 @@ struct CompiledAsk {
   // A solution counts only while, for each of these, its part of the solution has held for so long without a break.
   std::vector<LastingAsk> lasting;
 
+  bool has_alternatives = false;  // `ask` is a UNION of them (AlternativesOf)
+
   bool by_event() const { return !event_variables.empty(); }
 };
 

@@ -146,7 +146,7 @@ void RunStepper::ArmNode(size_t index) {
       return NodeFailed(index, std::string(status.message()));
   }
   DisarmNode(index);
-  node.waits_for = WaitsForText(index);
+  node.waits_for = WaitsForText(index, *asks);
   for (cawl::CompiledAsk& ask : *asks) {
     const std::vector<std::string> keys = NodeKeys(ask, flow_.nodes[index].holds_condition);
     ConditionHandle handle = core_.Arm(ask, keys, {run_.id, index, ""});
@@ -155,8 +155,12 @@ void RunStepper::ArmNode(size_t index) {
 }
 
 // What its condition needs, an ASK for each alternative: those of an `or` are armed as one.
-std::string RunStepper::WaitsForText(size_t index) const {
+std::string RunStepper::WaitsForText(size_t index, const std::vector<cawl::CompiledAsk>& asks) const {
   std::vector<std::string> texts;
+  if (std::none_of(asks.begin(), asks.end(), [](const auto& ask) { return ask.has_alternatives; })) {
+    for (const cawl::CompiledAsk& ask : asks) texts.push_back(ask.ask);
+    return absl::StrJoin(texts, "\n# or\n");
+  }
   for (const cawl::Alternative& alternative : cawl::AlternativesOf(*flow_.nodes[index].condition)) {
     auto ask = cawl::CompileAlternative(
         *run_.document, alternative, [this](const std::string& name) { return Value(name, nullptr); },

@@ -87,7 +87,7 @@ class RunStepper {
   bool HasCondition(size_t index) const;
   void AwaitCondition(size_t index);
   void ArmNode(size_t index);
-  std::string WaitsForText(size_t index) const;
+  std::string WaitsForText(size_t index, const std::vector<cawl::CompiledAsk>& asks) const;
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
   std::optional<TimeMicros> OpensAt(size_t index, size_t alternative) const;
