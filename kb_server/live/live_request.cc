@@ -4,7 +4,6 @@
 #include <google/protobuf/descriptor.pb.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "kb_server/connect/message_codec.h"
+#include "kb_server/work/json_cursor.h"
 
 namespace docent::server {
 namespace {
@@ -49,35 +49,14 @@ absl::StatusOr<const pb::MethodDescriptor*> FindMethod(const std::string& call,
   return method;
 }
 
-// Iterator over a text that says how far it is read.
-class Place {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  Place(const char* at, const char** read) : at_(at), read_(read) {}
-  reference operator*() const { return *at_; }
-  Place& operator++() {
-    *read_ = ++at_;
-    return *this;
-  }
-  bool operator==(const Place& other) const { return at_ == other.at_; }
-
- private:
-  const char* at_;
-  const char** read_;
-};
-
 // Looks through a text once and keeps the members of its object: values as they are, lists and objects as empty ones, and
 // of "request" where it stands. A parser that asks back for each value would take quadratic time.
 class Reading final : public nlohmann::json_sax<json> {
  public:
   Reading(std::string_view text, Cancellation* cancellation)
-      : read_(text.data()), cancellation_(cancellation) {
-    is_json_ = json::sax_parse(Place(text.data(), &read_), Place(text.data() + text.size(), &read_), this);
+      : cursor_{text.data()}, cancellation_(cancellation) {
+    is_json_ = json::sax_parse(JsonIterator(text.data(), &cursor_),
+                               JsonIterator(text.data() + text.size(), &cursor_), this);
   }
 
   // Of the cancellation.
@@ -102,14 +81,14 @@ class Reading final : public nlohmann::json_sax<json> {
   }
   bool start_object(size_t) override {
     if (depth_ == 0) is_object_ = true;
-    if (depth_ == 1) begun_ = read_ - 1;
+    if (depth_ == 1) begun_ = cursor_.at - 1;
     names_.emplace_back();
     return Open(json::object());
   }
   bool end_object() override {
     names_.pop_back();
     --depth_;
-    if (depth_ == 1 && name_ == "request") request_ = {begun_, read_};
+    if (depth_ == 1 && name_ == "request") request_ = {begun_, cursor_.at};
     return true;
   }
   bool start_array(size_t) override { return Open(json::array()); }
@@ -133,7 +112,7 @@ class Reading final : public nlohmann::json_sax<json> {
     return false;
   }
 
-  const char* read_;  // what comes next
+  JsonCursor cursor_;
   Cancellation* const cancellation_;
   absl::Status status_;
   bool is_json_ = false;

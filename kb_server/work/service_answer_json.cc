@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/work/json_cursor.h"
 #include "kb_server/work/service_rows.h"
 
 namespace docent::server {
@@ -20,34 +20,6 @@ using nlohmann::json;
 
 constexpr size_t kDepth = 64;
 constexpr size_t kBytesEscaped = 6;  // \u0041
-
-// How far a text is read, and how far it is read before something is told of it.
-struct Reading {
-  const char* at;
-  const char* bound;
-};
-
-// Iterator over a text that ends at the bound, too.
-class Place {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  Place(const char* at, Reading* reading) : at_(at), reading_(reading) {}
-  reference operator*() const { return *at_; }
-  Place& operator++() {
-    reading_->at = ++at_;
-    return *this;
-  }
-  bool operator==(const Place& end) const { return at_ == end.at_ || at_ == reading_->bound; }
-
- private:
-  const char* at_;
-  Reading* reading_;
-};
 
 // {"head":{"vars":["x"]},"results":{"bindings":[{"x":{"type":"uri","value":"…"}}]}}
 // The results may come before the head, so the text is read twice: up to the variables, and from the beginning for the rows.
@@ -66,12 +38,13 @@ class AnswerReader final : public nlohmann::json_sax<json> {
     what_ = what;
     open_.clear();
     has_head_ = has_bindings_ = done_ = false;
-    reading_ = {body_.data(), nullptr};
+    cursor_ = {body_.data(), nullptr};
     SetBound();
     const char* const end = body_.data() + body_.size();
-    const bool is_json = json::sax_parse(Place(body_.data(), &reading_), Place(end, &reading_), this);
+    const bool is_json =
+        json::sax_parse(JsonIterator(body_.data(), &cursor_), JsonIterator(end, &cursor_), this);
     if (!status_.ok() || done_) return status_;
-    if (!is_json && reading_.at == reading_.bound && reading_.bound != end) {
+    if (!is_json && cursor_.at == cursor_.bound && cursor_.bound != end) {
       return absl::ResourceExhaustedError(absl::StrCat(
           "the answer has a text longer than the limit term_bytes = ", term_bytes_, ", or a gap as long"));
     }
@@ -149,8 +122,8 @@ class AnswerReader final : public nlohmann::json_sax<json> {
   }
 
   void SetBound() {
-    const size_t left = static_cast<size_t>(body_.data() + body_.size() - reading_.at);
-    reading_.bound = reading_.at + std::min(left, most_bytes_);
+    const size_t left = static_cast<size_t>(body_.data() + body_.size() - cursor_.at);
+    cursor_.bound = cursor_.at + std::min(left, most_bytes_);
   }
   bool Step() {
     SetBound();
@@ -254,7 +227,7 @@ class AnswerReader final : public nlohmann::json_sax<json> {
   Cancellation* const cancellation_;
   ServiceRows& rows_;
   For what_ = For::kVariables;
-  Reading reading_{};
+  JsonCursor cursor_;  // its bound is how far it reads before something is told of it
   std::vector<Level> open_;
   bool has_head_ = false, has_bindings_ = false, done_ = false;
   std::string variable_;                                           // of the cell
