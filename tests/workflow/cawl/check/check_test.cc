@@ -149,7 +149,7 @@ TEST(CheckDocument, WordsOfUndescribedNamespacesAreLeftAlone) {
   CheckReport report = CheckDocument(text, "f", &environment);
   EXPECT_TRUE(report.ok()) << "unknown words are warnings";
   ASSERT_THAT(report.diagnostics, SizeIs(1));
-  EXPECT_THAT(report.diagnostics[0].hint, HasSubstr("did you mean isAt?"));
+  EXPECT_THAT(report.diagnostics[0].hint, HasSubstr("did you mean docent:isAt?"));
   EXPECT_THAT(report.conditions, SizeIs(1));
 }
 
