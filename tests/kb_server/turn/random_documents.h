@@ -254,7 +254,7 @@ class RandomDocuments {
     if (dice_.OneIn(4, "timeout")) absl::StrAppend(&text, " ext:timeout=\"", 5 + dice_.Below(20), "s\"");
     if (dice_.OneIn(3, "retry")) absl::StrAppend(&text, " ext:retry=\"1\"", RetryPolicy());
     if (dice_.OneIn(5, "incident")) absl::StrAppend(&text, " ext:onFailure=\"incident\"");
-    const bool compensates = dice_.OneIn(3, "compensate");
+    const bool compensates = dice_.OneIn(2, "compensate");
     if (compensates) absl::StrAppend(&text, " ext:compensate=\"", Operation(), "\"");
     if (each)
       absl::StrAppend(&text, " ext:forEach=\"?who\"", dice_.OneIn(2) ? " ext:sequential=\"true\"" : "");
