@@ -23,9 +23,10 @@ void DefaultRobotChoice::Refresh(const Delta& delta) {
   if (known_.empty()) return;
   for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
     for (const Quad& quad : *quads) {
-      if (quad.predicate == load_ || quad.predicate == last_used_ || quad.predicate == battery_ ||
-          quad.predicate == type_)
-        known_.erase(quad.subject);
+      const bool is_read = quad.predicate == load_ || quad.predicate == last_used_ ||
+                           quad.predicate == battery_ || (quad.predicate == type_ && quad.object == robot_);
+      if (is_read && quad.subject.IsIri())
+        known_.erase(RobotId(std::string(dictionary_.Lexical(quad.subject))));
     }
   }
 }
@@ -35,16 +36,18 @@ bool DefaultRobotChoice::Has(const GraphVersion& version, TermId subject, TermId
   return version.ContainsMatch({subject, predicate, object, {}});
 }
 
-const DefaultRobotChoice::Standing& DefaultRobotChoice::Of(TermId robot, const GraphVersion& version) {
+const DefaultRobotChoice::Standing& DefaultRobotChoice::Of(const RobotId& robot,
+                                                           const GraphVersion& version) {
   const auto [entry, is_new] = known_.try_emplace(robot);
   Standing& standing = entry->second;
   if (!is_new) return standing;
-  standing.is_robot = Has(version, robot, type_, robot_);
+  const std::optional<TermId> id = dictionary_.FindIri(robot.value());
+  standing.is_robot = id && Has(version, *id, type_, robot_);
   if (!standing.is_robot) return standing;
   QuadCursor cursor;
   for (const auto& [predicate, value] :
        {std::pair(battery_, &standing.charge), {load_, &standing.load}, {last_used_, &standing.used}}) {
-    version.Rescan({robot, predicate, {}, {}}, &cursor);
+    version.Rescan({*id, predicate, {}, {}}, &cursor);
     if (!cursor.Valid()) continue;
     *value = cursor.term(2);
     cursor.NextTriple();
@@ -75,9 +78,7 @@ std::optional<RobotId> DefaultRobotChoice::Best(const GraphVersion& version, std
   Standing best;
   const RobotId* best_robot = nullptr;
   for (const RobotId& robot : able) {
-    const std::optional<TermId> id = dictionary_.FindIri(robot.value());
-    if (!id) continue;
-    const Standing& standing = Of(*id, version);
+    const Standing& standing = Of(robot, version);
     if (!standing.is_robot) continue;
     if (standing.several) return std::nullopt;
     if (best_robot != nullptr && !IsBefore(standing, robot, best, *best_robot)) continue;

@@ -40,14 +40,14 @@ class DefaultRobotChoice {
     TermId charge, load, used;
   };
 
-  const Standing& Of(TermId robot, const GraphVersion& version);
+  const Standing& Of(const RobotId& robot, const GraphVersion& version);
   bool Has(const GraphVersion& version, TermId subject, TermId predicate, TermId object = {}) const;
   int Compare(TermId a, TermId b) const;
   bool IsBefore(const Standing& a, const RobotId& of_a, const Standing& b, const RobotId& of_b) const;
 
   const Dictionary& dictionary_;
   const TermId type_, robot_, battery_, load_, last_used_, x_, service_point_;
-  absl::flat_hash_map<TermId, Standing> known_;
+  absl::flat_hash_map<RobotId, Standing> known_;  // by its name: no look into the dictionary for each choice
 };
 
 }  // namespace docent::server
