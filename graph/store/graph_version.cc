@@ -17,7 +17,19 @@ IndexOrder OrderWithoutGraph(unsigned bound) {
   return (bound & kObject) != 0 ? IndexOrder::kOspg : IndexOrder::kSpog;
 }
 
+// True for a pattern of one quad.
+bool IsWhole(const QuadPattern& pattern) {
+  return !pattern.subject.IsNone() && !pattern.predicate.IsNone() && !pattern.object.IsNone() &&
+         !pattern.graph.IsNone();
+}
+
 }  // namespace
+
+std::shared_ptr<const GraphVersion> GraphVersion::Without(const HiddenTriples& hidden) const {
+  std::shared_ptr<GraphVersion> without(new GraphVersion(*this));
+  without->hidden_ = &hidden;
+  return without;
+}
 
 bool GraphVersion::Contains(const Quad& quad) const {
   ReadTrace::Note({quad.subject, quad.predicate, quad.object, quad.graph});
@@ -26,7 +38,8 @@ bool GraphVersion::Contains(const Quad& quad) const {
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
   const unsigned bound = BoundIn(pattern);
-  if (pattern.graph.IsNone()) {  // then some order has all bound positions first
+  const bool shown = hidden_ == nullptr || !hidden_->MayHide(pattern);
+  if (pattern.graph.IsNone() && shown) {  // then some order has all bound positions first
     ReadTrace::Note(pattern);
     const IndexOrder order = OrderWithoutGraph(bound);
     const QuadTree::Key key =
@@ -68,7 +81,7 @@ void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const 
 
 void GraphVersion::Rescan(const QuadPattern& pattern, const AccessPath& path, QuadCursor* cursor) const {
   ReadTrace::Note(pattern);
-  Place(RangeOf(pattern, path), path.order, cursor);
+  Place(pattern, RangeOf(pattern, path), path.order, cursor);
 }
 
 std::optional<AccessPath> GraphVersion::PathFor(unsigned bound) {
@@ -82,13 +95,11 @@ void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder o
                         QuadCursor* cursor) const {
   ReadTrace::Note(pattern);
   const KeyRange range = RangeOf(pattern, bound, order);
-  Place(range, order, cursor);
-  if (range.exact) return;
-  cursor->pattern_ = pattern;
-  cursor->Settle();
+  Place(pattern, range, order, cursor);
 }
 
-void GraphVersion::Place(const KeyRange& range, IndexOrder order, QuadCursor* cursor) const {
+void GraphVersion::Place(const QuadPattern& pattern, const KeyRange& range, IndexOrder order,
+                         QuadCursor* cursor) const {
   const QuadTree& over = tree(order);
   if (cursor->tree_ == &over) {
     cursor->iterator_.Restart(range.first, range.last);
@@ -98,6 +109,10 @@ void GraphVersion::Place(const KeyRange& range, IndexOrder order, QuadCursor* cu
     over.Range(range.first, range.last, &cursor->iterator_);
   }
   cursor->filter_ = !range.exact;
+  cursor->hidden_ = hidden_ != nullptr && !IsWhole(pattern) && hidden_->MayHide(pattern) ? hidden_ : nullptr;
+  if (!cursor->filters()) return;
+  cursor->pattern_ = pattern;
+  cursor->Settle();
 }
 
 // Of an estimate, both parts count.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "graph/base/ids.h"
+#include "graph/store/hidden_triples.h"
 #include "graph/store/quad.h"
 #include "graph/store/quad_cursor.h"
 #include "graph/store/quad_tree.h"
@@ -31,6 +32,11 @@ class GraphVersion {
   Revision revision() const { return revision_; }
   // Number of quads in all graphs, inferred ones included.
   uint64_t size() const { return trees_[0].size(); }
+
+  // This version without the triples of `hidden`, which must outlive it. All reads of patterns leave them out, except those
+  // of one quad with its graph; Count, Sample and the lists of names are as before, so they may be too high. Of a writer's
+  // current(): as long as that does not change. O(1).
+  std::shared_ptr<const GraphVersion> Without(const HiddenTriples& hidden) const;
 
   bool Contains(const Quad& quad) const;
   // True if Scan(pattern) finds a match; faster.
@@ -83,12 +89,13 @@ class GraphVersion {
   // bound: as from BoundIn.
   IndexOrder OrderFor(const QuadPattern& pattern, unsigned bound) const;
   // The cursor must be of this version, or of none.
-  void Place(const KeyRange& range, IndexOrder order, QuadCursor* cursor) const;
+  void Place(const QuadPattern& pattern, const KeyRange& range, IndexOrder order, QuadCursor* cursor) const;
   void Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const;
   const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
 
   std::array<QuadTree, kIndexOrders> trees_;  // by IndexOrder
   Revision revision_;
+  const HiddenTriples* hidden_ = nullptr;
 };
 
 using GraphVersionPtr = std::shared_ptr<const GraphVersion>;

@@ -36,6 +36,20 @@ class GraphWriter {
   size_t RemoveAll(std::vector<Quad> quads);
 
   const GraphVersion& current() const { return *version_; }
+  // Lets current() leave out some triples (GraphVersion::Without) as long as this exists; until then no Freeze and no
+  // Rollback. Both arguments must outlive it.
+  class Hiding {
+   public:
+    Hiding(GraphWriter& writer, const HiddenTriples& hidden) : writer_(writer) {
+      writer_.version_->hidden_ = &hidden;
+    }
+    ~Hiding() { writer_.version_->hidden_ = nullptr; }
+    Hiding(const Hiding&) = delete;
+    Hiding& operator=(const Hiding&) = delete;
+
+   private:
+    GraphWriter& writer_;
+  };
 
   // Sets the point to which Rollback returns.
   void Commit();

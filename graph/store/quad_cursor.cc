@@ -11,7 +11,10 @@ bool IsOfTriple(const QuadTree::Leaf& leaf, int i, const QuadTree::Key& key) {
 }  // namespace
 
 void QuadCursor::Settle() {
-  while (iterator_.Valid() && !pattern_.Matches(quad())) iterator_.Next();
+  const auto skips = [this](const Quad& quad) {
+    return (filter_ && !pattern_.Matches(quad)) || (hidden_ != nullptr && hidden_->Hides(quad));
+  };
+  while (iterator_.Valid() && skips(quad())) iterator_.Next();
 }
 
 void QuadCursor::SkipCopies() {
@@ -23,7 +26,7 @@ void QuadCursor::SkipCopies() {
 
 void QuadCursor::Seek(const Quad& target) {
   iterator_.Seek(KeyOf(target, order_));
-  if (filter_) Settle();
+  if (filters()) Settle();
 }
 
 uint64_t QuadCursor::CountRest(bool triples) {

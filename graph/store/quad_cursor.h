@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "graph/store/hidden_triples.h"
 #include "graph/store/index_order.h"
 #include "graph/store/quad.h"
 #include "graph/store/quad_tree.h"
@@ -21,13 +22,15 @@ class QuadCursor {
   // Requires Valid(), as all functions up to term().
   void Next() {
     iterator_.Next();
-    if (filter_) Settle();
+    if (filters()) Settle();
   }
-  // Moves past this triple and its copies in other graphs. Requires !filters(), and adjacent copies.
+  // Moves past this triple and its copies in other graphs. Requires that one run of an index holds the matches, with
+  // adjacent copies.
   void NextTriple() {
     const bool alone =
         iterator_.leaf()->mask[3] == 0 && !iterator_.NextIsElsewhere();  // the leaf is within one graph
-    return alone ? iterator_.Next() : SkipCopies();
+    alone ? iterator_.Next() : SkipCopies();
+    if (hidden_ != nullptr) Settle();
   }
   // Reads from the index at each call.
   Quad quad() const { return {term(0), term(1), term(2), term(3)}; }
@@ -43,7 +46,7 @@ class QuadCursor {
   // they must be adjacent. The cursor is then at its end. Much faster than a walk. Requires !filters().
   uint64_t CountRest(bool triples);
   // True if it skips quads that do not match: only a walk can then count the matches.
-  bool filters() const { return filter_; }
+  bool filters() const { return filter_ || hidden_ != nullptr; }
   IndexOrder order() const { return order_; }
   // Detaches the cursor from its version: only a Rescan may follow.
   void Forget() { tree_ = nullptr; }
@@ -59,7 +62,8 @@ class QuadCursor {
   QuadTree::Iterator iterator_;
   QuadPattern pattern_;  // used if filter_
   IndexOrder order_ = IndexOrder::kSpog;
-  bool filter_ = false;  // positions beyond the prefix are bound
+  bool filter_ = false;                    // positions beyond the prefix are bound
+  const HiddenTriples* hidden_ = nullptr;  // may hide some matches; null: none
 };
 
 }  // namespace docent

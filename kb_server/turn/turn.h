@@ -31,7 +31,7 @@
 namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "24";
+inline constexpr char kEngineVersion[] = "25";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {

@@ -13,6 +13,16 @@ namespace {
 constexpr int kDeepest = 1000;  // depth of a proof; deeper ones are not searched
 constexpr int kIdleRounds = 8;  // without a new fact or proof: made by unknown rules
 
+GraphVersionPtr SeenByRules(const GraphVersion& version, rules::InconsistencyFacts& reports) {
+  reports.InternWords();
+  return version.Without(reports);
+}
+
+sparql::RunOptions On(const GraphVersionPtr& version, sparql::RunOptions run) {
+  run.version = version.get();
+  return run;
+}
+
 }  // namespace
 
 Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
@@ -22,13 +32,16 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
       dictionary_(dictionary),
       rules_(rules),
       functions_(functions),
-      run_(run),
+      reports_of_checks_(dictionary),
+      seen_by_rules_(SeenByRules(version, reports_of_checks_)),
+      rule_run_(On(seen_by_rules_, run)),
       limits_(limits),
       inferred_(dictionary.InternIri(kInferredGraph)),
       prefixes_(std::move(prefixes)),
-      reports_(version, dictionary, rules, functions, run),
-      solver_(version, dictionary, functions, run, limits.explain_steps),
+      reports_(version, dictionary, rules, functions, rule_run_),
+      solver_(*seen_by_rules_, dictionary, functions, rule_run_, limits.explain_steps),
       part_facts_(version, dictionary, functions, run, limits.explain_steps),
+      rule_parts_(*seen_by_rules_, dictionary, functions, rule_run_, limits.explain_steps),
       same_as_(dictionary.InternIri(rules::kOwlSameAs)),
       ways_(version, same_as_, inferred_) {}
 
@@ -123,7 +136,7 @@ absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact
   for (size_t i = first; i < found.size(); ++i) {
     Derivation& derivation = found[i];
     if (derivation.row.clause->parts.empty()) continue;
-    auto further = FurtherSupportOf(derivation.row);
+    auto further = FurtherSupportOf(derivation.row, rule_parts_);
     if (!further.ok()) return further.status();
     derivation.whole = further->whole;
     for (const Quad& quad : further->facts) {
@@ -192,7 +205,7 @@ absl::StatusOr<const Prover::Derivation*> Prover::WriteStep(const Quad& fact, Pr
     if (rule.body.written[v].empty() || derivation.row.values[v].IsNone()) continue;
     step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row.values[v]));
   }
-  auto further = FurtherSupportOf(derivation.row);
+  auto further = FurtherSupportOf(derivation.row, rule_parts_);
   if (!further.ok()) return further.status();
   step.conditions = std::move(further->conditions);
   return &derivation;
@@ -297,6 +310,10 @@ absl::StatusOr<Support> Prover::SupportOf(const Quad& quad) {
 }
 
 absl::StatusOr<Prover::FurtherSupport> Prover::FurtherSupportOf(const Row& row) {
+  return FurtherSupportOf(row, part_facts_);
+}
+
+absl::StatusOr<Prover::FurtherSupport> Prover::FurtherSupportOf(const Row& row, PartFacts& parts) {
   FurtherSupport further;
   const Display display(prefixes_);
   const Values values = ValuesOf(row, dictionary_);
@@ -306,7 +323,7 @@ absl::StatusOr<Prover::FurtherSupport> Prover::FurtherSupportOf(const Row& row) 
     further.conditions.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
   }
   for (const Part& part : row.clause->parts) {
-    auto ground = part_facts_.Of(part, row);
+    auto ground = parts.Of(part, row);
     if (!ground.ok()) return ground.status();
     Values own = values;  // a variable between two parts has a name only in them
     const std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);

@@ -27,6 +27,7 @@
 #include "reasoner/explain/report_origins.h"
 #include "reasoner/explain/rule_base.h"
 #include "reasoner/explain/solver.h"
+#include "reasoner/rules/inconsistency.h"
 
 namespace docent::explain {
 
@@ -84,7 +85,8 @@ class Prover {
   absl::StatusOr<FurtherSupport> FurtherSupportOf(const Row& row);
   // Work done so far: matches, and places of paths.
   size_t steps() const {
-    return solver_.steps() + part_facts_.steps() + (of_goals_ == nullptr ? 0 : of_goals_->steps());
+    return solver_.steps() + part_facts_.steps() + rule_parts_.steps() +
+           (of_goals_ == nullptr ? 0 : of_goals_->steps());
   }
 
  private:
@@ -133,20 +135,25 @@ class Prover {
   absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
   absl::StatusOr<const Derivation*> WriteStep(const Quad& fact, ProofStep& step);
 
+  absl::StatusOr<FurtherSupport> FurtherSupportOf(const Row& row, PartFacts& parts);
+
   Solver& solver() { return of_goals_ == nullptr ? solver_ : *of_goals_; }
 
   const GraphVersion& version_;
   Dictionary& dictionary_;
   const RuleBase& rules_;
   const sparql::FunctionRegistry* const functions_;
-  const sparql::RunOptions run_;
+  rules::InconsistencyFacts reports_of_checks_;
+  const GraphVersionPtr seen_by_rules_;  // version_ without these
+  const sparql::RunOptions rule_run_;    // on that
   const ExplainLimits limits_;
   const TermId inferred_;
   const std::vector<std::pair<std::string, std::string>> prefixes_;
   ReportOrigins reports_;
-  Solver solver_;
+  Solver solver_;                     // of rule bodies
   std::unique_ptr<Solver> of_goals_;  // takes the place of solver_ once that is exhausted
   PartFacts part_facts_;
+  PartFacts rule_parts_;  // of rule bodies
   const TermId same_as_;
   EqualWays ways_;
   absl::flat_hash_set<TermId> connected_;  // terms whose pairs from other rules are in ways_

@@ -159,7 +159,8 @@ class Prover::Goals {
 };
 
 absl::Status Prover::ProveByGoals(const Quad& fact) {
-  of_goals_ = std::make_unique<Solver>(version_, dictionary_, functions_, run_, kProofLimits.proof_steps);
+  of_goals_ =
+      std::make_unique<Solver>(*seen_by_rules_, dictionary_, functions_, rule_run_, kProofLimits.proof_steps);
   return Goals(*this, fact).Run();
 }
 

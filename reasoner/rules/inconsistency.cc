@@ -1,6 +1,7 @@
 #include "reasoner/rules/inconsistency.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -37,6 +38,13 @@ std::vector<Triple> Matched(const CompiledRule& rule, absl::Span<const TermId> r
 }
 
 }  // namespace
+
+bool InconsistencyFacts::AreNamedBy(std::string_view predicate, std::string_view object) {
+  if (predicate == kRdfType) return object == DocentIri("Inconsistency");
+  constexpr std::array kOwn = {"rule", "evidence", "binding", "bindingName", "bindingValue"};
+  return std::any_of(kOwn.begin(), kOwn.end(),
+                     [&](const char* word) { return predicate == DocentIri(word); });
+}
 
 void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId> row,
                               std::vector<Triple>& out) {
@@ -93,22 +101,6 @@ void InconsistencyFacts::InternWords() {
   words_[kSubject] = rdf("subject");
   words_[kPredicate] = rdf("predicate");
   words_[kObject] = rdf("object");
-}
-
-std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const {
-  std::vector<Triple> facts;
-  const auto take = [&](const QuadPattern& pattern) {
-    graph.ForEach(pattern, [&](const Quad& quad) {
-      const Triple fact = {quad.subject, quad.predicate, quad.object};
-      if (IsOfReport(fact)) facts.push_back(fact);
-      return true;
-    });
-  };
-  take({TermId(), type_, inconsistency_, TermId()});
-  for (const TermId word : words_) take({TermId(), word, TermId(), TermId()});
-  std::sort(facts.begin(), facts.end());
-  facts.erase(std::unique(facts.begin(), facts.end()), facts.end());
-  return facts;
 }
 
 }  // namespace docent::rules

@@ -21,11 +21,11 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
       before_(before),
       asserted_delta_(told),
       context_(context),
-      proofs_(program, context.schema, context.classes, context.writer, context.inconsistencies,
-              context.inferred_graph, marked_, context.cancellation),
+      proofs_(program, context.schema, context.classes, context.writer, context.inferred_graph, marked_,
+              context.cancellation),
       is_entering_(program.rules.size()) {}
 
-// Sorted, so that the lookups walk along the index.
+// Sorted, so that the lookups walk along the index. Without told facts of reports, which no rule sees either.
 void Materialiser::ReadAsserted() {
   struct Change {
     Triple triple;
@@ -33,8 +33,12 @@ void Materialiser::ReadAsserted() {
   };
   std::vector<Change> changes;
   changes.reserve(asserted_delta_.size());
-  for (const Quad& q : asserted_delta_.added) changes.push_back({{q.subject, q.predicate, q.object}, 1});
-  for (const Quad& q : asserted_delta_.removed) changes.push_back({{q.subject, q.predicate, q.object}, -1});
+  for (const auto& [quads, by] : {std::pair(&asserted_delta_.added, 1), {&asserted_delta_.removed, -1}}) {
+    for (const Quad& q : *quads) {
+      const Triple triple = {q.subject, q.predicate, q.object};
+      if (!context_.inconsistencies.IsOfReport(triple)) changes.push_back({triple, by});
+    }
+  }
   std::sort(changes.begin(), changes.end(),
             [](const Change& a, const Change& b) { return a.triple < b.triple; });
   QuadCursor cursor;
@@ -105,19 +109,30 @@ absl::Status Materialiser::SettleAsserted() {
   return absl::OkStatus();
 }
 
+// Checks of one name may make the same report, so all of them are evaluated again if one leaves.
 void Materialiser::CompareRules() {
   if (&program_ == &before_) return;
-  absl::flat_hash_set<std::string> known, wanted;
-  const auto key = [](const CompiledRule& rule) { return absl::StrCat(rule.set, "\n", rule.text); };
+  absl::flat_hash_set<std::string> known, wanted, reports;
+  const auto key = [](const CompiledRule& rule) {
+    const bool named = !rule.check || !rule.name.empty();  // else its reports have its label, and so its line
+    return absl::StrCat(rule.set, "\n", named ? "" : rule.label, "\n", rule.text);
+  };
+  const auto name = [](const CompiledRule& rule) { return absl::StrCat(rule.set, "\n", rule.name); };
   for (const CompiledRule& rule : before_.rules) known.insert(key(rule));
   for (const CompiledRule& rule : program_.rules) wanted.insert(key(rule));
+  for (const CompiledRule& rule : before_.rules) {
+    if (rule.check && !wanted.contains(key(rule))) reports.insert(name(rule));
+  }
+  const auto again = [&](const CompiledRule& rule) { return rule.check && reports.contains(name(rule)); };
   for (uint32_t r = 0; r < program_.rules.size(); ++r) {
-    if (known.contains(key(program_.rules[r]))) continue;
+    const CompiledRule& rule = program_.rules[r];
+    if (known.contains(key(rule)) && !again(rule)) continue;
     entering_.push_back(r);
     is_entering_[r] = true;
   }
   for (uint32_t r = 0; r < before_.rules.size(); ++r) {
-    if (!wanted.contains(key(before_.rules[r]))) leaving_.push_back(r);
+    const CompiledRule& rule = before_.rules[r];
+    if (!wanted.contains(key(rule)) || again(rule)) leaving_.push_back(r);
   }
 }
 
@@ -205,6 +220,7 @@ absl::Status Materialiser::Maintain() {
     }
     if (!moved.ok()) return moved.status();
   }
+  WriteReports();
   return absl::OkStatus();
 }
 
@@ -255,6 +271,10 @@ Delta Materialiser::InferredChange() const {
   delta.added.reserve(added_.size());
   for (const Triple& triple : added_) delta.added.push_back(InferredQuad(triple));
   for (const Triple& triple : removed_) delta.removed.push_back(InferredQuad(triple));
+  const size_t reports = delta.added.size();
+  for (const Triple& triple : new_reports_) delta.added.push_back(InferredQuad(triple));
+  std::sort(delta.added.begin() + static_cast<std::ptrdiff_t>(reports), delta.added.end());
+  for (const Triple& triple : lost_reports_) delta.removed.push_back(InferredQuad(triple));
   std::sort(delta.removed.begin(), delta.removed.end());
   return delta;
 }

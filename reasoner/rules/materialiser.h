@@ -11,6 +11,9 @@
 //      concern. New rules are evaluated whole. New schema rules come first; the other new rules are then
 //      evaluated once, for the final axioms.
 //
+// Reports of checks are no facts for rules: they are collected, and enter or leave the graph at the end. The caller hides the
+// existing ones from the writer's current().
+//
 // Equality is handled without rules (equality_classes.h). At the end of each round, new facts are written out
 // under all names of their terms. A class that loses a pair is split into certainly equal parts, and the
 // facts about its terms are tested (materialiser_equality.cc).
@@ -158,16 +161,14 @@ class Materialiser {
   absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
   bool InScope(uint32_t rule) const;
-  // True if the running stratum may make, or test, a fact of an entangled rule. It also makes facts of
-  // earlier strata: they follow from reports, since checks are not entangled with the rules that they match.
-  // It tests only facts of its own stratum; the first stratum also tests facts that the former axioms placed
-  // in a later one.
+  // True if the running stratum may make, or test, a fact of an entangled rule. It tests only facts of its own stratum; the
+  // first stratum also tests facts that the former axioms placed in a later one.
   bool MayMake(const CompiledRule& rule, const Triple& fact, Phase phase) const {
     if (program_.ordered.empty() || stratum_ < 0) return true;
     if (!program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data()))) return true;
     const int stratum = program_.StratumOf(fact);
     if (phase == Phase::kAdd) return stratum <= stratum_;
-    return stratum == stratum_ || of_report_ || stratum_ == program_.first_entangled;
+    return stratum == stratum_ || stratum_ == program_.first_entangled;
   }
   // The same for newly made facts; remembers a fact that belongs to a later stratum.
   bool MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase);
@@ -183,7 +184,11 @@ class Materialiser {
   absl::Status FireSeeded(uint32_t number, Phase phase);
   // False: end the evaluation.
   bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
+  bool Count(const CompiledRule& rule);
   bool Collect(const CompiledRule& rule, const Triple& triple, Phase phase);
+  // The same for a check and its report.
+  bool EmitReport(const CompiledRule& check, absl::Span<const TermId> row, Phase phase);
+  void WriteReports();
   bool TakeMade();
   bool DropPresent(const CompiledRule& rule);
   void NowInferred(const Triple& t);
@@ -203,16 +208,16 @@ class Materialiser {
   ProofSearch proofs_;
 
   int stratum_ = -1;                     // the running one
-  bool of_report_ = false;               // the consequences of lost report facts are being tested
   std::vector<AssertedEntry> asserted_;  // by triple
   std::vector<uint32_t> entering_;       // rules of program_ that are not in before_
   std::vector<bool> is_entering_;
   std::vector<uint32_t> leaving_;  // rules of before_ that are not in program_
   bool old_state_ = false;
 
-  absl::flat_hash_set<Triple> removed_;    // of the inferred graph, net
-  std::vector<Triple> added_;              // likewise
-  absl::flat_hash_set<Triple> added_set_;  // added_ at the beginning of the stratum
+  absl::flat_hash_set<Triple> removed_;                     // of the inferred graph, net
+  std::vector<Triple> added_;                               // likewise
+  absl::flat_hash_set<Triple> added_set_;                   // added_ at the beginning of the stratum
+  absl::flat_hash_set<Triple> new_reports_, lost_reports_;  // facts of reports, net; in none of the above
 
   std::vector<Triple> lost_;            // for the running stratum: present before, not now
   std::vector<Triple> gained_;          // the opposite

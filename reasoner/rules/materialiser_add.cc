@@ -250,18 +250,7 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
       return false;
     }
   }
-  if (rule.check) {
-    std::vector<Triple> facts;
-    context_.inconsistencies.Make(rule, row, facts);
-    const auto number = static_cast<uint32_t>(&rule - program_.rules.data());
-    if (phase == Phase::kTakeAway && !rule.positive && number < program_.rules.size()) {
-      check_rows_.push_back({number, {row.begin(), row.end()}});
-    }
-    for (const Triple& fact : facts) {
-      if (!Collect(rule, fact, phase)) return false;
-    }
-    return true;
-  }
+  if (rule.check) return EmitReport(rule, row, phase);
   for (const HeadTriple& head : rule.head) {
     Triple triple;
     if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
@@ -269,6 +258,35 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
     if (!Collect(rule, triple, phase)) return false;
   }
   return true;
+}
+
+bool Materialiser::EmitReport(const CompiledRule& check, absl::Span<const TermId> row, Phase phase) {
+  std::vector<Triple> facts;
+  context_.inconsistencies.Make(check, row, facts);
+  const auto number = static_cast<uint32_t>(&check - program_.rules.data());
+  if (phase == Phase::kTakeAway && !check.positive && number < program_.rules.size()) {
+    check_rows_.push_back({number, {row.begin(), row.end()}});
+  }
+  absl::flat_hash_set<Triple>& these = phase == Phase::kAdd ? new_reports_ : lost_reports_;
+  absl::flat_hash_set<Triple>& opposite = phase == Phase::kAdd ? lost_reports_ : new_reports_;
+  for (const Triple& fact : facts) {
+    if (!Count(check)) return false;
+    Spend(kStepsOfLookup);
+    const bool changes = opposite.erase(fact) == 0 && IsInferred(fact) == (phase == Phase::kTakeAway);
+    if (changes && these.insert(fact).second) Spend(kStepsOfCandidate + kStepsOfFact);
+  }
+  if (context_.inferred_so_far + new_reports_.size() <= context_.limits.inferred_per_turn) return true;
+  status_ = LimitError(check, "inferred_per_turn", context_.limits.inferred_per_turn);
+  return false;
+}
+
+void Materialiser::WriteReports() {
+  std::vector<Quad> lost, made;
+  for (const Triple& t : lost_reports_) lost.push_back(InferredQuad(t));
+  for (const Triple& t : new_reports_) made.push_back(InferredQuad(t));
+  context_.inferred_so_far += made.size();
+  context_.writer.RemoveAll(std::move(lost));
+  context_.writer.AddAll(std::move(made));
 }
 
 bool Materialiser::MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase) {
@@ -279,13 +297,16 @@ bool Materialiser::MayEmit(const CompiledRule& rule, const Triple& triple, Phase
   return false;
 }
 
-bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
+// Counts a made fact; false: end the evaluation.
+bool Materialiser::Count(const CompiledRule& rule) {
   ++context_.counters.firings;
   Spend(seen_.size() < kMany ? kStepsOfHead : kStepsOfHeadAmongMany);
-  if (absl::Status status = CheckSteps(rule); !status.ok()) {
-    status_ = std::move(status);
-    return false;
-  }
+  status_.Update(CheckSteps(rule));
+  return status_.ok();
+}
+
+bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
+  if (!Count(rule)) return false;
   if (phase == Phase::kTakeAway) {
     made_.push_back(triple);
     return true;

@@ -181,7 +181,7 @@ void Materialiser::CollectFactsWithOtherNames() {
   graph().ForEach({TermId(), TermId(), TermId(), context_.inferred_graph}, [&](const Quad& q) {
     const Triple t = {q.subject, q.predicate, q.object};
     const bool may_be = HasOtherNames(t) || context_.classes.IsName(t.object);
-    if (may_be && !context_.inconsistencies.IsOfReport(t)) made_.push_back(t);
+    if (may_be) made_.push_back(t);
     return true;
   });
 }
@@ -300,9 +300,7 @@ bool Materialiser::IsWrittenOut(const Triple& fact) {
   const EqualityClasses& classes = context_.classes;
   if (!program_.ClosesEquality(stratum_) || classes.empty()) return false;
   if (!HasOtherNames(fact) && !classes.IsName(fact.object)) return false;
-  if (!MayMake(program_.rules[program_.equality.replacement], fact, Phase::kAdd) ||
-      context_.inconsistencies.IsOfReport(fact))
-    return false;
+  if (!MayMake(program_.rules[program_.equality.replacement], fact, Phase::kAdd)) return false;
   if (fact.predicate == program_.equality.same_as) {
     const EqualityClasses::Class* of_subject = classes.Find(fact.subject);
     if (of_subject != nullptr && of_subject->members.size() > 1 &&

@@ -11,12 +11,7 @@
 namespace docent::rules {
 
 absl::Status Materialiser::TakeAwayFromLeavingRules() {
-  // If there were no rules before, another engine made the existing reports and may have named them
-  // differently. This turn makes the valid ones again.
-  std::vector<Triple> reports;
-  if (before_.rules.empty()) reports = context_.inconsistencies.FactsIn(graph());
-  if (leaving_.empty() && reports.empty()) return absl::OkStatus();
-  made_ = std::move(reports);
+  if (leaving_.empty()) return absl::OkStatus();
   ToOldState();
   absl::Status status;
   for (const uint32_t rule : leaving_) {
@@ -124,12 +119,10 @@ absl::Status Materialiser::Propagate(int stratum) {
     const Triple triple = queue_[i];
     made_.clear();
     const Quad quad = InferredQuad(triple);
-    of_report_ = context_.inconsistencies.IsOfReport(triple);
     absl::Status status = DispatchInstances(quad, stratum, Phase::kTakeAway);
     if (status.ok()) status = DispatchRules(quad, stratum, Phase::kTakeAway, /*also_negative=*/i >= ghosts_);
     if (status.ok()) status = LoseEquals(triple);
     if (!status.ok()) return status;
-    of_report_ = false;
     scratch_ = made_;
     for (const Triple& made : scratch_) {
       status = Consider(made);

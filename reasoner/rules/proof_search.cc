@@ -69,8 +69,6 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
     proven_.insert(fact);
     return Answer::kProven;
   }
-  // Only its check can prove it. A report fact tested at depth 0 has lost its check's match.
-  if (inconsistencies_.IsOfReport(fact)) return depth > 0 ? Answer::kUndecided : Answer::kUnproven;
   const bool by_equality = program_.equality.by_classes && certain_.MayMake(fact);
   if (by_equality && certain_.Proves(fact)) {
     proven_.insert(fact);

@@ -20,7 +20,6 @@
 #include "absl/status/statusor.h"
 #include "graph/store/graph_writer.h"
 #include "reasoner/rules/certain_equality.h"
-#include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
@@ -58,13 +57,12 @@ class ProofSearch {
 
   // `lost`: facts that the graph still holds, but that do not count; it may grow. `cancellation`: null: none.
   ProofSearch(RuleProgram& program, const SchemaIndex& schema, const EqualityClasses& classes,
-              const GraphWriter& writer, const InconsistencyFacts& inconsistencies, TermId inferred_graph,
-              const absl::flat_hash_set<Triple>& lost, Cancellation* cancellation)
+              const GraphWriter& writer, TermId inferred_graph, const absl::flat_hash_set<Triple>& lost,
+              Cancellation* cancellation)
       : program_(program),
         schema_(schema),
         certain_(program, classes, writer, inferred_graph, cancellation),
         writer_(writer),
-        inconsistencies_(inconsistencies),
         inferred_graph_(inferred_graph),
         lost_(lost),
         cancellation_(cancellation) {}
@@ -104,7 +102,6 @@ class ProofSearch {
   const SchemaIndex& schema_;
   CertainEquality certain_;
   const GraphWriter& writer_;
-  const InconsistencyFacts& inconsistencies_;
   const TermId inferred_graph_;
   const absl::flat_hash_set<Triple>& lost_;
   Cancellation* const cancellation_;

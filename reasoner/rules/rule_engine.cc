@@ -1,9 +1,11 @@
 #include "reasoner/rules/rule_engine.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "graph/base/step_costs.h"
 #include "graph/rdf/vocabulary.h"
 #include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/inconsistency.h"
@@ -12,6 +14,19 @@
 #include "reasoner/rules/schema_index.h"
 
 namespace docent::rules {
+namespace {
+
+// `change`, after `removed` was taken out.
+Delta NetChange(const std::vector<Quad>& removed, Delta change) {
+  if (removed.empty()) return change;
+  absl::flat_hash_set<Quad> gone(removed.begin(), removed.end());
+  std::erase_if(change.added, [&](const Quad& quad) { return gone.erase(quad) != 0; });
+  change.removed.assign(gone.begin(), gone.end());
+  std::sort(change.removed.begin(), change.removed.end());
+  return change;
+}
+
+}  // namespace
 
 struct RuleEngine::Impl {
   // The compiled current rules, and the rules of the inferred graph.
@@ -46,6 +61,18 @@ struct RuleEngine::Impl {
   const sparql::FunctionRegistry* functions;
   const TermId inferred_graph;
   InconsistencyFacts inconsistencies;
+  // If no rules are applied, inferred facts are from another engine, which may have inferred otherwise: this one begins without
+  // them.
+  std::vector<Quad> TakeOutInferred(GraphWriter& writer) const {
+    std::vector<Quad> quads;
+    if (state.applied != nullptr) return quads;
+    writer.current().ForEach({TermId(), TermId(), TermId(), inferred_graph}, [&](const Quad& quad) {
+      quads.push_back(quad);
+      return true;
+    });
+    writer.RemoveAll(quads);
+    return quads;
+  }
   // For the terms of the graph before the change `told`.
   void BuildClasses(const RuleProgram& before, const RuleProgram& program, const GraphVersion& graph,
                     const Delta& told) {
@@ -115,6 +142,9 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   if (!other_rules && impl.state.wanted == nullptr) return told;
   RuleProgram& program = impl.state.wanted != nullptr ? *impl.state.wanted : impl.no_rules;
   RuleProgram& before = impl.state.applied != nullptr ? *impl.state.applied : impl.no_rules;
+  impl.inconsistencies.InternWords();
+  const std::vector<Quad> of_others = impl.TakeOutInferred(writer);
+  const GraphWriter::Hiding without_reports(writer, impl.inconsistencies);
   if (impl.schema_of != &program) {
     impl.schema_of = nullptr;
     if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok())
@@ -124,18 +154,20 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
     impl.changed_since_commit = true;
   }
   if (!other_rules && told.empty()) return told;  // with a schema: what Reads says goes by the graph alone
-  impl.inconsistencies.InternWords();
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
+  Limits limits = impl.limits;  // what another engine was allowed to infer may be inferred again
+  limits.inferred_per_turn += of_others.size();
+  if (cancellation != nullptr) cancellation->Lend(of_others.size() * kStepsOfFact);
   Materialiser materialiser(
       program, before, told,
-      {writer, impl.schema, impl.classes, impl.inconsistencies, impl.dictionary, impl.inferred_graph,
-       impl.limits, impl.inferred_since_commit, impl.counters, cancellation, impl.computed});
+      {writer, impl.schema, impl.classes, impl.inconsistencies, impl.dictionary, impl.inferred_graph, limits,
+       impl.inferred_since_commit, impl.counters, cancellation, impl.computed});
   impl.computed.Begin();
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   if (!program.equality.by_classes) impl.classes.Clear();
   impl.state.applied = impl.state.wanted;
-  Delta delta = materialiser.InferredChange();
+  Delta delta = NetChange(of_others, materialiser.InferredChange());
   impl.counters.inferred += delta.added.size();
   impl.counters.retracted += delta.removed.size();
   delta.added.insert(delta.added.begin(), told.added.begin(), told.added.end());

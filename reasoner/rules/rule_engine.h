@@ -2,9 +2,10 @@
 // (the *asserted* facts).
 //
 // Semantics: datalog with stratified negation (W3C SHACL 1.2 Rules draft). A rule body matches the union of
-// all graphs. Head facts that are not asserted are in docent:inferred (a fact that is no longer asserted but
-// still follows moves there). The result depends only on the asserted facts and the rules: any sequence of
-// updates gives the same graph as a computation from scratch.
+// all graphs, without the reports that checks make in docent:inferred (inconsistency.h). Head facts that are
+// not asserted are in docent:inferred (a fact that is no longer asserted but still follows moves there). The
+// result depends only on the asserted facts and the rules: any sequence of updates gives the same graph as a
+// computation from scratch.
 //
 // Additions are propagated semi-naively, round by round: each body pattern that a new triple matches is bound
 // to it, and the rest of the body is evaluated. Retractions go backward and forward (proof_search.h): a fact

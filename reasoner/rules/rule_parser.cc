@@ -12,6 +12,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
 #include "reasoner/matching/trigger_analysis.h"
+#include "reasoner/rules/inconsistency.h"
 
 namespace docent::rules {
 namespace {
@@ -104,11 +105,12 @@ std::string_view VolatileName(Builtin builtin) {
 
 class Checker {
  public:
-  Checker(std::string_view file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+  Checker(std::string_view file, RuleTextOrigin origin, Diagnostics& diagnostics)
+      : file_(file), is_new_(origin == RuleTextOrigin::kNew), diagnostics_(diagnostics) {}
 
   void Check(const Rule& rule) {
     const Algebra& body = *rule.body.algebra;
-    refused_ = false;
+    refused_ = names_reports_ = false;
     CheckBody(body);
     if (refused_) return;  // the variables of such a body are not known here
     Names bound = matching::CertainVariables(body);
@@ -229,11 +231,29 @@ class Checker {
       Report(node.span, absl::StrCat("a rule body cannot contain ", refusal->what), refusal->hint);
       return;
     }
+    CheckTriples(node);
     for (const auto& child : node.children) CheckBody(*child);
     if (!node.expression) return;
     Names scope;
     for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) scope.insert(v.name);
     CheckExpression(*node.expression, scope, node.kind == Algebra::Kind::kExtend ? "BIND" : "FILTER");
+  }
+
+  // Rules do not see reports (inconsistency.h), so such a pattern would match nothing. One error for each rule.
+  void CheckTriples(const Algebra& node) {
+    const auto iri = [](const PatternTerm& term) {
+      return !term.IsVariable() && term.term().IsIri() ? std::string_view(term.term().lexical)
+                                                       : std::string_view();
+    };
+    for (const sparql::TriplePattern& triple : node.triples) {
+      if (!is_new_ || names_reports_ ||
+          !InconsistencyFacts::AreNamedBy(iri(triple.predicate), iri(triple.object)))
+        continue;
+      names_reports_ = true;
+      Report(triple.predicate.span.line > 0 ? triple.predicate.span : node.span,
+             "a rule cannot match the reports of checks: nothing follows from them",
+             "match what the check matches; queries, subscriptions and conditions of workflows see reports");
+    }
   }
 
   // An expression may use `outer` variables; inside EXISTS also those of its own pattern, by CheckBody.
@@ -260,9 +280,11 @@ class Checker {
   }
 
   std::string_view file_;
+  const bool is_new_;
   Diagnostics& diagnostics_;
   int depth_ = 0;  // of EXISTS
   bool refused_ = false;
+  bool names_reports_ = false;
 };
 
 // True for an expression that may give a new value each time when it is applied to its own result.
@@ -488,7 +510,7 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
   for (Rule& rule : result.rules) NoteGrowth(rule);
   for (const Rule& rule : result.rules) {
     if (origin == RuleTextOrigin::kNew) CheckSize(rule, options.file, result.diagnostics);
-    Checker(file, result.diagnostics).Check(rule);
+    Checker(file, origin, result.diagnostics).Check(rule);
   }
   if (!result.ok()) result.rules.clear();
   return result;

@@ -63,7 +63,7 @@ std::string RuleLabel(std::string_view set, const Rule& rule, int number);
 // Parses and checks each rule on its own: syntax; the body binds every head variable (safety); variables in a
 // FILTER or BIND are bound; no blank node or impossible triple in a head; no construct in the body that
 // cannot be maintained incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate),
-// no NOW() or RAND(). Reports all errors, not only the first. `file` names the text in diagnostics. The
+// no NOW() or RAND(), no reports of checks (new texts only). Reports all errors, not only the first. `file` names the text in diagnostics. The
 // well-known prefixes need no declaration. `functions`: the functions that calls may use (parser.h). Constant
 // regular expressions that cannot be evaluated are errors only in new texts.
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {},

@@ -1,5 +1,5 @@
 // Naive computation of the inferences of rules from asserted facts: the reference of the property tests. It
-// shares the parser, the SPARQL evaluator and the strata with the engine.
+// shares the parser, the SPARQL evaluator, the strata and the form of reports with the engine.
 #ifndef DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 #define DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 
@@ -12,6 +12,7 @@
 
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/equality_classes.h"
+#include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/negation_order.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_program.h"
@@ -24,18 +25,18 @@ inline constexpr char kRulesPrefix[] = "PREFIX : <http://example.org/>\n";
 
 // The strata of the engine's program, each applied naively, with those below it, until nothing is new. The
 // order of rules with negation is checked at the end: all results of each rule are there, and each inferred
-// fact is a result.
-inline std::vector<std::string> NaiveInferences(const std::string& rules, const std::set<std::string>& told) {
+// fact is a result. The reports of checks come last. `set`: the name of the rule set, which reports bear.
+inline std::vector<std::string> NaiveInferences(const std::string& rules, const std::set<std::string>& told,
+                                                const std::string& set = "rules") {
   TestWorld world;
   world.Apply(std::vector<std::string>(told.begin(), told.end()));
   const TermId inferred = world.dictionary.InternIri(kInferredGraph);
   rules::RuleSets sets;
-  sets["rules"] =
-      std::make_shared<const rules::ParsedRules>(rules::ParseRules(kRulesPrefix + rules, "rules"));
+  sets[set] = std::make_shared<const rules::ParsedRules>(rules::ParseRules(kRulesPrefix + rules, set));
   Diagnostics diagnostics;
   const auto program = rules::RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
   std::vector<std::unique_ptr<sparql::PreparedQuery>> constructs;
-  for (const rules::Rule& rule : sets["rules"]->rules) {
+  for (const rules::Rule& rule : sets[set]->rules) {
     sparql::Query construct = rule.body.Clone();
     construct.form = sparql::Query::Form::kConstruct;
     construct.construct_template = rule.head;
@@ -93,12 +94,20 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
     EXPECT_TRUE(world.writer.current().ContainsMatch({quad.subject, quad.predicate, quad.object, TermId()}))
         << rules;
   }
+  rules::InconsistencyFacts inconsistencies(world.dictionary);
+  std::vector<rules::Triple> reports;
+  for (const rules::CompiledRule& rule : program->rules) {
+    if (!rule.check) continue;
+    const std::vector<TermId> nothing(rule.body->columns().size());
+    const absl::Status status =
+        rule.body->Evaluate({.version = &world.writer.current()}, nothing, [&](absl::Span<const TermId> row) {
+          inconsistencies.Make(rule, row, reports);
+          return true;
+        });
+    EXPECT_TRUE(status.ok()) << status;
+  }
+  for (const rules::Triple& t : reports) world.writer.Add({t.subject, t.predicate, t.object, inferred});
   return world.Inferred();
-}
-
-inline std::vector<std::string> WithoutReports(std::vector<std::string> triples) {
-  std::erase_if(triples, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
-  return triples;
 }
 
 }  // namespace docent

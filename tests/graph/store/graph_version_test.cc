@@ -90,6 +90,61 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
   }
 }
 
+class OddSubjects final : public HiddenTriples {
+ public:
+  bool MayHide(const QuadPattern& pattern) const override { return pattern.predicate != Id(0); }
+  bool Hides(const Quad& quad) const override {
+    return quad.predicate != Id(0) && quad.subject.bits() % 2 == 1;
+  }
+};
+
+TEST(GraphVersionTest, HiddenTriplesMatchNoPattern) {
+  std::mt19937_64 random(6);
+  std::set<Quad> all, shown;
+  GraphWriter writer(nullptr);
+  const OddSubjects hidden;
+  for (int i = 0; i < 2000; ++i) {
+    const Quad quad = Q(random() % 10, random() % 4, random() % 20, random() % 3 + 1);
+    writer.Add(quad);
+    all.insert(quad);
+    if (!hidden.Hides(quad)) shown.insert(quad);
+  }
+  const auto expect = [&](const GraphVersion& version, const std::set<Quad>& model) {
+    for (int mask = 0; mask < 15; ++mask) {
+      for (int i = 0; i < 20; ++i) {
+        const Quad q = Q(random() % 10, random() % 4, random() % 20, random() % 4 + 1);
+        const QuadPattern pattern{(mask & 1) ? q.subject : TermId(), (mask & 2) ? q.predicate : TermId(),
+                                  (mask & 4) ? q.object : TermId(), (mask & 8) ? q.graph : TermId()};
+        std::set<Quad> expected;
+        std::set<std::array<TermId, 3>> triples;
+        for (const Quad& quad : model) {
+          if (!pattern.Matches(quad)) continue;
+          expected.insert(quad);
+          triples.insert({quad.subject, quad.predicate, quad.object});
+        }
+        const std::vector<Quad> found = Found(version, pattern);
+        ASSERT_EQ(std::set<Quad>(found.begin(), found.end()), expected) << "mask " << mask;
+        ASSERT_EQ(found.size(), expected.size());
+        ASSERT_EQ(version.ContainsMatch(pattern), !expected.empty()) << "mask " << mask;
+        ASSERT_GE(version.Count(pattern), expected.size());
+        if ((mask & 8) != 0) continue;
+        size_t walked = 0;
+        for (QuadCursor c = version.Scan(pattern); c.Valid(); c.NextTriple()) ++walked;
+        ASSERT_EQ(walked, triples.size()) << "mask " << mask;
+      }
+    }
+    for (const Quad& quad : all) ASSERT_TRUE(version.Contains(quad));
+  };
+  expect(*writer.current().Without(hidden), shown);
+  {
+    const GraphWriter::Hiding hiding(writer, hidden);
+    expect(writer.current(), shown);
+    EXPECT_TRUE(writer.AddAll({all.begin(), all.end()}).empty()) << "what is hidden is there";
+  }
+  expect(writer.current(), all);
+  expect(*writer.Freeze(Revision(1)), all);
+}
+
 TEST(GraphVersionTest, CopiesOfATripleAreAdjacent) {
   GraphWriter writer(nullptr);
   for (uint64_t i = 0; i < 50; ++i) {

@@ -119,6 +119,24 @@ TEST_F(WhyInconsistency, OfOwlIsExplainedDownToWhoToldIt) {
                           HasSubstr("  :w1 a :Woman\n    told by")));
 }
 
+// A report would match these patterns, too, and is the first match in some orders.
+TEST_F(WhyInconsistency, NoProofRestsOnAReport) {
+  Rules("names.rules", kTwoNames);
+  Rules("open.rules",
+        "RULE { :all :names ?x } WHERE { ?s rdf:subject ?x }\n"
+        "RULE { :all :has ?y } WHERE { ?x ?p ?y FILTER(?p != :has && ?p != :names) }\n"
+        "RULE { :all :counts ?n } WHERE { { SELECT (COUNT(*) AS ?n) WHERE { ?s rdf:object ?y } } }");
+  Tell({"i name 1", "i name 2", "s rdf:subject i", "s rdf:object 1"});
+  for (const char* fact : {":all :names :i", ":all :has 1", ":all :counts 1"}) {
+    EXPECT_THAT(Why(absl::StrCat("ASK { ", fact, " }")),
+                AllOf(HasSubstr("by open.rules"), Not(HasSubstr("urn:docent:inconsistency:"))))
+        << fact;
+  }
+  EXPECT_THAT(Why("ASK { { SELECT (COUNT(*) AS ?n) WHERE { ?i a docent:Inconsistency } } FILTER(?n = 1) }"),
+              HasSubstr("by names.rules twoNames"))
+      << "a question sees reports";
+}
+
 TEST_F(WhyInconsistency, ItsLeavesAreWhatToWithdraw) {
   Rules("names.rules", kTwoNames);
   Tell({"i name 1", "i name 2"});
