@@ -13,6 +13,11 @@ PATIENCE_S = 120  # for one command
 SILENCE_S = 30    # after which something that goes on printing has printed enough
 
 
+def hear_interrupts():
+    """A caller in the background (`nohup … &`) may ignore them, and then so would the shell and all its commands."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Terminal:
     """One bash. Output and errors come together, as on a screen. Commands see no terminal, so nothing is coloured.
 
@@ -24,7 +29,7 @@ class Terminal:
         argv = ["/usr/sbin/chroot", root, "env", "-C", f"/{folder.relative_to(root)}", *shell] if root else shell
         self.bash = subprocess.Popen(argv, cwd=folder, env=environment, pass_fds=[commands],
                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                     start_new_session=True)
+                                     start_new_session=True, preexec_fn=hear_interrupts)
         os.close(commands)
         self.changed = threading.Condition()
         self.output, self.closed = "", False
