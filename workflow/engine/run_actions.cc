@@ -245,7 +245,6 @@ absl::Status RunStepper::MakeInvocations(size_t index) {
     }
   }
   node.invocations = std::move(invocations);
-  if (!AttemptsEnded(index)) node.deadline_us.reset();  // it begins with the attempt (BeginTime)
   if (syntax.actions.empty() || syntax.for_each.empty()) node.actions.bindings.clear();
   return absl::OkStatus();
 }

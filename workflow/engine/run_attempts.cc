@@ -47,10 +47,7 @@ std::optional<TimeMicros> RunStepper::StepDeadline(size_t node, size_t index,
 
 // Whether every command of the node's attempts before has its final report.
 bool RunStepper::AttemptsEnded(size_t node) const {
-  for (size_t i = 0; i < run_.nodes[node].invocations.size(); ++i) {
-    if (core_.ledger.EndingOf({run_.id, node, i}) > 0) return false;
-  }
-  return true;
+  return !core_.ledger.HasEndingOf(run_.id, node);
 }
 
 // The time of a node's attempt begins with it: when all of the attempt before has ended, and its ext:retry-delay.

@@ -227,8 +227,8 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   node.guard = std::move(guard);
   node.fired_because = std::move(evidence);
   node.fired_us = core_.input->now_us;
-  if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
   std::erase_if(node.invocations, [](const InvocationState& old) { return old.state != WorkState::kDone; });
+  BeginTime(index);
   node.actions = {};
   if (!guarded.ok()) return NodeImpossible(index, guarded);
   for (const TermBinding& binding : bindings) {
@@ -395,6 +395,7 @@ void RunStepper::Advance() {
             break;
           }
           if (IsOpening(i)) {
+            BeginTime(i);
             changed = GoOnOpening(i, false) || CheckDeadlines(i) || changed;
             break;
           }

@@ -88,6 +88,36 @@ TEST_F(RunNotifications, ANodeThatIsSkippedBeforeItsInvocationsMakesNone) {
   EXPECT_FALSE(Has(Fact("it", "is", "told")));
 }
 
+// The attempt waits for its notification meanwhile, and has no invocation of the one before.
+TEST_F(RunNotifications, TheTimeOfAnAttemptBeginsWithTheEndOfTheOneBeforeAlsoWhileItNotifies) {
+  Must(test::WorldFacts());
+  Deploy(
+      "<node name=\"A\" ext:onFailure=\"incident\" ext:timeout=\"14s\"><ext:notify to=\"http://h/x\" "
+      "wait=\"true\"/><invoke operation=\"greet\"/></node>",
+      {"A"});
+  const auto pass = [this](int seconds) {
+    now_us_ += seconds * TimeMicros{1'000'000};
+    return Said(Must(WriteBatch()));
+  };
+  const auto notified = CommandReport::Outcome::kSucceeded;
+  const TurnResult sent = Ended(Run().notifications[0].id, notified);
+  ASSERT_EQ(sent.record.commands.size(), 1u);
+  EXPECT_THAT(pass(14), Contains(HasSubstr("F-1/A running>incident: it was not done within 14 s")));
+  WriteBatch retry;
+  RunRequest request;
+  request.kind = RunRequest::Kind::kRetryNode;
+  request.target = "F-1";
+  request.node = "A";
+  retry.run_requests.push_back(request);
+  const TurnResult again = Must(retry);
+  ASSERT_EQ(again.notifications.size(), 1u);
+  pass(10);
+  Ended(sent.record.commands[0].id, CommandReport::Outcome::kCancelled);
+  EXPECT_EQ(Ended(again.notifications[0].id, notified).record.commands.size(), 1u);
+  EXPECT_THAT(pass(13), IsEmpty());
+  EXPECT_THAT(pass(1), Contains(HasSubstr("F-1/A running>incident: it was not done within 14 s")));
+}
+
 TEST_F(RunNotifications, ANodeThatOpensTwiceInOneTurnNotifiesTwice) {
   Must(test::Tell({Fact("a", "is", "here"), Fact("b", "is", "here")}));
   Deploy(

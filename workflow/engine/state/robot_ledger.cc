@@ -87,6 +87,11 @@ size_t RobotLedger::EndingOf(const CommandOwner& owner) const {
   return count == ending_by_owner_.end() ? 0 : count->second;
 }
 
+bool RobotLedger::HasEndingOf(const RunId& run, size_t node) const {
+  const auto first = ending_by_owner_.lower_bound({run, node, 0});
+  return first != ending_by_owner_.end() && first->first.run == run && first->first.node == node;
+}
+
 std::optional<CommandId> RobotLedger::LastEndingOf(const RunId& run) const {
   std::optional<CommandId> last;
   for (const auto& [id, ending] : ending_) {

@@ -74,6 +74,8 @@ class RobotLedger {
   const std::set<CommandId>& EndingOn(const RobotId& robot) const;
   // How many commands of this invocation, and of runs nested in it, are ending.
   size_t EndingOf(const CommandOwner& owner) const;
+  // Whether commands of invocations of this node are ending, also of those that the node has no more.
+  bool HasEndingOf(const RunId& run, size_t node) const;
   // The last one that the run, or a run nested in it, sent; nullopt: none is ending.
   std::optional<CommandId> LastEndingOf(const RunId& run) const;
   // Facts of the run stay until this command, which is ending, has its final report.
