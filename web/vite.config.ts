@@ -12,7 +12,8 @@ const pages: Plugin = {
   name: "docent-pages",
   configureServer({ middlewares }) {
     middlewares.use((request, _, next) => {
-      if (/^\/visit(\?|$)/.test(request.url ?? "")) request.url = request.url?.replace("/visit", "/visit.html");
+      if (/^\/visit(\?|$)/.test(request.url ?? ""))
+        request.url = request.url?.replace("/visit", "/visit.html");
       next();
     });
   },
@@ -22,8 +23,19 @@ export default defineConfig({
   plugins: [react(), pages, visitWorker(), licences()],
   html: { cspNonce: "docent-csp-nonce" }, // the server puts another one into each answer
   build: {
-    target: "es2022", sourcemap: false, chunkSizeWarningLimit: 700, assetsInlineLimit: 0,
-    rollupOptions: { input: { index: resolve(import.meta.dirname, "index.html"), visit: resolve(import.meta.dirname, "visit.html") } },
+    target: "es2022",
+    sourcemap: false,
+    chunkSizeWarningLimit: 700,
+    assetsInlineLimit: 0,
+    rollupOptions: {
+      input: {
+        index: resolve(import.meta.dirname, "index.html"),
+        visit: resolve(import.meta.dirname, "visit.html"),
+      },
+    },
   },
-  server: { host: "127.0.0.1", proxy: { "/docent.v1.": server, "/live": { target: server, ws: true }, "/visit/": server } },
+  server: {
+    host: "127.0.0.1",
+    proxy: { "/docent.v1.": server, "/live": { target: server, ws: true }, "/visit/": server },
+  },
 });

@@ -10,7 +10,12 @@ export default tseslint.config(
     extends: [tseslint.configs.recommendedTypeChecked],
     plugins: { "react-hooks": reactHooks },
     linterOptions: { reportUnusedDisableDirectives: "error" },
-    languageOptions: { parserOptions: { project: ["tsconfig.json", "client/tsconfig.json"], tsconfigRootDir: `${import.meta.dirname}/..` } },
+    languageOptions: {
+      parserOptions: {
+        project: ["tsconfig.json", "client/tsconfig.json"],
+        tsconfigRootDir: `${import.meta.dirname}/..`,
+      },
+    },
     rules: {
       "react-hooks/rules-of-hooks": "error",
       "react-hooks/exhaustive-deps": "error",

@@ -14,7 +14,11 @@ export function visitWorker(): Plugin {
       const files = [...always, ...needed(bundle).map((name) => `/${name}`)];
       const script = readFileSync(join(import.meta.dirname, "visit_worker.js"), "utf8");
       const version = createHash("sha256").update(script).update(files.join()).digest("hex").slice(0, 12);
-      this.emitFile({ type: "asset", fileName: "visit_worker.js", source: `const version = ${JSON.stringify(version)};\nconst files = ${JSON.stringify(files)};\n${script}` });
+      this.emitFile({
+        type: "asset",
+        fileName: "visit_worker.js",
+        source: `const version = ${JSON.stringify(version)};\nconst files = ${JSON.stringify(files)};\n${script}`,
+      });
     },
   };
 }
@@ -26,11 +30,14 @@ function needed(bundle: Rolldown.OutputBundle): string[] {
     const chunk = bundle[name];
     if (found.has(name) || chunk?.type !== "chunk") return;
     found.add(name);
-    const { importedCss = [] } = (chunk as { viteMetadata?: { importedCss?: Iterable<string> } }).viteMetadata ?? {};
+    const { importedCss = [] } =
+      (chunk as { viteMetadata?: { importedCss?: Iterable<string> } }).viteMetadata ?? {};
     for (const style of importedCss) found.add(style);
     for (const next of [...chunk.imports, ...chunk.dynamicImports]) add(next);
   };
-  for (const chunk of Object.values(bundle)) if (chunk.type === "chunk" && chunk.isEntry && chunk.facadeModuleId?.endsWith("visit.html")) add(chunk.fileName);
+  for (const chunk of Object.values(bundle))
+    if (chunk.type === "chunk" && chunk.isEntry && chunk.facadeModuleId?.endsWith("visit.html"))
+      add(chunk.fileName);
   if (found.size === 0) throw new Error("the build has no page visit.html");
   const letters = Object.keys(bundle).filter((name) => /inter-latin-wght-normal/.test(name));
   return [...found, ...letters].sort();

@@ -11,4 +11,9 @@ startTheme();
 startRouter();
 startKeys();
 const place = document.getElementById("app");
-if (place) createRoot(place).render(<StrictMode><App /></StrictMode>);
+if (place)
+  createRoot(place).render(
+    <StrictMode>
+      <App />
+    </StrictMode>,
+  );

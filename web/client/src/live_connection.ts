@@ -40,7 +40,14 @@ export interface Socket {
 
 // opening: there is no connection yet, or it was lost a moment ago; none: the server can't be reached this way
 export type LiveState = "opening" | "open" | "none";
-export const liveTimes = { shortestMs: 250, longestMs: 2000, withoutMs: 30_000, silenceMs: 15_000, probeMs: 5000, connectMs: 8000 };
+export const liveTimes = {
+  shortestMs: 250,
+  longestMs: 2000,
+  withoutMs: 30_000,
+  silenceMs: 15_000,
+  probeMs: 5000,
+  connectMs: 8000,
+};
 const isOpen = 1;
 const probe = { id: 0, call: "docent.v1.Workflows/List" }; // a short answer, which says that the connection lives
 
@@ -158,6 +165,7 @@ export class LiveConnection {
     if (this.streams.delete(message.id)) stream.onEnd(failure);
   }
   private tell(id: number, stream: Followed) {
-    for (const message of stream.held.splice(0)) if (this.streams.get(id) === stream) stream.onMessage(message);
+    for (const message of stream.held.splice(0))
+      if (this.streams.get(id) === stream) stream.onMessage(message);
   }
 }

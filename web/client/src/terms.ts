@@ -1,6 +1,13 @@
 // RDF terms of the API and plain values.
 import { create } from "@bufbuild/protobuf";
-import { type NamedTerm, NamedTermSchema, type Quad, QuadSchema, type Term, TermSchema } from "./gen/docent/v1/term_pb.js";
+import {
+  type NamedTerm,
+  NamedTermSchema,
+  type Quad,
+  QuadSchema,
+  type Term,
+  TermSchema,
+} from "./gen/docent/v1/term_pb.js";
 
 export type Value = { kind: "iri" | "blank" | "literal"; text: string; datatype?: string; language?: string };
 
@@ -23,7 +30,8 @@ function lexicalTerm(lexical: string, datatype: string, language = ""): Term {
 function typed(value: boolean | number | bigint | Date): { lexical: string; datatype: string } {
   if (typeof value === "boolean") return { lexical: String(value), datatype: "boolean" };
   if (value instanceof Date) return { lexical: value.toISOString(), datatype: "dateTime" };
-  if (typeof value === "bigint" || Number.isSafeInteger(value)) return { lexical: String(value === 0 ? 0 : value), datatype: "integer" };
+  if (typeof value === "bigint" || Number.isSafeInteger(value))
+    return { lexical: String(value === 0 ? 0 : value), datatype: "integer" };
   // XSD 1.1, 3.3.5: infinities are INF and -INF
   return { lexical: String(value).replace("Infinity", "INF"), datatype: "double" };
 }
@@ -32,11 +40,16 @@ export function termOf(value: Term | Plain): Term {
   return typeof value === "object" && !(value instanceof Date) ? value : literal(value);
 }
 // A function for names of a namespace: namespace("https://w3id.org/docent/expo#")("B05").
-export const namespace = (prefix: string) => (name: string): Term => iri(prefix + name);
+export const namespace =
+  (prefix: string) =>
+  (name: string): Term =>
+    iri(prefix + name);
 export const docentTerm = namespace("https://w3id.org/docent#");
-export const fact = (subject: Term, predicate: Term, object: Term | Plain): Quad => create(QuadSchema, { subject, predicate, object: termOf(object) });
+export const fact = (subject: Term, predicate: Term, object: Term | Plain): Quad =>
+  create(QuadSchema, { subject, predicate, object: termOf(object) });
 // A value of a start: workflows.start({ workflow: "Tour", variables: [variable("stops", 3)] }).
-export const variable = (name: string, value: Term | Plain): NamedTerm => create(NamedTermSchema, { name, value: termOf(value) });
+export const variable = (name: string, value: Term | Plain): NamedTerm =>
+  create(NamedTermSchema, { name, value: termOf(value) });
 
 export function valueOf(term: Term | undefined): Value | undefined {
   switch (term?.kind.case) {

@@ -23,7 +23,10 @@ export class WatchedAnswer {
   private add(message: RowMessage | undefined, count: number) {
     const values = message?.values ?? [];
     const key = values.map(termKey).join(" ");
-    const known = this.rows.get(key) ?? { row: Object.fromEntries(this.variables.map((name, i) => [name, valueOf(values[i])])), count: 0 };
+    const known = this.rows.get(key) ?? {
+      row: Object.fromEntries(this.variables.map((name, i) => [name, valueOf(values[i])])),
+      count: 0,
+    };
     if (known.count + count === 0) this.rows.delete(key);
     else this.rows.set(key, { row: known.row, count: known.count + count });
   }

@@ -6,8 +6,17 @@ import { plain } from "./errors";
 import { type Polled, usePoll } from "./poll";
 
 // `atMs` null, or an empty key, asks nothing.
-export function useAsOf<T>(key: string, atMs: number | null, ask: (asOf: string, signal: AbortSignal) => Promise<T>): Polled<T> & { loading: boolean } {
-  const [state, setState] = useState<{ key: string; atMs: number | null; data?: T; error?: Polled<T>["error"] }>({ key: "", atMs: null });
+export function useAsOf<T>(
+  key: string,
+  atMs: number | null,
+  ask: (asOf: string, signal: AbortSignal) => Promise<T>,
+): Polled<T> & { loading: boolean } {
+  const [state, setState] = useState<{
+    key: string;
+    atMs: number | null;
+    data?: T;
+    error?: Polled<T>["error"];
+  }>({ key: "", atMs: null });
   const latest = useRef({ key, atMs, ask });
   latest.current = { key, atMs, ask };
   const running = useRef<AbortController | null>(null);
@@ -21,18 +30,32 @@ export function useAsOf<T>(key: string, atMs: number | null, ask: (asOf: string,
       if (!abort.signal.aborted) setState({ key: wanted.key, atMs: wanted.atMs, data });
     } catch (error) {
       const words = plain(error);
-      if (!abort.signal.aborted) setState((before) => ({ ...(before.key === wanted.key ? before : { key: wanted.key }), atMs: wanted.atMs, error: words }));
+      if (!abort.signal.aborted)
+        setState((before) => ({
+          ...(before.key === wanted.key ? before : { key: wanted.key }),
+          atMs: wanted.atMs,
+          error: words,
+        }));
     }
     if (running.current === abort) running.current = null;
-    if (!abort.signal.aborted && (latest.current.key !== wanted.key || latest.current.atMs !== wanted.atMs)) void turn.current();
+    if (!abort.signal.aborted && (latest.current.key !== wanted.key || latest.current.atMs !== wanted.atMs))
+      void turn.current();
   };
   useEffect(() => void turn.current(), [key, atMs]);
-  useEffect(() => () => {
-    running.current?.abort();
-    running.current = null;
-  }, []);
+  useEffect(
+    () => () => {
+      running.current?.abort();
+      running.current = null;
+    },
+    [],
+  );
   const mine = state.key === key && key !== "" && atMs !== null;
-  return { data: mine ? state.data : undefined, error: mine ? state.error : undefined, again: () => void turn.current(), loading: atMs !== null && state.atMs !== atMs };
+  return {
+    data: mine ? state.data : undefined,
+    error: mine ? state.error : undefined,
+    again: () => void turn.current(),
+    loading: atMs !== null && state.atMs !== atMs,
+  };
 }
 
 // What is shown while an answer for another time is on its way: the last one of the same key.
@@ -44,7 +67,11 @@ export function useKept<T>(key: string, polled: Polled<T>): Polled<T> {
 }
 
 // What is asked again and again of now, or once of the time that is shown.
-export function useShown<T>(key: string, ask: (asOf: string, signal: AbortSignal) => Promise<T>, everyMs: number): Polled<T> {
+export function useShown<T>(
+  key: string,
+  ask: (asOf: string, signal: AbortSignal) => Promise<T>,
+  everyMs: number,
+): Polled<T> {
   const at = usePast();
   const now = usePoll(at === null ? key : "", (signal) => ask("", signal), everyMs);
   const then = useAsOf(key, at, ask);

@@ -33,6 +33,9 @@ export const workflows = createClient(Workflows, transport);
 export const fleet = createClient(Fleet, transport);
 export const services = createClient(RobotServices, transport);
 export const context = createClient(Context, transport);
-export const replays = createClient(Replays, createConnectTransport({ baseUrl, interceptors: [watch], defaultTimeoutMs: 120_000 })); // a past state is made again from the log
+export const replays = createClient(
+  Replays,
+  createConnectTransport({ baseUrl, interceptors: [watch], defaultTimeoutMs: 120_000 }),
+); // a past state is made again from the log
 export const ontologies = createClient(Ontologies, transport);
 export const workflowStreams = createClient(Workflows, streamTransport);

@@ -4,10 +4,14 @@ import { usePoll } from "./poll";
 import { query } from "./sparql";
 
 export function useServerClock() {
-  usePoll("clock", async (signal) => {
-    const { rows } = await query("SELECT (NOW() AS ?now) {}", signal);
-    const now = Date.parse(rows[0]?.["now"]?.text ?? "");
-    if (Number.isFinite(now)) serverIsAhead(now - Date.now());
-    return now;
-  }, 5000);
+  usePoll(
+    "clock",
+    async (signal) => {
+      const { rows } = await query("SELECT (NOW() AS ?now) {}", signal);
+      const now = Date.parse(rows[0]?.["now"]?.text ?? "");
+      if (Number.isFinite(now)) serverIsAhead(now - Date.now());
+      return now;
+    },
+    5000,
+  );
 }

@@ -17,5 +17,8 @@ export const serverAnswered = () => become("there");
 export const serverSilent = () => become("away");
 
 export function useConnection(): Connection {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => connection);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
+    () => connection,
+  );
 }

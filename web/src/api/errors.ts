@@ -11,7 +11,9 @@ const awayWords = "It is off, or the network is. This page goes on by itself whe
 
 // "has 300 bytes; the limit name_bytes is 256" is "has 300 bytes; at most 256 are allowed".
 export function limitWords(text: string): string {
-  return text.replace(/; the limit (?:of an answer )?\w+_\w+ is ([\d,]+)/g, "; at most $1 are allowed").replace(/\bthe limit \w+_\w+ = ([\d,]+)/g, "the limit of $1");
+  return text
+    .replace(/; the limit (?:of an answer )?\w+_\w+ is ([\d,]+)/g, "; at most $1 are allowed")
+    .replace(/\bthe limit \w+_\w+ = ([\d,]+)/g, "the limit of $1");
 }
 
 export function plain(error: unknown): PlainError {
@@ -21,9 +23,17 @@ export function plain(error: unknown): PlainError {
     case Code.Canceled:
       return { kind: "cancelled", title: "Cancelled", detail: "" };
     case Code.Unavailable:
-      return { kind: "away", title: "The server does not answer", detail: `${awayWords} ${words.startsWith("HTTP") ? "" : words}`.trim() };
+      return {
+        kind: "away",
+        title: "The server does not answer",
+        detail: `${awayWords} ${words.startsWith("HTTP") ? "" : words}`.trim(),
+      };
     case Code.Unimplemented:
-      return { kind: "unable", title: "This server can't do that yet", detail: "It is older than the app, or was built without this part." };
+      return {
+        kind: "unable",
+        title: "This server can't do that yet",
+        detail: "It is older than the app, or was built without this part.",
+      };
     case Code.NotFound:
       return { kind: "missing", title: "It is not there", detail: words };
     case Code.InvalidArgument:
@@ -38,9 +48,14 @@ export function plain(error: unknown): PlainError {
     case Code.ResourceExhausted:
       return { kind: "refused", title: "A limit is reached", detail: words };
     case Code.DeadlineExceeded:
-      return { kind: "failed", title: "It takes too long", detail: "The server did not answer in time. Try again." };
+      return {
+        kind: "failed",
+        title: "It takes too long",
+        detail: "The server did not answer in time. Try again.",
+      };
     default:
-      if (e.cause instanceof TypeError || /fetch|network/i.test(words)) return { kind: "away", title: "The server does not answer", detail: awayWords };
+      if (e.cause instanceof TypeError || /fetch|network/i.test(words))
+        return { kind: "away", title: "The server does not answer", detail: awayWords };
       return { kind: "failed", title: "Something went wrong", detail: words };
   }
 }

@@ -3,7 +3,9 @@ const iriOrText = /"(?:[^"\\]|\\.)*"|<([A-Za-z][\w+.-]*:[^\s<>"{}|^`\\]*)>/g;
 
 // The text with another word for each IRI in it; an empty word leaves the IRI as it is.
 export function replaceIris(text: string, word: (iri: string) => string): string {
-  return text.replace(iriOrText, (whole, iri: string | undefined) => (iri === undefined ? whole : word(iri) || whole));
+  return text.replace(iriOrText, (whole, iri: string | undefined) =>
+    iri === undefined ? whole : word(iri) || whole,
+  );
 }
 
 // Triples or patterns that end with " ." each; a text in one of them may have such an end, too.

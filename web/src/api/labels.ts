@@ -6,7 +6,14 @@ import { localName, query, type Value } from "./sparql";
 // A thing's name in a language, else in none, else in English, else any: patterns of a query that groups by the thing, and the
 // expression that chooses. A thing may have its name in several languages.
 export const namePatterns = (thing: string, language = "en") =>
-  [`LANGMATCHES(LANG(?name1), "${language.replace(/[^\w-]/g, "")}")`, 'LANG(?name2) = ""', 'LANGMATCHES(LANG(?name3), "en")', "true"].map((filter, i) => `OPTIONAL { ${thing} schema:name|rdfs:label ?name${i + 1} FILTER(${filter}) }`).join(" ");
+  [
+    `LANGMATCHES(LANG(?name1), "${language.replace(/[^\w-]/g, "")}")`,
+    'LANG(?name2) = ""',
+    'LANGMATCHES(LANG(?name3), "en")',
+    "true",
+  ]
+    .map((filter, i) => `OPTIONAL { ${thing} schema:name|rdfs:label ?name${i + 1} FILTER(${filter}) }`)
+    .join(" ");
 export const nameChosen = "COALESCE(SAMPLE(?name1), SAMPLE(?name2), SAMPLE(?name3), SAMPLE(?name4))";
 
 const labelsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
@@ -16,28 +23,47 @@ const listeners = new Set<() => void>();
 
 // To be called once, by the frame of the app.
 export function usePollLabels() {
-  const polled = usePoll("labels", async (signal) => new Map((await query(labelsQuery, signal)).rows.flatMap((row): [string, string][] => (row["t"] && row["label"] ? [[row["t"].text, row["label"].text]] : []))), 10_000);
+  const polled = usePoll(
+    "labels",
+    async (signal) =>
+      new Map(
+        (await query(labelsQuery, signal)).rows.flatMap((row): [string, string][] =>
+          row["t"] && row["label"] ? [[row["t"].text, row["label"].text]] : [],
+        ),
+      ),
+    10_000,
+  );
   useEffect(() => {
     const next = polled.data;
-    if (!next || (next.size === labels.size && [...next].every(([iri, label]) => labels.get(iri) === label))) return;
+    if (!next || (next.size === labels.size && [...next].every(([iri, label]) => labels.get(iri) === label)))
+      return;
     labels = next;
     for (const listener of listeners) listener();
   }, [polled.data]);
 }
 // The labels, to draw again when they change.
 export function useLabels(): ReadonlyMap<string, string> {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => void listeners.delete(listener)), () => labels);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => void listeners.delete(listener)),
+    () => labels,
+  );
 }
 
 const longest = 24;
 // "urn:uuid:162c0914-5b1e-…" as "162c0914…".
 export function shortName(name: string): string {
-  return name.length > longest ? `${/[0-9a-f]{8}(?=-[0-9a-f]{4}-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…` : name;
+  return name.length > longest
+    ? `${/[0-9a-f]{8}(?=-[0-9a-f]{4}-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…`
+    : name;
 }
 export function nameOf(iri: string): string {
   return labels.get(iri) || shortName(localName(iri));
 }
 export function valueWords(value: Value | undefined): string {
   if (!value) return "";
-  return value.kind === "iri" ? nameOf(value.text) : value.kind === "literal" ? value.text : `_:${value.text}`;
+  return value.kind === "iri"
+    ? nameOf(value.text)
+    : value.kind === "literal"
+      ? value.text
+      : `_:${value.text}`;
 }

@@ -8,7 +8,10 @@ import { LiveConnection, type Failure, type LiveState, type Socket } from "../..
 import { type Polled, usePoll } from "./poll";
 import { ConnectError } from "@connectrpc/connect";
 
-export const live = new LiveConnection(() => new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`) as Socket, serverAnswered);
+export const live = new LiveConnection(
+  () => new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`) as Socket,
+  serverAnswered,
+);
 if (typeof window !== "undefined") window.addEventListener("online", () => live.hurry());
 
 function useLiveState(): LiveState {
@@ -23,26 +26,45 @@ function useLiveState(): LiveState {
 const unseenMs = 2000; // a hidden tab gets updates less often
 
 function useSeen(): boolean {
-  return useSyncExternalStore((changed) => {
-    document.addEventListener("visibilitychange", changed);
-    return () => document.removeEventListener("visibilitychange", changed);
-  }, () => document.visibilityState !== "hidden");
+  return useSyncExternalStore(
+    (changed) => {
+      document.addEventListener("visibilitychange", changed);
+      return () => document.removeEventListener("visibilitychange", changed);
+    },
+    () => document.visibilityState !== "hidden",
+  );
 }
 
 // A read that is followed: by /live where the server has it, else by polling. An empty key follows nothing.
-export function useFollow<D extends DescMessage>(key: string, what: { call: string; request: JsonValue; reply: D; poll: (signal: AbortSignal) => Promise<MessageShape<D>>; everyMs: number }): Polled<MessageShape<D>> {
+export function useFollow<D extends DescMessage>(
+  key: string,
+  what: {
+    call: string;
+    request: JsonValue;
+    reply: D;
+    poll: (signal: AbortSignal) => Promise<MessageShape<D>>;
+    everyMs: number;
+  },
+): Polled<MessageShape<D>> {
   const state = useLiveState();
   const latest = useRef(what);
   latest.current = what;
   const seen = useSeen();
-  const [followed, setFollowed] = useState<{ key: string; data?: MessageShape<D>; error?: PlainError }>({ key });
+  const [followed, setFollowed] = useState<{ key: string; data?: MessageShape<D>; error?: PlainError }>({
+    key,
+  });
   useEffect(() => {
     if (key === "" || state === "none") return;
     const { call, request, reply, everyMs } = latest.current;
     return live.follow({
-      call, request, everyMs: seen ? everyMs : Math.max(everyMs, unseenMs),
-      onMessage: (message) => setFollowed({ key, data: fromJson(reply, message, { ignoreUnknownFields: true }) }),
-      onEnd: (error) => error && setFollowed((before) => ({ ...(before.key === key ? before : { key }), error: plainOf(error) })),
+      call,
+      request,
+      everyMs: seen ? everyMs : Math.max(everyMs, unseenMs),
+      onMessage: (message) =>
+        setFollowed({ key, data: fromJson(reply, message, { ignoreUnknownFields: true }) }),
+      onEnd: (error) =>
+        error &&
+        setFollowed((before) => ({ ...(before.key === key ? before : { key }), error: plainOf(error) })),
     });
   }, [key, state === "none", seen]);
   const mine = followed.key === key ? followed : undefined;
@@ -52,6 +74,14 @@ export function useFollow<D extends DescMessage>(key: string, what: { call: stri
 }
 
 function plainOf(error: Failure): PlainError {
-  const code = { not_found: 5, unimplemented: 12, invalid_argument: 3, failed_precondition: 9, out_of_range: 11, resource_exhausted: 8 }[error.code ?? ""] ?? 2;
+  const code =
+    {
+      not_found: 5,
+      unimplemented: 12,
+      invalid_argument: 3,
+      failed_precondition: 9,
+      out_of_range: 11,
+      resource_exhausted: 8,
+    }[error.code ?? ""] ?? 2;
   return plain(new ConnectError(error.message ?? "", code));
 }

@@ -53,5 +53,8 @@ export const serverNow = () => Date.now() + aheadMs;
 export const shownNow = () => shownMs ?? serverNow();
 
 export function usePast(): number | null {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => shownMs);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
+    () => shownMs,
+  );
 }

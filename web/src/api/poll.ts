@@ -9,7 +9,11 @@ export interface Polled<T> {
 }
 
 // `ask` is asked every `everyMs` after its last answer, and at once when `key` changes. An empty key asks nothing.
-export function usePoll<T>(key: string, ask: (signal: AbortSignal) => Promise<T>, everyMs: number): Polled<T> {
+export function usePoll<T>(
+  key: string,
+  ask: (signal: AbortSignal) => Promise<T>,
+  everyMs: number,
+): Polled<T> {
   const [state, setState] = useState<{ key: string; data?: T; error?: PlainError }>({ key });
   const latest = useRef(ask);
   latest.current = ask;
@@ -33,10 +37,12 @@ export function usePoll<T>(key: string, ask: (signal: AbortSignal) => Promise<T>
         if (!abort.signal.aborted) setState({ key, data });
       } catch (error) {
         const words = plain(error);
-        if (!abort.signal.aborted) setState((before) => ({ ...(before.key === key ? before : { key }), error: words }));
+        if (!abort.signal.aborted)
+          setState((before) => ({ ...(before.key === key ? before : { key }), error: words }));
       }
       running = false;
-      if (!abort.signal.aborted) timer = window.setTimeout(turn, wanted ? 0 : document.hidden ? Math.max(everyMs, 5000) : everyMs);
+      if (!abort.signal.aborted)
+        timer = window.setTimeout(turn, wanted ? 0 : document.hidden ? Math.max(everyMs, 5000) : everyMs);
     };
     kick.current = () => void turn();
     const seen = () => !document.hidden && void turn();
@@ -49,5 +55,9 @@ export function usePoll<T>(key: string, ask: (signal: AbortSignal) => Promise<T>
     };
   }, [key, everyMs]);
   const mine = state.key === key;
-  return { data: mine ? state.data : undefined, error: mine ? state.error : undefined, again: () => kick.current() };
+  return {
+    data: mine ? state.data : undefined,
+    error: mine ? state.error : undefined,
+    again: () => kick.current(),
+  };
 }

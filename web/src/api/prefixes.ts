@@ -23,7 +23,9 @@ export function useNames(): Names {
     for (const p of polled.data?.prefixes ?? []) prefixes.set(p.name, p.namespace);
     const short = (iri: string) => shorten(iri, prefixes);
     return {
-      prefixes, short, name: nameOf,
+      prefixes,
+      short,
+      name: nameOf,
       long: (text: string) => {
         const at = text.indexOf(":");
         const namespace = prefixes.get(text.slice(0, at));
@@ -35,7 +37,10 @@ export function useNames(): Names {
 
 // N-Triples as rows of short words.
 export function readTriples(text: string, short: (iri: string) => string): string[][] {
-  const word = (written: string) => replaceIris(written, short).replace(/\^\^xsd:(string|boolean|integer|decimal|double)$/, "").replace(/^"(true|false|[-+]?[\d.]+)"$/, "$1");
+  const word = (written: string) =>
+    replaceIris(written, short)
+      .replace(/\^\^xsd:(string|boolean|integer|decimal|double)$/, "")
+      .replace(/^"(true|false|[-+]?[\d.]+)"$/, "$1");
   return text.split("\n").flatMap((line) => {
     const match = /^(\S+)\s+(\S+)\s+(.+?)\s*\.?\s*$/.exec(line.trim());
     return match ? [[word(match[1] ?? ""), word(match[2] ?? ""), word(match[3] ?? "")]] : [];

@@ -18,7 +18,12 @@ export function valueOf(term: Term | undefined): Value | undefined {
     case "blank":
       return { kind: "blank", text: term.kind.value };
     case "literal":
-      return { kind: "literal", text: term.kind.value.lexical, datatype: term.kind.value.datatype, language: term.kind.value.language };
+      return {
+        kind: "literal",
+        text: term.kind.value.lexical,
+        datatype: term.kind.value.datatype,
+        language: term.kind.value.language,
+      };
     default:
       return undefined;
   }
@@ -27,9 +32,20 @@ export function valueOf(term: Term | undefined): Value | undefined {
 // `asOf`: of the graph as it was at this time or revision; empty: as it is now.
 export async function query(text: string, signal?: AbortSignal, asOf = ""): Promise<Answer> {
   const answer: Answer = { variables: [], rows: [], boolean: false, revision: 0n };
-  for await (const { part } of context.query({ query: text, timeoutMs: 8000, asOf }, signal ? { signal } : {})) {
-    if (part.case === "header") Object.assign(answer, { variables: part.value.variables, boolean: part.value.boolean, revision: part.value.revision });
-    else if (part.case === "row") answer.rows.push(Object.fromEntries(answer.variables.map((name, i) => [name, valueOf(part.value.values[i])])));
+  for await (const { part } of context.query(
+    { query: text, timeoutMs: 8000, asOf },
+    signal ? { signal } : {},
+  )) {
+    if (part.case === "header")
+      Object.assign(answer, {
+        variables: part.value.variables,
+        boolean: part.value.boolean,
+        revision: part.value.revision,
+      });
+    else if (part.case === "row")
+      answer.rows.push(
+        Object.fromEntries(answer.variables.map((name, i) => [name, valueOf(part.value.values[i])])),
+      );
   }
   return answer;
 }
@@ -39,7 +55,11 @@ export function shorten(iri: string, prefixes: Iterable<readonly [string, string
   let best = "";
   let length = 0;
   for (const [prefix, namespace] of prefixes)
-    if (namespace.length > length && iri.startsWith(namespace) && /^[\p{L}\p{N}_-]+$/u.test(iri.slice(namespace.length))) {
+    if (
+      namespace.length > length &&
+      iri.startsWith(namespace) &&
+      /^[\p{L}\p{N}_-]+$/u.test(iri.slice(namespace.length))
+    ) {
       best = `${prefix}:${iri.slice(namespace.length)}`;
       length = namespace.length;
     }

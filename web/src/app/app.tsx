@@ -1,5 +1,18 @@
 // The frame around all views: where to go, what can be done (Ctrl-K), the keys (?), and whether the server is there.
-import { Command as CommandIcon, ConciergeBell, Keyboard, Link as LinkIcon, ListChecks, Map as MapIcon, Megaphone, Moon, Sun, Timer, Unplug, Workflow } from "lucide-react";
+import {
+  Command as CommandIcon,
+  ConciergeBell,
+  Keyboard,
+  Link as LinkIcon,
+  ListChecks,
+  Map as MapIcon,
+  Megaphone,
+  Moon,
+  Sun,
+  Timer,
+  Unplug,
+  Workflow,
+} from "lucide-react";
 import { lazy, Suspense, useState } from "react";
 import { useServerClock } from "../api/clock";
 import { useConnection } from "../api/connection";
@@ -30,7 +43,9 @@ const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
 const Desk = lazy(() => import("../desk/desk"));
 const TellDialog = lazy(() => import("../operate/tell").then((m) => ({ default: m.TellDialog })));
-const WaitingCount = lazy(() => import("../operate/waiting_count").then((m) => ({ default: m.WaitingCount })));
+const WaitingCount = lazy(() =>
+  import("../operate/waiting_count").then((m) => ({ default: m.WaitingCount })),
+);
 const TimeBar = lazy(() => import("../operate/time_bar"));
 
 const places = [
@@ -52,29 +67,92 @@ export function App() {
   const names = useNames();
   const [open, setOpen] = useState<"commands" | "keys" | "tell" | null>(null);
   useCommands([
-    ...places.map((place) => ({ title: `Go to ${place.title}`, group: "Go to", icon: place.icon, keys: `G ${place.title[0]}`, run: () => navigate(place.path()) })),
-    { title: "Tell a fact…", words: "visitor person robot is at place knowledge say assert", group: "Everywhere", icon: Megaphone, run: () => setOpen("tell") },
-    { title: "All commands", group: "Everywhere", keys: "Mod+K", inFields: true, hidden: true, run: () => setOpen("commands") },
+    ...places.map((place) => ({
+      title: `Go to ${place.title}`,
+      group: "Go to",
+      icon: place.icon,
+      keys: `G ${place.title[0]}`,
+      run: () => navigate(place.path()),
+    })),
+    {
+      title: "Tell a fact…",
+      words: "visitor person robot is at place knowledge say assert",
+      group: "Everywhere",
+      icon: Megaphone,
+      run: () => setOpen("tell"),
+    },
+    {
+      title: "All commands",
+      group: "Everywhere",
+      keys: "Mod+K",
+      inFields: true,
+      hidden: true,
+      run: () => setOpen("commands"),
+    },
     { title: "Show the keys", group: "Everywhere", icon: Keyboard, keys: "?", run: () => setOpen("keys") },
-    { title: themeShown() === "dark" ? "Light colours" : "Dark colours", words: "theme mode", group: "Everywhere", icon: theme === "dark" ? Sun : Moon, run: toggleTheme },
-    { title: "Copy the link to this view", words: "url share address", group: "Everywhere", icon: LinkIcon, run: copyLink },
+    {
+      title: themeShown() === "dark" ? "Light colours" : "Dark colours",
+      words: "theme mode",
+      group: "Everywhere",
+      icon: theme === "dark" ? Sun : Moon,
+      run: toggleTheme,
+    },
+    {
+      title: "Copy the link to this view",
+      words: "url share address",
+      group: "Everywhere",
+      icon: LinkIcon,
+      run: copyLink,
+    },
   ]);
   return (
     <div className="shell">
-      <a className="skip" href="#view" onClick={(e) => (e.preventDefault(), document.getElementById("view")?.focus())}>Skip the menu</a>
+      <a
+        className="skip"
+        href="#view"
+        onClick={(e) => (e.preventDefault(), document.getElementById("view")?.focus())}
+      >
+        Skip the menu
+      </a>
       <nav className="rail" aria-label="Views">
-        <Link className="rail-mark" href={paths.documents()} aria-label="Docent, all workflows"><img src="/icon.svg" alt="" /></Link>
+        <Link className="rail-mark" href={paths.documents()} aria-label="Docent, all workflows">
+          <img src="/icon.svg" alt="" />
+        </Link>
         {places.map((place) => (
-          <Link key={place.title} href={place.path()} aria-current={place.views.includes(route.view) ? "page" : undefined}>
+          <Link
+            key={place.title}
+            href={place.path()}
+            aria-current={place.views.includes(route.view) ? "page" : undefined}
+          >
             <place.icon size={18} strokeWidth={1.8} />
             {place.title}
-            {place.title === "Waiting" && <Suspense><WaitingCount /></Suspense>}
+            {place.title === "Waiting" && (
+              <Suspense>
+                <WaitingCount />
+              </Suspense>
+            )}
           </Link>
         ))}
         <span className="rail-space" />
-        <button className="rail-small" onClick={() => setOpen("commands")} aria-label="All commands" title="All commands (Ctrl-K)"><CommandIcon size={16} /></button>
-        <button className="rail-small" onClick={() => setOpen("keys")} aria-label="Keys" title="Keys (?)"><Keyboard size={17} /></button>
-        <button className="rail-small" onClick={toggleTheme} aria-label={theme === "dark" ? "Light colours" : "Dark colours"} title="Light or dark">{theme === "dark" ? <Sun size={16} /> : <Moon size={16} />}</button>
+        <button
+          className="rail-small"
+          onClick={() => setOpen("commands")}
+          aria-label="All commands"
+          title="All commands (Ctrl-K)"
+        >
+          <CommandIcon size={16} />
+        </button>
+        <button className="rail-small" onClick={() => setOpen("keys")} aria-label="Keys" title="Keys (?)">
+          <Keyboard size={17} />
+        </button>
+        <button
+          className="rail-small"
+          onClick={toggleTheme}
+          aria-label={theme === "dark" ? "Light colours" : "Dark colours"}
+          title="Light or dark"
+        >
+          {theme === "dark" ? <Sun size={16} /> : <Moon size={16} />}
+        </button>
       </nav>
       <div className="page" id="view" tabIndex={-1}>
         <Stale />
@@ -83,10 +161,24 @@ export function App() {
             <View route={route} />
           </Suspense>
         </Guard>
-        {timed.includes(route.view) && <Suspense><TimeBar run={route.view === "run" ? route.run : ""} /></Suspense>}
+        {timed.includes(route.view) && (
+          <Suspense>
+            <TimeBar run={route.view === "run" ? route.run : ""} />
+          </Suspense>
+        )}
       </div>
       {open === "commands" && <CommandPalette onClose={() => setOpen(null)} />}
-      {open === "tell" && <Suspense><TellDialog title="Tell a fact" quads={[isAtFact]} patterns={[]} names={names} onClose={() => setOpen(null)} /></Suspense>}
+      {open === "tell" && (
+        <Suspense>
+          <TellDialog
+            title="Tell a fact"
+            quads={[isAtFact]}
+            patterns={[]}
+            names={names}
+            onClose={() => setOpen(null)}
+          />
+        </Suspense>
+      )}
       {open === "keys" && <KeysDialog onClose={() => setOpen(null)} />}
       <Toasts />
     </div>
@@ -94,7 +186,11 @@ export function App() {
 }
 
 function routeKey(route: Route): string {
-  return route.view === "compose" ? `compose ${route.name}` : route.view === "run" ? `run ${route.run}` : route.view;
+  return route.view === "compose"
+    ? `compose ${route.name}`
+    : route.view === "run"
+      ? `run ${route.run}`
+      : route.view;
 }
 
 function View({ route }: { route: Route }) {
@@ -102,7 +198,9 @@ function View({ route }: { route: Route }) {
     case "documents":
       return <Documents />;
     case "compose":
-      return <Compose name={route.name} flow={route.flow} step={route.step} via={route.via} trial={route.trial} />;
+      return (
+        <Compose name={route.name} flow={route.flow} step={route.step} via={route.via} trial={route.trial} />
+      );
     case "runs":
       return <Runs state={route.state} workflow={route.workflow} />;
     case "run":
@@ -117,7 +215,10 @@ function View({ route }: { route: Route }) {
       return (
         <main className="view nothing">
           <h1>There is no view at {route.path}</h1>
-          <p>The address may be mistyped, or from another version. <Link href={paths.documents()}>Go to the workflows</Link>.</p>
+          <p>
+            The address may be mistyped, or from another version.{" "}
+            <Link href={paths.documents()}>Go to the workflows</Link>.
+          </p>
         </main>
       );
   }
@@ -131,7 +232,10 @@ function Stale() {
   return (
     <div className="stale" role="status">
       <Unplug size={14} />
-      <span>The server has not answered since <Time us={BigInt(connection.since) * 1000n} />. What you see may be old; what you write is kept here.</span>
+      <span>
+        The server has not answered since <Time us={BigInt(connection.since) * 1000n} />. What you see may be
+        old; what you write is kept here.
+      </span>
     </div>
   );
 }

@@ -40,12 +40,19 @@ export function allCommands(): Command[] {
   return [...sources].reverse().flatMap((source) => [...source.current]);
 }
 export function useCommandsVersion(): number {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => version);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
+    () => version,
+  );
 }
 
 export const isMac = /Mac|iPhone|iPad/.test(navigator.platform);
 export function keyLabels(keys: string): string[] {
-  return (keys.split("|")[0] ?? "").split(/\+(?=.)| /).map((key) => (key === "Mod" ? (isMac ? "⌘" : "Ctrl") : key === "Shift" ? "⇧" : key === "Delete" ? "Del" : key));
+  return (keys.split("|")[0] ?? "")
+    .split(/\+(?=.)| /)
+    .map((key) =>
+      key === "Mod" ? (isMac ? "⌘" : "Ctrl") : key === "Shift" ? "⇧" : key === "Delete" ? "Del" : key,
+    );
 }
 
 function matches(keys: string, event: KeyboardEvent): boolean {
@@ -53,19 +60,26 @@ function matches(keys: string, event: KeyboardEvent): boolean {
   const key = parts.at(-1) ?? "";
   const mod = parts.includes("Mod");
   if (mod !== (isMac ? event.metaKey : event.ctrlKey) || event.altKey) return false;
-  if (/^[a-z]$/i.test(key)) return event.key.toLowerCase() === key.toLowerCase() && event.shiftKey === parts.includes("Shift");
+  if (/^[a-z]$/i.test(key))
+    return event.key.toLowerCase() === key.toLowerCase() && event.shiftKey === parts.includes("Shift");
   return event.key === key && (key.length === 1 || event.shiftKey === parts.includes("Shift"));
 }
 
 function isField(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName));
+  return (
+    target instanceof HTMLElement &&
+    (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName))
+  );
 }
 
 // The focus is on the canvas or nowhere, and no text is selected that the key would be meant for.
 function isForCanvas(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement || target instanceof SVGElement)) return true;
   if (target.closest(".canvas")) return true;
-  return (target === document.body || target === document.documentElement) && (document.getSelection()?.isCollapsed ?? true);
+  return (
+    (target === document.body || target === document.documentElement) &&
+    (document.getSelection()?.isCollapsed ?? true)
+  );
 }
 
 // The first key of a sequence, as long as the second may follow.
@@ -85,9 +99,15 @@ export function startKeys() {
     if (pending && Date.now() > pending.until) pending = null;
     const field = isField(event.target);
     const inDialog = event.target instanceof HTMLElement && event.target.closest("dialog") !== null;
-    const commands = allCommands().filter((c) => c.keys && (c.inFields || (!field && !inDialog)) && (!c.onCanvas || isForCanvas(event.target)));
+    const commands = allCommands().filter(
+      (c) => c.keys && (c.inFields || (!field && !inDialog)) && (!c.onCanvas || isForCanvas(event.target)),
+    );
     const command = commands.find((c) => c.keys && hit(c.keys, event));
-    const begins = !field && !inDialog && !pending && commands.some((c) => c.keys?.includes(" ") && matches(c.keys.split(" ")[0] ?? "", event));
+    const begins =
+      !field &&
+      !inDialog &&
+      !pending &&
+      commands.some((c) => c.keys?.includes(" ") && matches(c.keys.split(" ")[0] ?? "", event));
     pending = !command && begins ? { event, until: Date.now() + 1200 } : null;
     if (!command) return;
     event.preventDefault();

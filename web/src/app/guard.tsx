@@ -12,7 +12,12 @@ export class Guard extends Component<{ children: ReactNode }, { error: Error | n
       <main className="view nothing">
         <h1>This view has stopped</h1>
         <p>{this.state.error.message}</p>
-        <p>Your text is kept. <button className="button" onClick={() => this.setState({ error: null })}>Open the view again</button></p>
+        <p>
+          Your text is kept.{" "}
+          <button className="button" onClick={() => this.setState({ error: null })}>
+            Open the view again
+          </button>
+        </p>
       </main>
     );
   }

@@ -8,7 +8,8 @@ export function Link(props: AnchorHTMLAttributes<HTMLAnchorElement> & { href: st
       {...props}
       onClick={(event) => {
         props.onClick?.(event);
-        if (event.defaultPrevented || event.metaKey || event.ctrlKey || event.shiftKey || event.button !== 0) return;
+        if (event.defaultPrevented || event.metaKey || event.ctrlKey || event.shiftKey || event.button !== 0)
+          return;
         event.preventDefault();
         navigate(props.href);
       }}

@@ -18,8 +18,19 @@ export function parseRoute(url: URL): Route {
   const [first = "", second = ""] = url.pathname.split("/").filter(Boolean).map(decode);
   const get = (name: string) => url.searchParams.get(name) ?? "";
   if (first === "" || (first === "compose" && second === "")) return { view: "documents" };
-  if (first === "compose") return { view: "compose", name: second, flow: get("flow"), step: get("step"), via: get("via"), trial: get("trial") };
-  if (first === "runs") return second ? { view: "run", run: runOfAddress(second), node: get("node") } : { view: "runs", state: get("state"), workflow: get("workflow") };
+  if (first === "compose")
+    return {
+      view: "compose",
+      name: second,
+      flow: get("flow"),
+      step: get("step"),
+      via: get("via"),
+      trial: get("trial"),
+    };
+  if (first === "runs")
+    return second
+      ? { view: "run", run: runOfAddress(second), node: get("node") }
+      : { view: "runs", state: get("state"), workflow: get("workflow") };
   if (first === "hall") return { view: "hall", picked: get("at") };
   if (first === "board") return { view: "board" };
   if (first === "desk") return { view: "desk", search: url.search };
@@ -36,15 +47,23 @@ function decode(part: string): string {
 
 // An id of a run has its workflow's name percent-encoded ("John's%20Service-2"); in addresses it is encoded once, as all else is.
 function runOfAddress(text: string): string {
-  return /%[0-9A-F]{2}/.test(text) ? text : text.replace(/[%/?#$@<>"{}|\\^`\u0000-\u0020\u007f]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase().padStart(2, "0")}`);
+  return /%[0-9A-F]{2}/.test(text)
+    ? text
+    : text.replace(
+        /[%/?#$@<>"{}|\\^`\u0000-\u0020\u007f]/g,
+        (c) => `%${c.charCodeAt(0).toString(16).toUpperCase().padStart(2, "0")}`,
+      );
 }
 
 export const paths = {
   documents: () => "/compose",
-  compose: (name: string, flow = "", step = "", via = "") => `/compose/${encodeURIComponent(name)}${query({ flow, step, via })}`,
-  trial: (name: string, flow: string, trial: string) => `/compose/${encodeURIComponent(name)}${query({ flow, trial })}`, // tries a past run
+  compose: (name: string, flow = "", step = "", via = "") =>
+    `/compose/${encodeURIComponent(name)}${query({ flow, step, via })}`,
+  trial: (name: string, flow: string, trial: string) =>
+    `/compose/${encodeURIComponent(name)}${query({ flow, trial })}`, // tries a past run
   runs: (state = "", workflow = "") => `/runs${query({ state, workflow, t: timeInAddress() })}`,
-  run: (id: string, node = "") => `/runs/${encodeURIComponent(decode(id))}${query({ node, t: timeInAddress() })}`,
+  run: (id: string, node = "") =>
+    `/runs/${encodeURIComponent(decode(id))}${query({ node, t: timeInAddress() })}`,
   hall: (at = "") => `/hall${query({ at, t: timeInAddress() })}`,
   board: () => `/board${query({ t: timeInAddress() })}`,
   desk: (search = "") => `/desk${search}`,
@@ -73,7 +92,8 @@ export function startRouter() {
     changed();
   });
   // Before anything keeps what is written: a reload, or another site.
-  for (const event of ["beforeunload", "pagehide"]) window.addEventListener(event, leaveField, { capture: true });
+  for (const event of ["beforeunload", "pagehide"])
+    window.addEventListener(event, leaveField, { capture: true });
   followAddress();
 }
 

@@ -32,5 +32,8 @@ export function startTheme() {
   apply();
 }
 export function useTheme(): "light" | "dark" {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), themeShown);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
+    themeShown,
+  );
 }

@@ -2,7 +2,11 @@
 import type { Condition, Constraint, Context, Rule, Time } from "./document";
 import { joined, type Logic, readExpression, type Sense, senses, withLeaves } from "./expression";
 
-export type ConditionPart = { kind: "row"; row: Constraint } | { kind: "event"; operation: string } | { kind: "time"; time: Time } | { kind: "unknown"; name: string };
+export type ConditionPart =
+  | { kind: "row"; row: Constraint }
+  | { kind: "event"; operation: string }
+  | { kind: "time"; time: Time }
+  | { kind: "unknown"; name: string };
 export type ConditionLogic = Logic<ConditionPart>;
 
 type Named = readonly [name: string, logic: ConditionLogic];
@@ -12,7 +16,11 @@ const leaf = (part: ConditionPart): ConditionLogic => ({ kind: "leaf", leaf: par
 function combined(expression: string, children: readonly Named[], otherwise: "and" | "or"): ConditionLogic {
   const read = expression ? readExpression(expression) : null;
   const byName = new Map([...children].reverse());
-  if (!read) return joined(otherwise, children.map(([, logic]) => logic));
+  if (!read)
+    return joined(
+      otherwise,
+      children.map(([, logic]) => logic),
+    );
   return withLeaves(read, (name) => byName.get(name) ?? leaf({ kind: "unknown", name }));
 }
 
@@ -22,18 +30,25 @@ export function ruleLogic(rule: Rule): ConditionLogic {
   return combined(rule.expression, [...rows, ...times], "and");
 }
 export function contextLogic(context: Context): ConditionLogic {
-  return joined("and", [...context.rules.map(ruleLogic), ...context.times.map((time) => leaf({ kind: "time", time }))]);
+  return joined("and", [
+    ...context.rules.map(ruleLogic),
+    ...context.times.map((time) => leaf({ kind: "time", time })),
+  ]);
 }
 export function conditionLogic(condition: Condition): ConditionLogic {
   const contexts = condition.contexts.map((context): Named => [context.name, contextLogic(context)]);
   const events = condition.events.map((operation): Named => [operation, leaf({ kind: "event", operation })]);
-  const whole: Named[] = condition.caseElement ? [...contexts, [condition.caseName, combined(condition.caseExpression, events, "and")]] : contexts;
+  const whole: Named[] = condition.caseElement
+    ? [...contexts, [condition.caseName, combined(condition.caseExpression, events, "and")]]
+    : contexts;
   if (whole.length === 0) return { kind: "and", of: [] };
   return combined(condition.expression, whole, "or");
 }
 
 function rowSenses(logic: ConditionLogic): ReadonlyMap<Constraint, Sense> {
-  return new Map([...senses(logic)].flatMap(([part, sense]) => (part.kind === "row" ? [[part.row, sense] as const] : [])));
+  return new Map(
+    [...senses(logic)].flatMap(([part, sense]) => (part.kind === "row" ? [[part.row, sense] as const] : [])),
+  );
 }
 // Of a row in its rule. Undefined: the rule's expression does not name it, and it is not looked at.
 export function senseInRule(rule: Rule, row: Constraint): Sense | undefined {
@@ -46,7 +61,11 @@ export function senseOfContext(condition: Condition, context: Context): Sense | 
 }
 // The rows that a condition needs, in some way to meet it. What must not be gives nothing a value.
 export function neededRows(condition: Condition | null): Constraint[] {
-  return condition ? [...rowSenses(conditionLogic(condition))].filter(([, sense]) => sense !== "must not").map(([row]) => row) : [];
+  return condition
+    ? [...rowSenses(conditionLogic(condition))]
+        .filter(([, sense]) => sense !== "must not")
+        .map(([row]) => row)
+    : [];
 }
 // Whether each way to meet the condition has one of such rows.
 export function eachWayHas(condition: Condition, is: (row: Constraint) => boolean): boolean {

@@ -1,7 +1,15 @@
 // Model of a CAWL document, read from its text. The text is the only truth: a model is never changed, it is read again. Every
 // part knows its element, so that an edit (edits.ts) can say which characters it replaces.
 import type { ChangedRange } from "@lezer/common";
-import { attribute, attributeNs, ownText, parseXml, type TextProblem, type XmlElement, type XmlText } from "./xml";
+import {
+  attribute,
+  attributeNs,
+  ownText,
+  parseXml,
+  type TextProblem,
+  type XmlElement,
+  type XmlText,
+} from "./xml";
 
 export const extNamespace = "https://w3id.org/docent/cawl-ext#";
 // Where the canvas keeps places of nodes: a namespace of an editor, in which the server looks at nothing.
@@ -131,13 +139,33 @@ export interface CawlDocument {
   flows: Flow[];
 }
 
-export function readCawl(text: string, before?: CawlDocument, changed?: readonly ChangedRange[]): CawlDocument {
+export function readCawl(
+  text: string,
+  before?: CawlDocument,
+  changed?: readonly ChangedRange[],
+): CawlDocument {
   const xml = parseXml(text, before?.xml, changed);
   const problems = [...xml.problems];
   const root = xml.root && (xml.root.local === "CAWL" || xml.root.local === "cawl") ? xml.root : null;
   if (xml.root && !root && xml.root.whole)
-    problems.push({ from: xml.root.from, to: xml.root.openTo, message: `The root element is <${xml.root.name}>; a workflow begins with <CAWL name="…">.` });
-  if (!root) return { xml, text, root, problems, name: "", version: "", documentation: "", variables: [], activator: null, flows: [] };
+    problems.push({
+      from: xml.root.from,
+      to: xml.root.openTo,
+      message: `The root element is <${xml.root.name}>; a workflow begins with <CAWL name="…">.`,
+    });
+  if (!root)
+    return {
+      xml,
+      text,
+      root,
+      problems,
+      name: "",
+      version: "",
+      documentation: "",
+      variables: [],
+      activator: null,
+      flows: [],
+    };
   return new Reader(text, root, problems).document(xml);
 }
 
@@ -152,8 +180,13 @@ class Reader {
     const activator = this.children(this.root, "activator")[0];
     const keys = new Keys();
     return {
-      xml, text: this.text, root: this.root, problems: this.problems,
-      name: this.get(this.root, "name"), version: this.get(this.root, "version"), documentation: this.documentation(this.root),
+      xml,
+      text: this.text,
+      root: this.root,
+      problems: this.problems,
+      name: this.get(this.root, "name"),
+      version: this.get(this.root, "version"),
+      documentation: this.documentation(this.root),
       variables: this.variables(this.root),
       activator: activator ? this.activator(activator) : null,
       flows: this.children(this.root, "flow").map((element) => this.flow(element, keys)),
@@ -181,15 +214,23 @@ class Reader {
   private variables(element: XmlElement): Variable[] {
     return this.children(element, "variable").map((v) => {
       const from = this.children(v, "initialize").flatMap((i) => this.children(i, "from"))[0];
-      return { element: v, name: this.get(v, "name"), type: this.get(v, "type"), initial: from ? this.get(from, "expression") : "" };
+      return {
+        element: v,
+        name: this.get(v, "name"),
+        type: this.get(v, "type"),
+        initial: from ? this.get(from, "expression") : "",
+      };
     });
   }
 
   private activator(element: XmlElement): Activator {
     const activate = this.children(element, "activate")[0];
     return {
-      element, name: this.get(element, "name"), flow: activate ? this.get(activate, "flow") : "",
-      variables: this.variables(element), condition: this.conditionOf(element),
+      element,
+      name: this.get(element, "name"),
+      flow: activate ? this.get(activate, "flow") : "",
+      variables: this.variables(element),
+      condition: this.conditionOf(element),
     };
   }
 
@@ -198,41 +239,67 @@ class Reader {
     if (!found) return null;
     const caseElement = this.children(found, "case")[0] ?? null;
     return {
-      element: found, expression: this.get(found, "expression"), timeout: this.ext(found, "timeout"), caseElement,
-      caseName: caseElement ? this.get(caseElement, "name") : "", caseExpression: caseElement ? this.get(caseElement, "expression") : "",
+      element: found,
+      expression: this.get(found, "expression"),
+      timeout: this.ext(found, "timeout"),
+      caseElement,
+      caseName: caseElement ? this.get(caseElement, "name") : "",
+      caseExpression: caseElement ? this.get(caseElement, "expression") : "",
       events: caseElement ? this.children(caseElement, "event").map((e) => this.get(e, "operation")) : [],
       contexts: this.children(found, "context").map((context) => ({
-        element: context, name: this.get(context, "name"), priority: this.get(context, "priority"),
-        rules: this.children(context, "rule").map((rule) => this.rule(rule)), times: this.times(context),
+        element: context,
+        name: this.get(context, "name"),
+        priority: this.get(context, "priority"),
+        rules: this.children(context, "rule").map((rule) => this.rule(rule)),
+        times: this.times(context),
       })),
     };
   }
 
   private rule(element: XmlElement): Rule {
     return {
-      element, name: this.get(element, "name"), expression: this.get(element, "expression"), lasting: this.ext(element, "for"), times: this.times(element),
+      element,
+      name: this.get(element, "name"),
+      expression: this.get(element, "expression"),
+      lasting: this.ext(element, "for"),
+      times: this.times(element),
       constraints: this.children(element, "constraint").map((c) => ({
-        element: c, name: this.get(c, "name"), subject: this.slot(c, "subject"), verb: this.slot(c, "verb"), object: this.slot(c, "object"),
+        element: c,
+        name: this.get(c, "name"),
+        subject: this.slot(c, "subject"),
+        verb: this.slot(c, "verb"),
+        object: this.slot(c, "object"),
       })),
     };
   }
 
   private times(element: XmlElement): Time[] {
-    return element.children.filter((c) => c.local === "time" && c.namespace === extNamespace).map((time) => ({
-      element: time, name: this.get(time, "name"), attributes: time.attributes.filter((a) => a.name !== "name").map((a) => [a.name, a.value.trim()] as const),
-    }));
+    return element.children
+      .filter((c) => c.local === "time" && c.namespace === extNamespace)
+      .map((time) => ({
+        element: time,
+        name: this.get(time, "name"),
+        attributes: time.attributes
+          .filter((a) => a.name !== "name")
+          .map((a) => [a.name, a.value.trim()] as const),
+      }));
   }
 
   private slot(constraint: XmlElement, local: string): Slot {
     const element = this.children(constraint, local)[0];
-    return element ? { element, text: ownText(this.text, element), type: this.get(element, "type") } : { element: null, text: "", type: "" };
+    return element
+      ? { element, text: ownText(this.text, element), type: this.get(element, "type") }
+      : { element: null, text: "", type: "" };
   }
 
   private flow(element: XmlElement, flowKeys: Keys): Flow {
     const keys = new Keys();
     const linkKeys = new Keys();
     return {
-      element, key: flowKeys.next(this.get(element, "name")), name: this.get(element, "name"), documentation: this.documentation(element),
+      element,
+      key: flowKeys.next(this.get(element, "name")),
+      name: this.get(element, "name"),
+      documentation: this.documentation(element),
       variables: this.variables(element),
       steps: this.children(element, "source", "node", "sink").map((step) => this.step(step, keys)),
       links: this.children(element, "link").map((link) => this.link(link, linkKeys)),
@@ -243,13 +310,24 @@ class Reader {
     const waits = this.children(element, "wait");
     const documentationElement = this.children(element, "documentation")[0] ?? null;
     return {
-      element, kind: element.local as Step["kind"], key: keys.next(this.get(element, "name")), name: this.get(element, "name"),
-      documentation: this.documentation(element), documentationElement, waits,
-      join: waits.map((w) => this.get(w, "joinCondition")).filter(Boolean).join(" and "),
+      element,
+      kind: element.local as Step["kind"],
+      key: keys.next(this.get(element, "name")),
+      name: this.get(element, "name"),
+      documentation: this.documentation(element),
+      documentationElement,
+      waits,
+      join: waits
+        .map((w) => this.get(w, "joinCondition"))
+        .filter(Boolean)
+        .join(" and "),
       invokes: this.children(element, "invoke").map((i) => this.invoke(i)),
       condition: this.conditionOf(element),
-      timeout: this.ext(element, "timeout"), retry: this.ext(element, "retry"), forEach: this.ext(element, "forEach"),
-      sequential: this.ext(element, "sequential"), whileHolds: this.ext(element, "while-holds"),
+      timeout: this.ext(element, "timeout"),
+      retry: this.ext(element, "retry"),
+      forEach: this.ext(element, "forEach"),
+      sequential: this.ext(element, "sequential"),
+      whileHolds: this.ext(element, "while-holds"),
       position: this.position(element),
       whole: !this.problems.some((p) => p.from < element.to && p.to > element.from),
     };
@@ -264,22 +342,38 @@ class Reader {
   private invoke(element: XmlElement): Invoke {
     const subflow = this.get(element, "subflow");
     return {
-      element, kind: subflow ? "subflow" : "operation", target: subflow || this.get(element, "operation"),
-      timeout: this.ext(element, "timeout"), retry: this.ext(element, "retry"),
-      inputs: element.children.filter((c) => c.local === "input" && c.namespace === extNamespace).map((c) => this.input(c)),
+      element,
+      kind: subflow ? "subflow" : "operation",
+      target: subflow || this.get(element, "operation"),
+      timeout: this.ext(element, "timeout"),
+      retry: this.ext(element, "retry"),
+      inputs: element.children
+        .filter((c) => c.local === "input" && c.namespace === extNamespace)
+        .map((c) => this.input(c)),
     };
   }
 
   private input(element: XmlElement): Input {
     const variable = this.get(element, "variable");
-    return { element, part: this.get(element, "part"), expression: variable ? `$${variable}` : this.get(element, "expression") };
+    return {
+      element,
+      part: this.get(element, "part"),
+      expression: variable ? `$${variable}` : this.get(element, "expression"),
+    };
   }
 
   private link(element: XmlElement, keys: Keys): Link {
     const from = this.get(element, "from");
     const to = this.get(element, "to");
     const whileText = this.ext(element, "while");
-    const kind = this.ext(element, "onFailure") === "true" ? "failure" : this.ext(element, "onInterrupt") === "true" ? "interrupt" : whileText ? "while" : "plain";
+    const kind =
+      this.ext(element, "onFailure") === "true"
+        ? "failure"
+        : this.ext(element, "onInterrupt") === "true"
+          ? "interrupt"
+          : whileText
+            ? "while"
+            : "plain";
     return { element, from, to, kind, whileText, key: keys.next(`${from} → ${to}`) };
   }
 }
@@ -303,7 +397,9 @@ export function stepOf(flow: Flow, key: string): Step | undefined {
 // Prefixes that may stand in the document's words.
 export function prefixesOf(document: CawlDocument): Map<string, string> {
   const prefixes = new Map(Object.entries(wellKnownPrefixes));
-  for (const [prefix, iri] of document.root?.scope ?? []) if (prefix !== "" && prefix !== "xml" && iri !== viewNamespace && iri !== extNamespace) prefixes.set(prefix, iri);
+  for (const [prefix, iri] of document.root?.scope ?? [])
+    if (prefix !== "" && prefix !== "xml" && iri !== viewNamespace && iri !== extNamespace)
+      prefixes.set(prefix, iri);
   return prefixes;
 }
 // The part around an offset, of parts in the order of the text.
@@ -319,7 +415,10 @@ function partOf<T extends Part>(parts: readonly T[], offset: number): T | undefi
   return found && found.element.from <= offset ? found : undefined;
 }
 // The smallest step or link at an offset of the text, for findings and the caret.
-export function partAt(document: CawlDocument, offset: number): { flow: Flow; step?: Step; link?: Link } | null {
+export function partAt(
+  document: CawlDocument,
+  offset: number,
+): { flow: Flow; step?: Step; link?: Link } | null {
   for (const flow of document.flows) {
     if (offset < flow.element.from || offset > flow.element.to) continue;
     const step = partOf(flow.steps, offset);

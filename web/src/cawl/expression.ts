@@ -1,9 +1,7 @@
 // Boolean expressions over names, as rules, conditions and cases have them: "lies and not (asleep or away)". Pure functions.
 
 export type Logic<Leaf> =
-  | { kind: "leaf"; leaf: Leaf }
-  | { kind: "not"; of: Logic<Leaf> }
-  | { kind: "and" | "or"; of: Logic<Leaf>[] }; // an empty "and" is true
+  { kind: "leaf"; leaf: Leaf } | { kind: "not"; of: Logic<Leaf> } | { kind: "and" | "or"; of: Logic<Leaf>[] }; // an empty "and" is true
 
 const deepest = 100; // brackets and "not" inside each other
 const token = /'(?:\\.|[^'\\])*'|[()]|[^\s()']\S*?(?=[\s()]|$)/g;
@@ -61,7 +59,12 @@ export function negated<Leaf>(logic: Logic<Leaf>): Logic<Leaf> {
 // Names replaced by what they stand for.
 export function withLeaves<A, B>(logic: Logic<A>, of: (leaf: A) => Logic<B>): Logic<B> {
   if (logic.kind === "leaf") return of(logic.leaf);
-  return logic.kind === "not" ? negated(withLeaves(logic.of, of)) : joined(logic.kind, logic.of.map((part) => withLeaves(part, of)));
+  return logic.kind === "not"
+    ? negated(withLeaves(logic.of, of))
+    : joined(
+        logic.kind,
+        logic.of.map((part) => withLeaves(part, of)),
+      );
 }
 
 // What must be, what must not be, what stands in both ways.
@@ -69,7 +72,8 @@ export type Sense = "must" | "must not" | "both";
 export function senses<Leaf>(logic: Logic<Leaf>): Map<Leaf, Sense> {
   const found = new Map<Leaf, Sense>();
   const visit = (part: Logic<Leaf>, sense: Sense) => {
-    if (part.kind === "leaf") found.set(part.leaf, (found.get(part.leaf) ?? sense) === sense ? sense : "both");
+    if (part.kind === "leaf")
+      found.set(part.leaf, (found.get(part.leaf) ?? sense) === sense ? sense : "both");
     else if (part.kind === "not") visit(part.of, sense === "must" ? "must not" : "must");
     else for (const one of part.of) visit(one, sense);
   };

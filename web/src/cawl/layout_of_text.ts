@@ -53,13 +53,17 @@ export class TextLayout {
 
   render(piece: Piece, indent: string): string {
     const name = piece.name.includes(":") ? piece.name : this.prefix + piece.name;
-    const attributes = (piece.attributes ?? []).map(([key, value]) => {
-      const quote = value.includes('"') && !value.includes("'") ? "'" : '"';
-      return ` ${key}=${quote}${encodeAttribute(value, quote)}${quote}`;
-    }).join("");
+    const attributes = (piece.attributes ?? [])
+      .map(([key, value]) => {
+        const quote = value.includes('"') && !value.includes("'") ? "'" : '"';
+        return ` ${key}=${quote}${encodeAttribute(value, quote)}${quote}`;
+      })
+      .join("");
     if (piece.text !== undefined) return `<${name}${attributes}>${encodeText(piece.text)}</${name}>`;
     if (!piece.children || piece.children.length === 0) return `<${name}${attributes}/>`;
-    const inner = piece.children.map((child) => this.newline + indent + this.unit + this.render(child, indent + this.unit)).join("");
+    const inner = piece.children
+      .map((child) => this.newline + indent + this.unit + this.render(child, indent + this.unit))
+      .join("");
     return `<${name}${attributes}>${inner}${this.newline}${indent}</${name}>`;
   }
 
@@ -97,7 +101,11 @@ export class TextLayout {
     }
     const after = this.text.slice(parent.openTo, parent.closeFrom);
     const closesLine = /^[ \t]*\r?\n/.test(after);
-    return { from: parent.openTo, to: parent.openTo, insert: closesLine ? piece : piece + this.newline + (after.trim() === "" ? outer : indent) };
+    return {
+      from: parent.openTo,
+      to: parent.openTo,
+      insert: closesLine ? piece : piece + this.newline + (after.trim() === "" ? outer : indent),
+    };
   }
 
   // Takes the element out with its line, if it has one for itself, and with an empty line where two would be left.
@@ -121,7 +129,9 @@ export class TextLayout {
   // Its parent closes itself where nothing else stands in it.
   removeAndClose(element: XmlElement): Change {
     const parent = element.parent;
-    const around = parent ? this.text.slice(parent.openTo, element.from) + this.text.slice(element.to, parent.closeFrom) : "";
+    const around = parent
+      ? this.text.slice(parent.openTo, element.from) + this.text.slice(element.to, parent.closeFrom)
+      : "";
     if (!parent || !parent.whole || around.trim() !== "") return this.remove(element);
     return { from: parent.openTo - 1, to: parent.to, insert: "/>" };
   }
@@ -130,14 +140,25 @@ export class TextLayout {
     const index = element.attributes.findIndex((a) => a.name === name);
     const found = element.attributes[index];
     if (found) {
-      if (value === null) return { from: index > 0 ? (element.attributes[index - 1]?.to ?? found.from) : element.nameTo, to: found.to, insert: "" };
-      return found.value === value ? null : { from: found.valueFrom, to: found.valueTo, insert: encodeAttribute(value, found.quote) };
+      if (value === null)
+        return {
+          from: index > 0 ? (element.attributes[index - 1]?.to ?? found.from) : element.nameTo,
+          to: found.to,
+          insert: "",
+        };
+      return found.value === value
+        ? null
+        : { from: found.valueFrom, to: found.valueTo, insert: encodeAttribute(value, found.quote) };
     }
     if (value === null) return null;
     const last = element.attributes.at(-1);
     const at = last ? last.to : element.nameTo;
     const ownLine = last !== undefined && name.startsWith("xmlns") && this.startsLine(last.from);
-    return { from: at, to: at, insert: `${ownLine ? this.newline + this.indentAt(last.from) : " "}${name}="${encodeAttribute(value)}"` };
+    return {
+      from: at,
+      to: at,
+      insert: `${ownLine ? this.newline + this.indentAt(last.from) : " "}${name}="${encodeAttribute(value)}"`,
+    };
   }
 
   // The text of an element; blanks and comments around it stay.
@@ -147,7 +168,9 @@ export class TextLayout {
       const from = this.text.slice(0, slash).trimEnd().length;
       return [{ from, to: element.to, insert: `>${encodeText(value)}</${element.name}>` }];
     }
-    const runs = element.texts.map((run) => this.trimmed(run.from, run.to)).filter((run) => run.to > run.from);
+    const runs = element.texts
+      .map((run) => this.trimmed(run.from, run.to))
+      .filter((run) => run.to > run.from);
     const [first, ...rest] = runs;
     if (!first) return [{ from: element.openTo, to: element.openTo, insert: encodeText(value) }];
     return [{ ...first, insert: encodeText(value) }, ...rest.map((run) => ({ ...run, insert: "" }))];
@@ -161,7 +184,9 @@ export class TextLayout {
 
 // The text after the changes, which are of one text and do not overlap.
 export function applyChanges(text: string, changes: readonly Change[]): string {
-  const sorted = changes.map((change, index) => ({ change, index })).sort((a, b) => a.change.from - b.change.from || a.index - b.index);
+  const sorted = changes
+    .map((change, index) => ({ change, index }))
+    .sort((a, b) => a.change.from - b.change.from || a.index - b.index);
   let result = "";
   let at = 0;
   for (const { change } of sorted) {

@@ -14,8 +14,13 @@ export function uniqueName(taken: ReadonlySet<string>, base: string): string {
 // "moveToUser" is "Move to user" for people; what has blanks is written for people already.
 export function words(name: string): string {
   if (/\s/.test(name.trim())) return name;
-  const spaced = name.replace(/[_-]+/g, " ").replace(/([a-z0-9])([A-Z])/g, "$1 $2").trim();
-  return spaced === "" ? name : spaced.charAt(0).toUpperCase() + spaced.slice(1).replace(/ [A-Z](?=[a-z])/g, (c) => c.toLowerCase());
+  const spaced = name
+    .replace(/[_-]+/g, " ")
+    .replace(/([a-z0-9])([A-Z])/g, "$1 $2")
+    .trim();
+  return spaced === ""
+    ? name
+    : spaced.charAt(0).toUpperCase() + spaced.slice(1).replace(/ [A-Z](?=[a-z])/g, (c) => c.toLowerCase());
 }
 
 // The text as a part of a pattern that matches just it.

@@ -10,7 +10,8 @@ export function termWords(term: string): string {
   if (/^[?$]/.test(text)) return text.slice(1).replace(/^_/, "");
   const literal = /^(["'])([\s\S]*)\1(@\S+|\^\^\S+)?$/.exec(text);
   if (literal) return `“${literal[2]}”`;
-  if (/^[<>=!]/.test(text) && !/^<[^ ]+>$/.test(text)) return text.replace(/\S+$/, (value) => termWords(value));
+  if (/^[<>=!]/.test(text) && !/^<[^ ]+>$/.test(text))
+    return text.replace(/\S+$/, (value) => termWords(value));
   return text.replace(/^<(.*)>$/, "$1").replace(/^.*[#/:](?=[^#/:]+$)/, "");
 }
 export function verbWords(verb: string): string {
@@ -18,11 +19,20 @@ export function verbWords(verb: string): string {
   return plain === "is a" ? plain : words(plain).toLowerCase();
 }
 export function constraintWords(constraint: Constraint): string {
-  return [termWords(constraint.subject.text), verbWords(constraint.verb.text), termWords(constraint.object.text)].filter(Boolean).join(" ");
+  return [
+    termWords(constraint.subject.text),
+    verbWords(constraint.verb.text),
+    termWords(constraint.object.text),
+  ]
+    .filter(Boolean)
+    .join(" ");
 }
 // <ext:time at="18:00" days="Mon-Fri"/> is "at 18:00 days Mon-Fri".
 export function timeWords(time: Time): string {
-  return time.attributes.filter(([name, value]) => !(name === "aligned" || name === "missed") && value).map(([name, value]) => `${name} ${name === "open" ? termWords(value) : value}`).join(" ");
+  return time.attributes
+    .filter(([name, value]) => !(name === "aligned" || name === "missed") && value)
+    .map(([name, value]) => `${name} ${name === "open" ? termWords(value) : value}`)
+    .join(" ");
 }
 function partWords(part: ConditionPart): string {
   switch (part.kind) {
@@ -40,7 +50,9 @@ function partWords(part: ConditionPart): string {
 export function logicWords(logic: ConditionLogic): string {
   if (logic.kind === "leaf") return partWords(logic.leaf);
   if (logic.kind === "not") return `not (${logicWords(logic.of)})`;
-  return logic.of.map((part) => (logic.kind === "and" && part.kind === "or" ? `(${logicWords(part)})` : logicWords(part))).join(` ${logic.kind} `);
+  return logic.of
+    .map((part) => (logic.kind === "and" && part.kind === "or" ? `(${logicWords(part)})` : logicWords(part)))
+    .join(` ${logic.kind} `);
 }
 
 export interface CardRow {
@@ -51,5 +63,8 @@ export interface CardRow {
 export function conditionRows(condition: Condition): CardRow[] {
   const logic = conditionLogic(condition);
   const parts = logic.kind === "and" || logic.kind === "or" ? logic.of : [logic];
-  return parts.map((part, i) => ({ words: `${logic.kind === "or" && i > 0 ? "or " : ""}${logicWords(part)}`, isNot: part.kind === "not" }));
+  return parts.map((part, i) => ({
+    words: `${logic.kind === "or" && i > 0 ? "or " : ""}${logicWords(part)}`,
+    isNot: part.kind === "not",
+  }));
 }

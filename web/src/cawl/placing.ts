@@ -15,7 +15,11 @@ export function stepHeight(step: Step): number {
   if (step.kind !== "node") return 36;
   const rows = step.condition ? Math.min(conditionRows(step.condition).length, 2) : 0;
   const more = step.condition && conditionRows(step.condition).length > 2 ? 1 : 0;
-  return 44 + (step.invokes.length > 0 ? Math.min(step.invokes.length, 3) * 26 + 8 : 0) + (rows + more > 0 ? (rows + more) * 19 + 13 : 0);
+  return (
+    44 +
+    (step.invokes.length > 0 ? Math.min(step.invokes.length, 3) * 26 + 8 : 0) +
+    (rows + more > 0 ? (rows + more) * 19 + 13 : 0)
+  );
 }
 
 export function placed(steps: readonly Step[]): boolean {
@@ -47,12 +51,14 @@ function layers(steps: readonly Step[], links: readonly Link[]): Map<string, Pla
       }
   const columns = Math.ceil(Math.sqrt(steps.length));
   const filled = new Map<number, number>();
-  return new Map(steps.map((step, index) => {
-    const row = depth.get(step.name) ?? Math.floor(index / columns);
-    const column = filled.get(row) ?? 0;
-    filled.set(row, column + 1);
-    return [step.key, { x: column * (stepWidth + 44), y: row * 170 }];
-  }));
+  return new Map(
+    steps.map((step, index) => {
+      const row = depth.get(step.name) ?? Math.floor(index / columns);
+      const column = filled.get(row) ?? 0;
+      filled.set(row, column + 1);
+      return [step.key, { x: column * (stepWidth + 44), y: row * 170 }];
+    }),
+  );
 }
 
 function tidyPlaces(steps: readonly Step[], links: readonly Link[]): Map<string, Place> {
@@ -67,13 +73,27 @@ function tidyPlaces(steps: readonly Step[], links: readonly Link[]): Map<string,
   for (const link of links) {
     const from = byName.get(link.from);
     const to = byName.get(link.to);
-    if (from && to && from !== to) graph.setEdge(from.key, to.key, { weight: link.kind === "plain" ? 3 : 1, ...(link.kind !== "plain" && { minlen: 1, width: 90, height: 20, labelpos: "c" }) }, link.key);
+    if (from && to && from !== to)
+      graph.setEdge(
+        from.key,
+        to.key,
+        {
+          weight: link.kind === "plain" ? 3 : 1,
+          ...(link.kind !== "plain" && { minlen: 1, width: 90, height: 20, labelpos: "c" }),
+        },
+        link.key,
+      );
   }
   dagre.layout(graph);
-  return new Map(steps.map((step) => {
-    const node = graph.node(step.key);
-    return [step.key, { x: Math.round(node.x - stepWidth / 2), y: Math.round(node.y - stepHeight(step) / 2) }];
-  }));
+  return new Map(
+    steps.map((step) => {
+      const node = graph.node(step.key);
+      return [
+        step.key,
+        { x: Math.round(node.x - stepWidth / 2), y: Math.round(node.y - stepHeight(step) / 2) },
+      ];
+    }),
+  );
 }
 
 function keepPlaces(steps: readonly Step[], links: readonly Link[]): Map<string, Place> {
@@ -81,9 +101,14 @@ function keepPlaces(steps: readonly Step[], links: readonly Link[]): Map<string,
   for (const step of steps) if (step.position) places.set(step.key, step.position);
   for (const step of steps) {
     if (places.has(step.key)) continue;
-    const before = steps.find((s) => places.has(s.key) && links.some((l) => l.from === s.name && l.to === step.name));
+    const before = steps.find(
+      (s) => places.has(s.key) && links.some((l) => l.from === s.name && l.to === step.name),
+    );
     const at = before ? places.get(before.key) : undefined;
-    const bottom = Math.max(0, ...steps.flatMap((s) => (places.has(s.key) ? [(places.get(s.key)?.y ?? 0) + stepHeight(s)] : [])));
+    const bottom = Math.max(
+      0,
+      ...steps.flatMap((s) => (places.has(s.key) ? [(places.get(s.key)?.y ?? 0) + stepHeight(s)] : [])),
+    );
     const wanted = before && at ? { x: at.x, y: at.y + stepHeight(before) + 52 } : { x: 0, y: bottom + 52 };
     places.set(step.key, freePlace(wanted, steps, places, stepHeight(step)));
   }
@@ -91,12 +116,22 @@ function keepPlaces(steps: readonly Step[], links: readonly Link[]): Map<string,
 }
 
 // The wanted place, or the next one to the right that no card covers.
-export function freePlace(wanted: Place, steps: readonly Step[], places: ReadonlyMap<string, Place>, height: number): Place {
+export function freePlace(
+  wanted: Place,
+  steps: readonly Step[],
+  places: ReadonlyMap<string, Place>,
+  height: number,
+): Place {
   const place = { ...wanted };
   for (let turn = 0; turn < 60; turn++) {
     const covered = steps.some((s) => {
       const other = places.get(s.key);
-      return other && Math.abs(other.x - place.x) < stepWidth + 16 && place.y < other.y + stepHeight(s) + 12 && other.y < place.y + height + 12;
+      return (
+        other &&
+        Math.abs(other.x - place.x) < stepWidth + 16 &&
+        place.y < other.y + stepHeight(s) + 12 &&
+        other.y < place.y + height + 12
+      );
     });
     if (!covered) break;
     place.x += 40;

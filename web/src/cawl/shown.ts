@@ -9,7 +9,8 @@ export interface ShownFlow {
 
 export function shownFlow(document: CawlDocument, good: CawlDocument | null, key: string): ShownFlow | null {
   const now = flowOf(document, key) ?? (key === "" ? document.flows[0] : undefined);
-  const last = document.problems.length > 0 && good ? (flowOf(good, now?.key ?? key) ?? good.flows[0]) : undefined;
+  const last =
+    document.problems.length > 0 && good ? (flowOf(good, now?.key ?? key) ?? good.flows[0]) : undefined;
   const flow = now ?? last;
   if (!flow) return null;
   const steps = (now?.steps ?? []).map((step) => ({ ...step, stale: false }));
@@ -18,7 +19,9 @@ export function shownFlow(document: CawlDocument, good: CawlDocument | null, key
   const linked = new Set(links.map((l) => l.key));
   for (const step of last?.steps ?? []) if (!there.has(step.key)) steps.push({ ...step, stale: true });
   const names = new Set(steps.map((s) => s.name));
-  for (const link of last?.links ?? []) if (!linked.has(link.key) && names.has(link.from) && names.has(link.to)) links.push({ ...link, stale: true });
+  for (const link of last?.links ?? [])
+    if (!linked.has(link.key) && names.has(link.from) && names.has(link.to))
+      links.push({ ...link, stale: true });
   return { flow, steps, links };
 }
 

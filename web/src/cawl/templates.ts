@@ -35,7 +35,9 @@ const activatorFor = (flow: string) => `
 
 export const templates: readonly Template[] = [
   {
-    id: "empty", title: "Empty workflow", detail: "A beginning and an end. Add the steps between them.",
+    id: "empty",
+    title: "Empty workflow",
+    detail: "A beginning and an end. Add the steps between them.",
     text: (name) => `${open(name)}
   <flow name="${encodeAttribute(name)}">
     <source name="Begin"/>
@@ -46,7 +48,9 @@ export const templates: readonly Template[] = [
 `,
   },
   {
-    id: "guide", title: "Guide a visitor", detail: "A robot comes to the visitor, leads the way to a booth, and presents it.",
+    id: "guide",
+    title: "Guide a visitor",
+    detail: "A robot comes to the visitor, leads the way to a booth, and presents it.",
     text: (name) => `${open(name)}${activatorFor(name)}
   <flow name="${encodeAttribute(name)}">
     <variable name="user" type="docent:Visitor"/>
@@ -111,7 +115,9 @@ export const templates: readonly Template[] = [
 `,
   },
   {
-    id: "event", title: "Answer an event", detail: "Something happens, for example a doorbell, and a robot drives there.",
+    id: "event",
+    title: "Answer an event",
+    detail: "Something happens, for example a doorbell, and a robot drives there.",
     text: (name) => `${open(name)}
   <activator name="OnBell">
     <activate flow="${encodeAttribute(name)}"/>

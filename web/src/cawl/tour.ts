@@ -44,15 +44,31 @@ export function tourChoices<O extends TourOffer>(entries: readonly O[], travel =
   const atBooth = withBooth.length > 0 ? withBooth : offers; // robots that do not say what their operations take
   const driving = atBooth.filter((e) => drives.test(e.id));
   const fitting = driving.length > 0 ? driving : atBooth;
-  const travelBy = travel || ([/move.*booth|drive.*booth|goto/i, /drive|move|go/i].map((pattern) => fitting.find((e) => pattern.test(e.id))).find((e) => e !== undefined)?.id ?? "");
+  const travelBy =
+    travel ||
+    ([/move.*booth|drive.*booth|goto/i, /drive|move|go/i]
+      .map((pattern) => fitting.find((e) => pattern.test(e.id)))
+      .find((e) => e !== undefined)?.id ??
+      "");
   const at = atBooth.filter((e) => e.id !== travelBy && !(withBooth.length > 0 && driving.includes(e)));
   // A service and the operation that it is made of are one thing.
   const inServices = new Set(offers.filter((e) => e.kind === "service").flatMap((e) => e.uses ?? []));
   const speaks = offers.filter((e) => e.inputs.some((i) => i.name === "text"));
   return {
-    travel: fitting, at, travelBy,
-    present: withBooth.filter((e) => at.includes(e) && presents.test(e.id) && !(e.kind === "operation" && inServices.has(e.id))).map((e) => e.id),
-    speak: (speaks.find((e) => e.id === "say") ?? speaks.find((e) => /^(say|speak|announce)/i.test(e.id)) ?? offers.find((e) => e.id === "say" && e.inputs.length === 0))?.id ?? "",
+    travel: fitting,
+    at,
+    travelBy,
+    present: withBooth
+      .filter(
+        (e) => at.includes(e) && presents.test(e.id) && !(e.kind === "operation" && inServices.has(e.id)),
+      )
+      .map((e) => e.id),
+    speak:
+      (
+        speaks.find((e) => e.id === "say") ??
+        speaks.find((e) => /^(say|speak|announce)/i.test(e.id)) ??
+        offers.find((e) => e.id === "say" && e.inputs.length === 0)
+      )?.id ?? "",
   };
 }
 
@@ -63,7 +79,11 @@ const spokenPerS = 14; // characters
 
 // Estimated seconds: the ways at a walking robot's speed, and a while at each stop. `metres`: of each way, where the hall's routes
 // tell; else straight ways, lengthened.
-export function tourSeconds(stops: readonly Pick<Stop, "x" | "y" | "say">[], from: { x: number; y: number } | null, metres: readonly (number | undefined)[] = []): number {
+export function tourSeconds(
+  stops: readonly Pick<Stop, "x" | "y" | "say">[],
+  from: { x: number; y: number } | null,
+  metres: readonly (number | undefined)[] = [],
+): number {
   let way = 0;
   let spoken = 0;
   let at = from;
@@ -75,12 +95,19 @@ export function tourSeconds(stops: readonly Pick<Stop, "x" | "y" | "say">[], fro
   return way / driveMS + spoken + stops.length * presentS;
 }
 
-function condition(rows: readonly [subject: string, verb: string, object: string, subjectType?: string][], name: string): string {
-  const constraints = rows.map(([s, v, o, type], i) => `            <constraint name="c${i + 1}">
+function condition(
+  rows: readonly [subject: string, verb: string, object: string, subjectType?: string][],
+  name: string,
+): string {
+  const constraints = rows
+    .map(
+      ([s, v, o, type], i) => `            <constraint name="c${i + 1}">
               <subject${type ? ` type="${type}"` : ""}>${encodeText(s)}</subject>
               <verb>${v}</verb>
               <object>${encodeText(o)}</object>
-            </constraint>`).join("\n");
+            </constraint>`,
+    )
+    .join("\n");
   return `      <condition>
         <context name="${name}">
           <rule name="rule">
@@ -96,25 +123,46 @@ const sparqlText = (text: string) => `'${text.replace(/\s+/g, " ").replace(/[\\'
 export function tourText(plan: TourPlan, prefixes: ReadonlyMap<string, string>): string {
   const q = (text: string) => encodeAttribute(text);
   const used = new Set(plan.stops.map((s) => s.term.split(":")[0] ?? ""));
-  const declared = [...used].filter((p) => p !== "docent").map((p) => `\n      xmlns:${p}="${q(prefixes.get(p) ?? "")}"`).join("");
-  const steps = plan.stops.map((stop, i) => ({ ...stop, go: `To ${stop.name}`, at: `At ${stop.name}`, repeated: plan.stops.findIndex((s) => s.name === stop.name) !== i ? ` (${i + 1})` : "" }));
+  const declared = [...used]
+    .filter((p) => p !== "docent")
+    .map((p) => `\n      xmlns:${p}="${q(prefixes.get(p) ?? "")}"`)
+    .join("");
+  const steps = plan.stops.map((stop, i) => ({
+    ...stop,
+    go: `To ${stop.name}`,
+    at: `At ${stop.name}`,
+    repeated: plan.stops.findIndex((s) => s.name === stop.name) !== i ? ` (${i + 1})` : "",
+  }));
   const said = plan.speak && plan.stops.some((s) => s.say?.trim());
-  const nodes = steps.map((s, i) => {
-    const robot: [string, string, string, string?][] = i === 0 ? [["?robot", "docent:status", "docent:Standby", "docent:Robot"], ["?robot", "docent:localised", "true"]] : [];
-    const arrive = plan.waitForVisitor ? `\n${condition([["$user", "docent:isAt", "$booth"]], "VisitorIsThere")}` : "";
-    const speaks = plan.speak && s.say?.trim();
-    const text = speaks ? `<ext:input part="text" expression="${q(sparqlText(speaks))}"/>` : "";
-    const there = [...(speaks ? [plan.speak ?? ""] : []), ...(s.present ?? plan.present)];
-    return `    <node name="${q(s.go + s.repeated)}"${plan.stayNear && i > 0 ? ' ext:while-holds="$user docent:isNear $robot"' : ""}>
+  const nodes = steps
+    .map((s, i) => {
+      const robot: [string, string, string, string?][] =
+        i === 0
+          ? [
+              ["?robot", "docent:status", "docent:Standby", "docent:Robot"],
+              ["?robot", "docent:localised", "true"],
+            ]
+          : [];
+      const arrive = plan.waitForVisitor
+        ? `\n${condition([["$user", "docent:isAt", "$booth"]], "VisitorIsThere")}`
+        : "";
+      const speaks = plan.speak && s.say?.trim();
+      const text = speaks ? `<ext:input part="text" expression="${q(sparqlText(speaks))}"/>` : "";
+      const there = [...(speaks ? [plan.speak ?? ""] : []), ...(s.present ?? plan.present)];
+      return `    <node name="${q(s.go + s.repeated)}"${plan.stayNear && i > 0 ? ' ext:while-holds="$user docent:isNear $robot"' : ""}>
 ${condition([...robot, ["?booth", "schema:name", JSON.stringify(s.name), "docent:Booth"]], "Next")}
       <invoke operation="${q(plan.travel)}"/>
     </node>
     <node name="${q(s.at + s.repeated)}">${arrive}
 ${there.map((operation) => `      <invoke operation="${q(operation)}"${text && operation === plan.speak ? `>${text}</invoke>` : "/>"}`).join("\n")}
     </node>`;
-  }).join("\n\n");
+    })
+    .join("\n\n");
   const names = ["Begin", ...steps.flatMap((s) => [s.go + s.repeated, s.at + s.repeated]), "End"];
-  const links = names.slice(1).map((name, i) => `    <link from="${q(names[i] ?? "")}" to="${q(name)}"/>`).join("\n");
+  const links = names
+    .slice(1)
+    .map((name, i) => `    <link from="${q(names[i] ?? "")}" to="${q(name)}"/>`)
+    .join("\n");
   return `<?xml version="1.0" encoding="UTF-8"?>
 <CAWL name="${q(plan.name)}" version="1.0"
       xmlns:docent="https://w3id.org/docent#"

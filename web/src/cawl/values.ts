@@ -1,6 +1,7 @@
 // Values as a document writes them, and as people do: "Hello" in quotes is Hello.
 const stringType = "http://www.w3.org/2001/XMLSchema#string";
-const term = /^(?:<[^<>\s]+>|[A-Za-z][\w-]*:[\w.-]+|[+-]?\d+(?:\.\d+)?|true|false|(["']).*\1(?:@[\w-]+|\^\^\S+)?)$/s;
+const term =
+  /^(?:<[^<>\s]+>|[A-Za-z][\w-]*:[\w.-]+|[+-]?\d+(?:\.\d+)?|true|false|(["']).*\1(?:@[\w-]+|\^\^\S+)?)$/s;
 const variable = /^\$[A-Za-z]\w*$/;
 
 // The words of a text in quotes; all else as it is written.
@@ -22,7 +23,9 @@ export function writtenValue(typed: string, type: string): string {
   if (type === stringType) return JSON.stringify(text);
   if (term.test(text)) return text;
   if (type === "") return JSON.stringify(text);
-  throw new RangeError(`${text} is no value here. Choose one of the list, or write a name with its prefix (expo:B03)${/XMLSchema#/.test(type) ? " or a number" : ""}.`);
+  throw new RangeError(
+    `${text} is no value here. Choose one of the list, or write a name with its prefix (expo:B03)${/XMLSchema#/.test(type) ? " or a number" : ""}.`,
+  );
 }
 
 export function isText(input: { name: string; type: string }): boolean {

@@ -48,11 +48,14 @@ const entities: Record<string, string> = { amp: "&", lt: "<", gt: ">", quot: '"'
 
 // Text with its references replaced; an unknown reference stays as it is written.
 export function decode(written: string): string {
-  return written.replace(/&(?:#(\d+)|#x([0-9a-fA-F]+)|(\w+));/g, (whole, decimal?: string, hex?: string, name?: string) => {
-    if (name !== undefined) return entities[name] ?? whole;
-    const code = decimal !== undefined ? parseInt(decimal, 10) : parseInt(hex ?? "", 16);
-    return code > 0 && code <= 0x10ffff ? String.fromCodePoint(code) : whole;
-  });
+  return written.replace(
+    /&(?:#(\d+)|#x([0-9a-fA-F]+)|(\w+));/g,
+    (whole, decimal?: string, hex?: string, name?: string) => {
+      if (name !== undefined) return entities[name] ?? whole;
+      const code = decimal !== undefined ? parseInt(decimal, 10) : parseInt(hex ?? "", 16);
+      return code > 0 && code <= 0x10ffff ? String.fromCodePoint(code) : whole;
+    },
+  );
 }
 
 export function encodeText(value: string): string {
@@ -60,7 +63,12 @@ export function encodeText(value: string): string {
 }
 
 export function encodeAttribute(value: string, quote: '"' | "'" = '"'): string {
-  const escaped = value.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/\t/g, "&#9;").replace(/\n/g, "&#10;").replace(/\r/g, "&#13;");
+  const escaped = value
+    .replace(/&/g, "&amp;")
+    .replace(/</g, "&lt;")
+    .replace(/\t/g, "&#9;")
+    .replace(/\n/g, "&#10;")
+    .replace(/\r/g, "&#13;");
   return quote === '"' ? escaped.replace(/"/g, "&quot;") : escaped.replace(/'/g, "&apos;");
 }
 
@@ -94,7 +102,8 @@ class TreeReader {
         this.problem(child, "Text outside of the root element. Remove it, or make it a comment.");
       }
     }
-    if (!root && this.problems.length === 0) this.problems.push({ from: 0, to: this.text.length, message: "The document is empty." });
+    if (!root && this.problems.length === 0)
+      this.problems.push({ from: 0, to: this.text.length, message: "The document is empty." });
     return root;
   }
 
@@ -109,8 +118,20 @@ class TreeReader {
 
   private element(node: SyntaxNode, parent: XmlElement | null): XmlElement {
     const element: XmlElement = {
-      from: node.from, to: node.to, name: "", local: "", namespace: "", attributes: [], children: [], parent,
-      nameTo: node.from, openTo: node.from, closeFrom: node.to, selfClosing: false, whole: true, texts: [],
+      from: node.from,
+      to: node.to,
+      name: "",
+      local: "",
+      namespace: "",
+      attributes: [],
+      children: [],
+      parent,
+      nameTo: node.from,
+      openTo: node.from,
+      closeFrom: node.to,
+      selfClosing: false,
+      whole: true,
+      texts: [],
       scope: parent?.scope ?? noScope,
     };
     for (let child = node.firstChild; child; child = child.nextSibling) this.part(child, element);
@@ -132,14 +153,23 @@ class TreeReader {
         break;
       case "CloseTag":
         element.closeFrom = child.from;
-        if (child.lastChild?.type.isError) this.broken(child, element, `</${element.name} has no ">" at its end.`);
+        if (child.lastChild?.type.isError)
+          this.broken(child, element, `</${element.name} has no ">" at its end.`);
         break;
       case "MismatchedCloseTag":
-        this.broken(child, element, `${this.slice(child)} closes nothing that is open here; <${element.name}> is open.`);
+        this.broken(
+          child,
+          element,
+          `${this.slice(child)} closes nothing that is open here; <${element.name}> is open.`,
+        );
         break;
       case "MissingCloseTag":
         element.closeFrom = child.from;
-        this.broken({ from: element.from, to: element.openTo }, element, `<${element.name}> is never closed. Add </${element.name}>.`);
+        this.broken(
+          { from: element.from, to: element.openTo },
+          element,
+          `<${element.name}> is never closed. Add </${element.name}>.`,
+        );
         break;
       case "Text":
       case "EntityReference":
@@ -150,9 +180,17 @@ class TreeReader {
       default:
         if (child.type.isError && child.to >= this.text.length && child.from === child.to) {
           element.closeFrom = child.from;
-          this.broken({ from: element.from, to: element.openTo }, element, `<${element.name}> is never closed. Add </${element.name}>.`);
+          this.broken(
+            { from: element.from, to: element.openTo },
+            element,
+            `<${element.name}> is never closed. Add </${element.name}>.`,
+          );
         } else if (child.type.isError || child.name === "InvalidEntity") {
-          this.broken(child, element, `${JSON.stringify(this.slice(child))} is not allowed here. Write "&" as &amp; and "<" as &lt;.`);
+          this.broken(
+            child,
+            element,
+            `${JSON.stringify(this.slice(child))} is not allowed here. Write "&" as &amp; and "<" as &lt;.`,
+          );
         }
     }
   }
@@ -176,7 +214,11 @@ class TreeReader {
       } else if (part.name === "Attribute") {
         this.attribute(part, element);
       } else if (part.type.isError) {
-        this.broken({ from: part.from, to: Math.max(part.to, part.from) }, element, `The tag of <${element.name}> is not complete here.`);
+        this.broken(
+          { from: part.from, to: Math.max(part.to, part.from) },
+          element,
+          `The tag of <${element.name}> is not complete here.`,
+        );
       }
     }
   }
@@ -195,7 +237,12 @@ class TreeReader {
     const valueFrom = value.from + 1;
     const valueTo = value.to - 1;
     element.attributes.push({
-      name: this.slice(name), from: node.from, to: node.to, valueFrom, valueTo, quote,
+      name: this.slice(name),
+      from: node.from,
+      to: node.to,
+      valueFrom,
+      valueTo,
+      quote,
       value: decode(this.text.slice(valueFrom, valueTo).replace(/[\t\n\r]/g, " ")),
     });
   }
@@ -221,15 +268,25 @@ export function attribute(element: XmlElement, name: string): XmlAttribute | und
 export function attributeNs(element: XmlElement, namespace: string, local: string): XmlAttribute | undefined {
   return element.attributes.find((a) => {
     const colon = a.name.indexOf(":");
-    return colon > 0 && a.name.slice(colon + 1) === local && element.scope.get(a.name.slice(0, colon)) === namespace;
+    return (
+      colon > 0 &&
+      a.name.slice(colon + 1) === local &&
+      element.scope.get(a.name.slice(0, colon)) === namespace
+    );
   });
 }
 
 // The element's own text, decoded, without blanks at its ends.
 export function ownText(text: string, element: XmlElement): string {
-  return element.texts.map((run) => decodeRun(text.slice(run.from, run.to))).join("").trim();
+  return element.texts
+    .map((run) => decodeRun(text.slice(run.from, run.to)))
+    .join("")
+    .trim();
 }
 
 function decodeRun(written: string): string {
-  return written.split(/(<!\[CDATA\[[\s\S]*?\]\]>)/).map((part) => (part.startsWith("<![CDATA[") ? part.slice(9, -3) : decode(part))).join("");
+  return written
+    .split(/(<!\[CDATA\[[\s\S]*?\]\]>)/)
+    .map((part) => (part.startsWith("<![CDATA[") ? part.slice(9, -3) : decode(part)))
+    .join("");
 }

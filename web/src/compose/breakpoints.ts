@@ -19,14 +19,29 @@ function save(workflow: string, places: ReadonlySet<string>) {
 }
 
 // Of one flow of the workflow that is open: the names of its steps that have one.
-export function useBreakpoints(workflow: string, flow: string): { steps: ReadonlySet<string>; toggle: (step: string) => void } {
+export function useBreakpoints(
+  workflow: string,
+  flow: string,
+): { steps: ReadonlySet<string>; toggle: (step: string) => void } {
   const [places, setPlaces] = useState(() => load(workflow));
-  const toggle = useCallback((step: string) => setPlaces((before) => {
-    const after = new Set(before);
-    if (!after.delete(placeOf(flow, step))) after.add(placeOf(flow, step));
-    save(workflow, after);
-    return after;
-  }), [workflow, flow]);
-  const steps = useMemo(() => new Set([...places].filter((place) => place.startsWith(placeOf(flow, ""))).map((place) => place.slice(placeOf(flow, "").length))), [places, flow]);
+  const toggle = useCallback(
+    (step: string) =>
+      setPlaces((before) => {
+        const after = new Set(before);
+        if (!after.delete(placeOf(flow, step))) after.add(placeOf(flow, step));
+        save(workflow, after);
+        return after;
+      }),
+    [workflow, flow],
+  );
+  const steps = useMemo(
+    () =>
+      new Set(
+        [...places]
+          .filter((place) => place.startsWith(placeOf(flow, "")))
+          .map((place) => place.slice(placeOf(flow, "").length)),
+      ),
+    [places, flow],
+  );
   return { steps, toggle };
 }

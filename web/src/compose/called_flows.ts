@@ -20,18 +20,30 @@ export type CalledFlows = ReadonlyMap<string, Called>;
 
 export function useCalledFlows(document: CawlDocument, palette: readonly PaletteEntry[]): CalledFlows {
   const own = new Set(document.flows.map((f) => f.name));
-  const targets = [...new Set(document.flows.flatMap((f) => f.steps.flatMap((s) => s.invokes.filter((i) => i.kind === "subflow").map((i) => i.target))))].sort();
+  const targets = [
+    ...new Set(
+      document.flows.flatMap((f) =>
+        f.steps.flatMap((s) => s.invokes.filter((i) => i.kind === "subflow").map((i) => i.target)),
+      ),
+    ),
+  ].sort();
   const deployed = new Map(palette.filter((e) => e.kind === "workflow").map((e) => [e.id, e.deployed ?? 0]));
-  const wanted = [...new Set(targets.filter((t) => !own.has(t)).map(workflowOf))].filter((name) => deployed.has(name));
+  const wanted = [...new Set(targets.filter((t) => !own.has(t)).map(workflowOf))].filter((name) =>
+    deployed.has(name),
+  );
   const key = wanted.map((name) => `${name} ${deployed.get(name)}`).join("\n");
-  const polled = usePoll(key && `called flows\n${key}`, async (signal) => {
-    for (const name of wanted) {
-      const version = `${name} ${deployed.get(name)}`;
-      const text = texts.get(version) ?? (await liveText(name, signal).catch(() => undefined));
-      if (text) texts.set(version, text);
-    }
-    return true;
-  }, againMs);
+  const polled = usePoll(
+    key && `called flows\n${key}`,
+    async (signal) => {
+      for (const name of wanted) {
+        const version = `${name} ${deployed.get(name)}`;
+        const text = texts.get(version) ?? (await liveText(name, signal).catch(() => undefined));
+        if (text) texts.set(version, text);
+      }
+      return true;
+    },
+    againMs,
+  );
   const names = targets.join("\n");
   return useMemo(() => {
     const gives = givesOf(palette);
@@ -39,7 +51,11 @@ export function useCalledFlows(document: CawlDocument, palette: readonly Palette
     for (const target of targets) {
       const local = own.has(target);
       const text = local ? "" : texts.get(`${workflowOf(target)} ${deployed.get(workflowOf(target))}`);
-      const found = local ? calledFlow(document, target, gives) : text ? calledFlow(readCawl(text), target.split("/")[1] ?? "", gives) : undefined;
+      const found = local
+        ? calledFlow(document, target, gives)
+        : text
+          ? calledFlow(readCawl(text), target.split("/")[1] ?? "", gives)
+          : undefined;
       if (found) called.set(target, found);
     }
     return called;
@@ -51,23 +67,43 @@ function workflowOf(target: string): string {
 }
 // What an invoke gives, as far as it is known.
 export function givesOf(palette: readonly PaletteEntry[], called: CalledFlows = new Map()): Gives {
-  return (invoke) => (invoke.kind === "subflow" ? called.get(invoke.target)?.gives : palette.find((e) => e.id === invoke.target && e.kind !== "workflow")?.outputs);
+  return (invoke) =>
+    invoke.kind === "subflow"
+      ? called.get(invoke.target)?.gives
+      : palette.find((e) => e.id === invoke.target && e.kind !== "workflow")?.outputs;
 }
 
-export function unsetFindings(document: CawlDocument, called: CalledFlows, palette: readonly PaletteEntry[], vocabulary: Vocabulary): Finding[] {
+export function unsetFindings(
+  document: CawlDocument,
+  called: CalledFlows,
+  palette: readonly PaletteEntry[],
+  vocabulary: Vocabulary,
+): Finding[] {
   if (document.problems.length > 0) return [];
   const prefixes = prefixesOf(document);
-  const isA = (term: string, type: string) => vocabulary.things.some((t) => t.term === term && t.classes?.includes(shorten(type, prefixes)));
+  const isA = (term: string, type: string) =>
+    vocabulary.things.some((t) => t.term === term && t.classes?.includes(shorten(type, prefixes)));
   return unsetInputs(document, called, givesOf(palette, called), isA).map((unset): Finding => {
     const { flow, step, invoke, input, named } = unset;
     const target = words(invoke.target);
     const [only, ...more] = named;
     const remedy = only && more.length === 0 ? only : "";
     return {
-      id: `unset ${flow.key} ${step.key} ${invoke.element.from} ${input.name}`, error: false, rule: "unset-input", message: `The value ${input.name} is never set before: ${target} then ${thenWords(unset, shorten(input.type, prefixes))}.`,
-      hint: remedy ? `The situation that starts it names ${termName(remedy, prefixes)}. The run can begin with it.` : "Give the step a value, or let the situation that starts the flow find one.",
-      from: invoke.element.from, to: invoke.element.openTo, flow: flow.key, step: step.key, link: "", of: document.text,
-      fix: remedy ? begins(document, unset, remedy) : [], ...(remedy && { remedy: `Set ${input.name} to ${termName(remedy, prefixes)}` }),
+      id: `unset ${flow.key} ${step.key} ${invoke.element.from} ${input.name}`,
+      error: false,
+      rule: "unset-input",
+      message: `The value ${input.name} is never set before: ${target} then ${thenWords(unset, shorten(input.type, prefixes))}.`,
+      hint: remedy
+        ? `The situation that starts it names ${termName(remedy, prefixes)}. The run can begin with it.`
+        : "Give the step a value, or let the situation that starts the flow find one.",
+      from: invoke.element.from,
+      to: invoke.element.openTo,
+      flow: flow.key,
+      step: step.key,
+      link: "",
+      of: document.text,
+      fix: remedy ? begins(document, unset, remedy) : [],
+      ...(remedy && { remedy: `Set ${input.name} to ${termName(remedy, prefixes)}` }),
     };
   });
 }

@@ -1,8 +1,20 @@
 // The canvas: the flow of the text as cards and arrows. What is done here becomes an edit of the text; only a drag that is under
 // way, and what is selected, live here.
 import {
-  Background, BackgroundVariant, ConnectionMode, Controls, type EdgeChange, MarkerType, type NodeChange, type OnConnectEnd, ReactFlow, ReactFlowProvider,
-  SelectionMode, getViewportForBounds, useReactFlow, applyNodeChanges,
+  Background,
+  BackgroundVariant,
+  ConnectionMode,
+  Controls,
+  type EdgeChange,
+  MarkerType,
+  type NodeChange,
+  type OnConnectEnd,
+  ReactFlow,
+  ReactFlowProvider,
+  SelectionMode,
+  getViewportForBounds,
+  useReactFlow,
+  applyNodeChanges,
 } from "@xyflow/react";
 import "@xyflow/react/dist/style.css";
 import { useEffect, useMemo, useRef, useState, type ReactNode } from "react";
@@ -55,26 +67,44 @@ function useNodes(props: CanvasProps): StepNode[] {
   const { shown, findings, serviceNames, selected, trial, breakpoints, onBreakpoint } = props;
   const order = useMemo(() => inFlowOrder(shown.steps, shown.links), [shown]);
   const places = useMemo(() => placeSteps(shown.steps, shown.links), [shown]);
-  return useMemo(
-    () => {
-      const counts = new Map<string, { errors: number; warnings: number }>();
-      for (const f of findings) {
-        if (f.flow !== shown.flow.key || !f.step) continue;
-        const count = counts.get(f.step) ?? { errors: 0, warnings: 0 };
-        counts.set(f.step, f.error ? { ...count, errors: count.errors + 1 } : { ...count, warnings: count.warnings + 1 });
-      }
-      return order.map((step): StepNode => {
-        const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
-        const tried = trial?.get(step.name);
-        const data = { step, serviceNames, errors, warnings, breakpoint: breakpoints.has(step.name), onBreakpoint, ...(tried && { state: tried.state, stateLabel: look(tried.state).words }), ...(tried?.differs && { differs: "the past run would differ here" }) };
-        return {
-          id: step.key, type: "step", data, position: places.get(step.key) ?? { x: 0, y: 0 }, selected: selected.has(step.key), width: stepWidth, height: stepHeight(step), measured: { width: stepWidth, height: stepHeight(step) },
-          deletable: !step.stale, draggable: !step.stale, ariaLabel: stepWords(data),
-        };
-      });
-    },
-    [order, places, findings, serviceNames, selected, shown, trial, breakpoints, onBreakpoint],
-  );
+  return useMemo(() => {
+    const counts = new Map<string, { errors: number; warnings: number }>();
+    for (const f of findings) {
+      if (f.flow !== shown.flow.key || !f.step) continue;
+      const count = counts.get(f.step) ?? { errors: 0, warnings: 0 };
+      counts.set(
+        f.step,
+        f.error ? { ...count, errors: count.errors + 1 } : { ...count, warnings: count.warnings + 1 },
+      );
+    }
+    return order.map((step): StepNode => {
+      const { errors, warnings } = counts.get(step.key) ?? { errors: 0, warnings: 0 };
+      const tried = trial?.get(step.name);
+      const data = {
+        step,
+        serviceNames,
+        errors,
+        warnings,
+        breakpoint: breakpoints.has(step.name),
+        onBreakpoint,
+        ...(tried && { state: tried.state, stateLabel: look(tried.state).words }),
+        ...(tried?.differs && { differs: "the past run would differ here" }),
+      };
+      return {
+        id: step.key,
+        type: "step",
+        data,
+        position: places.get(step.key) ?? { x: 0, y: 0 },
+        selected: selected.has(step.key),
+        width: stepWidth,
+        height: stepHeight(step),
+        measured: { width: stepWidth, height: stepHeight(step) },
+        deletable: !step.stale,
+        draggable: !step.stale,
+        ariaLabel: stepWords(data),
+      };
+    });
+  }, [order, places, findings, serviceNames, selected, shown, trial, breakpoints, onBreakpoint]);
 }
 
 function Flow(props: CanvasProps) {
@@ -95,7 +125,13 @@ function Flow(props: CanvasProps) {
       const now = new Map(before.map((node) => [node.id, node]));
       return fromModel.map((node) => {
         const moving = moved.current.has(node.id) ? now.get(node.id) : undefined;
-        return moving ? { ...node, position: moving.position, ...(moving.dragging !== undefined && { dragging: moving.dragging }) } : node;
+        return moving
+          ? {
+              ...node,
+              position: moving.position,
+              ...(moving.dragging !== undefined && { dragging: moving.dragging }),
+            }
+          : node;
       });
     });
   }, [fromModel]);
@@ -114,13 +150,23 @@ function Flow(props: CanvasProps) {
     if (!box || box.width === 0 || fromModel.length === 0) return;
     const left = Math.min(...fromModel.map((n) => n.position.x));
     const top = Math.min(...fromModel.map((n) => n.position.y));
-    const bounds = { x: left, y: top, width: Math.max(...fromModel.map((n) => n.position.x + (n.width ?? 0))) - left, height: Math.max(...fromModel.map((n) => n.position.y + (n.height ?? 0))) - top };
+    const bounds = {
+      x: left,
+      y: top,
+      width: Math.max(...fromModel.map((n) => n.position.x + (n.width ?? 0))) - left,
+      height: Math.max(...fromModel.map((n) => n.position.y + (n.height ?? 0))) - top,
+    };
     const view = getViewportForBounds(bounds, box.width, box.height, 0.15, largest, 0.14);
     // A long flow begins at its top in a size that can be read.
     const zoom = Math.min(largest, readable);
-    const whole = view.zoom >= smallest ? view : { x: box.width / 2 - (bounds.x + bounds.width / 2) * zoom, y: 28 - bounds.y * zoom, zoom };
+    const whole =
+      view.zoom >= smallest
+        ? view
+        : { x: box.width / 2 - (bounds.x + bounds.width / 2) * zoom, y: 28 - bounds.y * zoom, zoom };
     const wanted = props.selected.has(asked) ? fromModel.find((n) => n.id === asked) : undefined;
-    void flow.setViewport(wanted ? withPiece(wanted, whole, box) : whole, { duration: lessMotion() ? 0 : 190 });
+    void flow.setViewport(wanted ? withPiece(wanted, whole, box) : whole, {
+      duration: lessMotion() ? 0 : 190,
+    });
   };
   const latestShow = useRef(show);
   latestShow.current = show;
@@ -197,7 +243,10 @@ function Flow(props: CanvasProps) {
   };
 
   const byName = useMemo(() => new Map(shown.steps.map((s) => [s.name, s.key])), [shown]);
-  const badLinks = useMemo(() => new Set(props.findings.filter((f) => f.flow === shown.flow.key && f.link).map((f) => f.link)), [props.findings, shown]);
+  const badLinks = useMemo(
+    () => new Set(props.findings.filter((f) => f.flow === shown.flow.key && f.link).map((f) => f.link)),
+    [props.findings, shown],
+  );
   const edges = useMemo(
     () =>
       shown.links.flatMap((link): LinkEdgeType[] => {
@@ -205,12 +254,19 @@ function Flow(props: CanvasProps) {
         const target = byName.get(link.to);
         if (source === undefined || target === undefined) return [];
         const bad = badLinks.has(link.key);
-        return [{
-          id: link.key, source, target, type: "link", selected: props.selectedLinks.has(link.key), ariaLabel: `Link from ${link.from} to ${link.to}`,
-          className: `${link.kind}${link.stale ? " unmended" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
-          data: { link, onInsert: (key: string) => props.onQuickAdd({ link: key }) },
-          markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" },
-        }];
+        return [
+          {
+            id: link.key,
+            source,
+            target,
+            type: "link",
+            selected: props.selectedLinks.has(link.key),
+            ariaLabel: `Link from ${link.from} to ${link.to}`,
+            className: `${link.kind}${link.stale ? " unmended" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
+            data: { link, onInsert: (key: string) => props.onQuickAdd({ link: key }) },
+            markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" },
+          },
+        ];
       }),
     [shown, byName, badLinks, props.selectedLinks, props.onQuickAdd, hovered],
   );
@@ -230,7 +286,10 @@ function Flow(props: CanvasProps) {
     if (!text) return;
     const link = linkAt(event.clientX, event.clientY);
     const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
-    actions.add(JSON.parse(text) as NewKind, { ...(link && { link }), position: { x: at.x - stepWidth / 2, y: at.y - 22 } });
+    actions.add(JSON.parse(text) as NewKind, {
+      ...(link && { link }),
+      position: { x: at.x - stepWidth / 2, y: at.y - 22 },
+    });
   };
   const onConnectEnd: OnConnectEnd = (event, state) => {
     if (state.isValid || !state.fromNode || state.fromHandle?.type !== "source" || state.toNode) return;
@@ -241,7 +300,9 @@ function Flow(props: CanvasProps) {
   };
   const dragStop = (event: MouseEvent | TouchEvent | React.MouseEvent, node: StepNode, all: StepNode[]) => {
     const point = "changedTouches" in event ? event.changedTouches[0] : event;
-    const alone = all.length === 1 && !shown.links.some((l) => l.from === node.data.step.name || l.to === node.data.step.name);
+    const alone =
+      all.length === 1 &&
+      !shown.links.some((l) => l.from === node.data.step.name || l.to === node.data.step.name);
     const link = alone && point ? linkAt(point.clientX, point.clientY) : null;
     if (link) actions.spliceExisting(link, node.id);
     commit();
@@ -249,7 +310,9 @@ function Flow(props: CanvasProps) {
 
   return (
     <div
-      className={`canvas${calm ? " calm" : ""}`} ref={pane} tabIndex={-1} // a click beside the steps gives it the keys
+      className={`canvas${calm ? " calm" : ""}`}
+      ref={pane}
+      tabIndex={-1} // a click beside the steps gives it the keys
       onPointerDownCapture={() => document.getSelection()?.removeAllRanges()} // text that is selected elsewhere is no longer meant
       onDragOver={(e) => {
         if (!dragged.what) return;
@@ -257,18 +320,49 @@ function Flow(props: CanvasProps) {
         e.dataTransfer.dropEffect = "copy";
         setHovered(linkAt(e.clientX, e.clientY));
       }}
-      onDragLeave={() => setHovered(null)} onDrop={drop}
+      onDragLeave={() => setHovered(null)}
+      onDrop={drop}
     >
       <ReactFlow<StepNode, LinkEdgeType>
-        nodes={nodes} edges={edges} nodeTypes={nodeTypes} edgeTypes={edgeTypes} onNodesChange={onNodesChange} onEdgesChange={onEdgesChange}
-        onConnect={(c) => actions.connect(c.source, c.target)} onConnectEnd={onConnectEnd} onNodeDragStop={dragStop} onSelectionDragStop={commit}
-        onNodeDoubleClick={(_, node) => props.onOpen(node.id)} connectionMode={ConnectionMode.Strict} connectionRadius={36}
-        deleteKeyCode={null} selectionKeyCode="Shift" multiSelectionKeyCode={["Meta", "Control"]} selectionMode={SelectionMode.Partial} panOnScroll zoomOnDoubleClick={false}
-        minZoom={0.15} maxZoom={2} snapToGrid snapGrid={[4, 4]} fitView={nodes.length <= 120} fitViewOptions={{ padding: 0.16, maxZoom: 1 }} onlyRenderVisibleElements={nodes.length > 120}
-        nodesFocusable edgesFocusable disableKeyboardA11y={false} autoPanOnNodeFocus proOptions={{ hideAttribution: false }} attributionPosition="bottom-left"
+        nodes={nodes}
+        edges={edges}
+        nodeTypes={nodeTypes}
+        edgeTypes={edgeTypes}
+        onNodesChange={onNodesChange}
+        onEdgesChange={onEdgesChange}
+        onConnect={(c) => actions.connect(c.source, c.target)}
+        onConnectEnd={onConnectEnd}
+        onNodeDragStop={dragStop}
+        onSelectionDragStop={commit}
+        onNodeDoubleClick={(_, node) => props.onOpen(node.id)}
+        connectionMode={ConnectionMode.Strict}
+        connectionRadius={36}
+        deleteKeyCode={null}
+        selectionKeyCode="Shift"
+        multiSelectionKeyCode={["Meta", "Control"]}
+        selectionMode={SelectionMode.Partial}
+        panOnScroll
+        zoomOnDoubleClick={false}
+        minZoom={0.15}
+        maxZoom={2}
+        snapToGrid
+        snapGrid={[4, 4]}
+        fitView={nodes.length <= 120}
+        fitViewOptions={{ padding: 0.16, maxZoom: 1 }}
+        onlyRenderVisibleElements={nodes.length > 120}
+        nodesFocusable
+        edgesFocusable
+        disableKeyboardA11y={false}
+        autoPanOnNodeFocus
+        proOptions={{ hideAttribution: false }}
+        attributionPosition="bottom-left"
       >
         <Background variant={BackgroundVariant.Dots} gap={20} size={1.4} color="var(--dots)" />
-        <Controls showInteractive={false} position="bottom-right" fitViewOptions={{ padding: 0.16, maxZoom: 1, duration: 190 }} />
+        <Controls
+          showInteractive={false}
+          position="bottom-right"
+          fitViewOptions={{ padding: 0.16, maxZoom: 1, duration: 190 }}
+        />
       </ReactFlow>
       {props.children}
     </div>

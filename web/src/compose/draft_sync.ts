@@ -4,7 +4,16 @@
 import { uniqueName } from "../cawl/names";
 import { toast } from "../ui/toasts";
 import { kept } from "../api/storage";
-import { askBeforeLeaving, type Draft, dropDraft, isUnkept, listDrafts, loadDraft, saveDraft, watchDraft } from "./drafts";
+import {
+  askBeforeLeaving,
+  type Draft,
+  dropDraft,
+  isUnkept,
+  listDrafts,
+  loadDraft,
+  saveDraft,
+  watchDraft,
+} from "./drafts";
 import type { LiveVersion } from "./load_document";
 import { mergeTexts } from "./merge";
 import type { Session } from "./session";
@@ -50,7 +59,11 @@ export class DraftSync {
   }
   // Somebody has deployed another version than the one that this text began from.
   get behind(): boolean {
-    return this.shownLive !== null && this.shownLive.text !== this.base && this.shownLive.text !== this.session.written;
+    return (
+      this.shownLive !== null &&
+      this.shownLive.text !== this.base &&
+      this.shownLive.text !== this.session.written
+    );
   }
   // The browser keeps the text.
   get isKept(): boolean {
@@ -62,17 +75,25 @@ export class DraftSync {
     this.catchUp();
     const before = this.shownLive;
     this.shownLive = live;
-    if (this.conflict === null && this.base !== null && this.session.written === this.base && live.text !== this.base) {
+    if (
+      this.conflict === null &&
+      this.base !== null &&
+      this.session.written === this.base &&
+      live.text !== this.base
+    ) {
       this.base = live.text;
       this.session.mergeIn(live.text);
       this.save();
       toast("good", `${versionWords(live)} is here`, "Somebody has deployed it. You had changed nothing.");
-    } else if (before?.text === live.text && before.number === live.number && before.timeUs === live.timeUs) return;
+    } else if (before?.text === live.text && before.number === live.number && before.timeUs === live.timeUs)
+      return;
     this.told();
   }
   // Both the live version and what was changed here; null: both changed the same place.
   together(): string | null {
-    return this.shownLive && this.base !== null ? mergeTexts(this.base, this.session.written, this.shownLive.text) : null;
+    return this.shownLive && this.base !== null
+      ? mergeTexts(this.base, this.session.written, this.shownLive.text)
+      : null;
   }
   putTogether() {
     const both = this.together();
@@ -108,7 +129,12 @@ export class DraftSync {
 
   // From now on the draft is what differs from this.
   isDeployed(text: string, version: string) {
-    this.shownLive = { number: this.shownLive?.number ?? 0, version, timeUs: BigInt(Date.now()) * 1000n, text };
+    this.shownLive = {
+      number: this.shownLive?.number ?? 0,
+      version,
+      timeUs: BigInt(Date.now()) * 1000n,
+      text,
+    };
     this.base = text;
     this.save();
     this.told();
@@ -141,7 +167,10 @@ export class DraftSync {
     this.become(null);
     if (merged !== mine) {
       this.session.mergeIn(merged);
-      toast("good", both ? "Another tab’s changes are put together with yours" : "Another tab’s changes are here");
+      toast(
+        "good",
+        both ? "Another tab’s changes are put together with yours" : "Another tab’s changes are here",
+      );
     }
   }
   private save() {
@@ -166,7 +195,8 @@ export class DraftSync {
   private leave() {
     if (this.session.version === 0) return;
     this.save();
-    if (this.conflict !== null) saveDraft(uniqueName(new Set(listDrafts().map((d) => d.name)), this.name), this.session.written, "");
+    if (this.conflict !== null)
+      saveDraft(uniqueName(new Set(listDrafts().map((d) => d.name)), this.name), this.session.written, "");
   }
   close() {
     this.leave();

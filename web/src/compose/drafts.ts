@@ -13,14 +13,19 @@ export interface Draft {
 export function loadDraft(name: string): Draft | null {
   try {
     const stored = JSON.parse(kept.getItem(prefix + name) ?? "null") as Partial<Draft> | null;
-    return stored && typeof stored.text === "string" ? { text: stored.text, savedMs: Number(stored.savedMs ?? 0), base: String(stored.base ?? "") } : null;
+    return stored && typeof stored.text === "string"
+      ? { text: stored.text, savedMs: Number(stored.savedMs ?? 0), base: String(stored.base ?? "") }
+      : null;
   } catch {
     return null;
   }
 }
 // False: it lasts as long as the page.
 export function saveDraft(name: string, text: string, base: string): boolean {
-  const saved = kept.setItem(prefix + name, JSON.stringify({ text, base, savedMs: Date.now() } satisfies Draft));
+  const saved = kept.setItem(
+    prefix + name,
+    JSON.stringify({ text, base, savedMs: Date.now() } satisfies Draft),
+  );
   if (saved) unkept.delete(name);
   else unkept.add(name);
   if (unkept.size === 1 && !saved) window.addEventListener("beforeunload", askBeforeLeaving); // once, however often
@@ -31,7 +36,8 @@ export function dropDraft(name: string) {
   kept.removeItem(prefix + name);
 }
 export function listDrafts(): { name: string; draft: Draft }[] {
-  return kept.keys()
+  return kept
+    .keys()
     .filter((key) => key.startsWith(prefix))
     .flatMap((key) => {
       const name = key.slice(prefix.length);

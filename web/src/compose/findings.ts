@@ -52,7 +52,8 @@ export function lineStarts(text: string): number[] {
 // Index of a line (from 1) and a column (from 1, in code points).
 export function indexOfPlace(text: string, line: number, column: number, starts = lineStarts(text)): number {
   let index = starts[Math.min(line, starts.length) - 1] ?? 0;
-  for (let at = 1; at < column && index < text.length && text[index] !== "\n"; at++) index += (text.codePointAt(index) ?? 0) > 0xffff ? 2 : 1;
+  for (let at = 1; at < column && index < text.length && text[index] !== "\n"; at++)
+    index += (text.codePointAt(index) ?? 0) > 0xffff ? 2 : 1;
   return index;
 }
 
@@ -70,7 +71,15 @@ export function readFindings(document: CawlDocument, diagnostics: readonly Diagn
     return { flow: part?.flow.key ?? "", step: part?.step?.key ?? "", link: part?.link?.key ?? "" };
   };
   const own = document.problems.map((p, i): Finding => ({
-    id: `text ${i}`, error: true, message: p.message, hint: "", rule: "text", from: p.from, to: p.to, fix: [], ...place(p.from),
+    id: `text ${i}`,
+    error: true,
+    message: p.message,
+    hint: "",
+    rule: "text",
+    from: p.from,
+    to: p.to,
+    fix: [],
+    ...place(p.from),
   }));
   if (own.length > 0) return own; // the server says the same, in other words
   return diagnostics.map((d, i): Finding => {
@@ -79,30 +88,68 @@ export function readFindings(document: CawlDocument, diagnostics: readonly Diagn
       const at = indexOfByte(text, Number(edit.offset));
       return { from: at, to: indexOfByte(text, Number(edit.offset + edit.length)), insert: edit.replacement };
     });
-    return { id: `check ${i} ${d.rule}`, error: !d.warning, message: d.message, hint: d.hint, rule: d.rule, from, to: endOfWord(text, from), fix, ...place(from) };
+    return {
+      id: `check ${i} ${d.rule}`,
+      error: !d.warning,
+      message: d.message,
+      hint: d.hint,
+      rule: d.rule,
+      from,
+      to: endOfWord(text, from),
+      fix,
+      ...place(from),
+    };
   });
 }
 
 export function useFindings(session: Session): Findings {
   const version = useSyncExternalStore(session.subscribe, session.getVersion);
-  const [state, setState] = useState<Findings>(() => ({ list: readFindings(session.shown, []), conditions: [], of: "", checking: true, error: undefined }));
+  const [state, setState] = useState<Findings>(() => ({
+    list: readFindings(session.shown, []),
+    conditions: [],
+    of: "",
+    checking: true,
+    error: undefined,
+  }));
   const sequence = useRef(0);
   useEffect(() => {
     const abort = new AbortController();
     const mine = ++sequence.current;
     const document = session.shown;
     if (document.problems.length > 0) {
-      setState((before) => ({ ...before, list: readFindings(document, []), of: document.text, checking: false, error: undefined }));
+      setState((before) => ({
+        ...before,
+        list: readFindings(document, []),
+        of: document.text,
+        checking: false,
+        error: undefined,
+      }));
       return;
     }
     const ask = async () => {
       setState((before) => ({ ...before, checking: true }));
       try {
-        const reply = await workflows.check({ name: `${document.name || "workflow"}.cawl.xml`, cawl: document.text }, { signal: abort.signal });
-        if (mine === sequence.current) setState({ list: readFindings(document, reply.diagnostics), conditions: reply.conditions, of: document.text, checking: false, error: undefined });
+        const reply = await workflows.check(
+          { name: `${document.name || "workflow"}.cawl.xml`, cawl: document.text },
+          { signal: abort.signal },
+        );
+        if (mine === sequence.current)
+          setState({
+            list: readFindings(document, reply.diagnostics),
+            conditions: reply.conditions,
+            of: document.text,
+            checking: false,
+            error: undefined,
+          });
       } catch (error) {
         const words = plain(error);
-        if (mine === sequence.current && words.kind !== "cancelled") setState((before) => ({ ...before, list: readFindings(document, []), checking: false, error: words }));
+        if (mine === sequence.current && words.kind !== "cancelled")
+          setState((before) => ({
+            ...before,
+            list: readFindings(document, []),
+            checking: false,
+            error: words,
+          }));
       }
     };
     const timer = window.setTimeout(ask, 200);

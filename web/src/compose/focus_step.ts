@@ -10,7 +10,8 @@ export function focusStep(key: string) {
     const free = document.querySelector("dialog[open]") === null;
     const elsewhere = document.activeElement !== step && document.activeElement !== document.body;
     if (step && free && document.activeElement === step) quiet++;
-    else if (quiet > 0 && free && elsewhere) return; // somebody has gone on
+    else if (quiet > 0 && free && elsewhere)
+      return; // somebody has gone on
     else {
       quiet = 0;
       if (step && free) step.focus();

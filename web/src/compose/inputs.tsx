@@ -12,7 +12,15 @@ import { ofClass, type Vocabulary } from "./vocabulary";
 type Input = PaletteEntry["inputs"][number];
 
 // `source`: where the variable of an input's name has its value from, where that is known.
-export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string; source?: (input: Input) => Source; onSet: (input: Input, expression: string) => void }) {
+export function Inputs(props: {
+  entry: PaletteEntry;
+  invoke: Invoke;
+  variables: readonly Variable[];
+  vocabulary: Vocabulary;
+  short: (iri: string) => string;
+  source?: (input: Input) => Source;
+  onSet: (input: Input, expression: string) => void;
+}) {
   const { entry, invoke, variables } = props;
   return (
     <div className="invoke-inputs">
@@ -33,9 +41,35 @@ export function Inputs(props: { entry: PaletteEntry; invoke: Invoke; variables: 
         return (
           <label key={input.name} className="property">
             <span>{label}</span>
-            <Combo label={label} value={own === undefined ? (known && !lacks && !isText(input) ? `$${input.name}` : "") : shownValue(own)} choices={choicesOf(input, props)} onChange={set} text={isText(input)}
-              placeholder={lacks ? "nothing gives it a value" : known?.initial ? shownValue(known.initial) : known ? `$${input.name}, as the run has it` : input.optional ? "any" : isText(input) ? "write the text" : "choose one"} />
-            {source && <small className={lacks ? "input-lacks" : "faint"}>{sourceWords(source, input)}</small>}
+            <Combo
+              label={label}
+              value={
+                own === undefined
+                  ? known && !lacks && !isText(input)
+                    ? `$${input.name}`
+                    : ""
+                  : shownValue(own)
+              }
+              choices={choicesOf(input, props)}
+              onChange={set}
+              text={isText(input)}
+              placeholder={
+                lacks
+                  ? "nothing gives it a value"
+                  : known?.initial
+                    ? shownValue(known.initial)
+                    : known
+                      ? `$${input.name}, as the run has it`
+                      : input.optional
+                        ? "any"
+                        : isText(input)
+                          ? "write the text"
+                          : "choose one"
+              }
+            />
+            {source && (
+              <small className={lacks ? "input-lacks" : "faint"}>{sourceWords(source, input)}</small>
+            )}
           </label>
         );
       })}
@@ -50,7 +84,9 @@ function sourceWords(source: Source, input: Input): string {
     case "activator":
       return "Found by the situation that starts the run";
     case "start":
-      return input.optional ? "One that is free, where the start gives none" : "Given at the start of the run";
+      return input.optional
+        ? "One that is free, where the start gives none"
+        : "Given at the start of the run";
     case "step":
       return `Found at ${source.step}`;
     case "none":
@@ -58,10 +94,23 @@ function sourceWords(source: Source, input: Input): string {
   }
 }
 
-function choicesOf(input: Input, props: { variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string }): Choice[] {
+function choicesOf(
+  input: Input,
+  props: { variables: readonly Variable[]; vocabulary: Vocabulary; short: (iri: string) => string },
+): Choice[] {
   const type = props.short(input.type);
-  const own = props.variables.filter((v) => v.name !== input.name && (!type || !v.type || v.type === type)).map((v): Choice => ({ value: `$${v.name}`, label: v.type, group: "Values of the run" }));
+  const own = props.variables
+    .filter((v) => v.name !== input.name && (!type || !v.type || v.type === type))
+    .map((v): Choice => ({ value: `$${v.name}`, label: v.type, group: "Values of the run" }));
   const same: Choice = { value: `$${input.name}`, label: "as the run has it", group: "Values of the run" };
-  const things = isText(input) || type.startsWith("xsd:") ? [] : ofClass(props.vocabulary, type).map((w): Choice => ({ value: w.term, label: w.label || w.use, use: w.use, group: "In the graph now" }));
+  const things =
+    isText(input) || type.startsWith("xsd:")
+      ? []
+      : ofClass(props.vocabulary, type).map((w): Choice => ({
+          value: w.term,
+          label: w.label || w.use,
+          use: w.use,
+          group: "In the graph now",
+        }));
   return [same, ...own, ...things];
 }

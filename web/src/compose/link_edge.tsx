@@ -30,16 +30,44 @@ export const LinkEdge = memo(function LinkEdge(props: EdgeProps<LinkEdgeType>) {
   const [path, x, y] = back
     ? backPath(props.sourceX, props.sourceY, props.targetX, props.targetY)
     : getSmoothStepPath({ ...props, borderRadius: 12, offset: 14 });
-  const label = !link || link.kind === "plain" ? null : link.kind === "failure" ? "if it fails" : link.kind === "interrupt" ? "if interrupted" : `while ${whileWords(link.whileText)}`;
+  const label =
+    !link || link.kind === "plain"
+      ? null
+      : link.kind === "failure"
+        ? "if it fails"
+        : link.kind === "interrupt"
+          ? "if interrupted"
+          : `while ${whileWords(link.whileText)}`;
   const Icon = link?.kind === "failure" ? TriangleAlert : link?.kind === "interrupt" ? ShieldAlert : Repeat2;
   return (
     <>
-      <BaseEdge path={path} interactionWidth={26} {...(props.markerEnd !== undefined && { markerEnd: props.markerEnd })} />
+      <BaseEdge
+        path={path}
+        interactionWidth={26}
+        {...(props.markerEnd !== undefined && { markerEnd: props.markerEnd })}
+      />
       <EdgeLabelRenderer>
-        <div className={`link-label nodrag nopan${props.selected ? " selected" : ""}${label ? ` ${link?.kind}` : ""}`} style={{ transform: `translate(-50%, -50%) translate(${x}px, ${y}px)` }} data-link={link?.key}>
-          {label && <span className="link-words"><Icon size={11} />{label}</span>}
+        <div
+          className={`link-label nodrag nopan${props.selected ? " selected" : ""}${label ? ` ${link?.kind}` : ""}`}
+          style={{ transform: `translate(-50%, -50%) translate(${x}px, ${y}px)` }}
+          data-link={link?.key}
+        >
+          {label && (
+            <span className="link-words">
+              <Icon size={11} />
+              {label}
+            </span>
+          )}
           {link && !link.stale && props.data?.onInsert && (
-            <button className="link-plus" tabIndex={-1} aria-label={`Put a step between ${link.from} and ${link.to}`} title="Put a step here" onClick={() => props.data?.onInsert?.(link.key)}><Plus size={13} /></button>
+            <button
+              className="link-plus"
+              tabIndex={-1}
+              aria-label={`Put a step between ${link.from} and ${link.to}`}
+              title="Put a step here"
+              onClick={() => props.data?.onInsert?.(link.key)}
+            >
+              <Plus size={13} />
+            </button>
           )}
         </div>
       </EdgeLabelRenderer>

@@ -18,7 +18,10 @@ export const matchesShown = 50;
 
 // Only what the ask needs of the prefixes, so that a document's own never stand in the way.
 function prologue(document: CawlDocument, body: string): string {
-  return [...prefixesOf(document)].filter(([prefix]) => body.includes(`${prefix}:`)).map(([prefix, iri]) => `PREFIX ${prefix}: <${iri.replace(/[<>"{}|^`\\\s]/g, encodeURIComponent)}>\n`).join("");
+  return [...prefixesOf(document)]
+    .filter(([prefix]) => body.includes(`${prefix}:`))
+    .map(([prefix, iri]) => `PREFIX ${prefix}: <${iri.replace(/[<>"{}|^`\\\s]/g, encodeURIComponent)}>\n`)
+    .join("");
 }
 
 function term(text: string): string {
@@ -30,9 +33,12 @@ function term(text: string): string {
 export function constraintPattern(constraint: Constraint): string {
   const { subject, verb, object } = constraint;
   if (!subject.text.trim() || !verb.text.trim() || !object.text.trim()) return "";
-  const compared = /^<[^\s<>=]+>$/.test(object.text.trim()) ? null : /^(<=|>=|!=|<|>|=)\s*(.+)$/.exec(object.text.trim());
+  const compared = /^<[^\s<>=]+>$/.test(object.text.trim())
+    ? null
+    : /^(<=|>=|!=|<|>|=)\s*(.+)$/.exec(object.text.trim());
   const value = compared ? "?value_" : term(object.text);
-  const kind = (type: string, of: string) => (type && !type.startsWith("xsd:") && of.startsWith("?") ? ` ${of} a ${type} .` : "");
+  const kind = (type: string, of: string) =>
+    type && !type.startsWith("xsd:") && of.startsWith("?") ? ` ${of} a ${type} .` : "";
   return `${term(subject.text)} ${term(verb.text)} ${value} .${kind(subject.type, term(subject.text))}${kind(object.type, value)}${compared ? ` FILTER(${value} ${compared[1]} ${term(compared[2] ?? "")})` : ""}`;
 }
 
@@ -42,13 +48,24 @@ export function constraintAsk(document: CawlDocument, constraint: Constraint): s
 }
 
 // An ask in which values of the run ("$robot") are of the kinds that their declarations say: here they are free.
-export function ofKinds(document: CawlDocument, ask: string, rows: readonly Constraint[], kinds: ReadonlyMap<string, string>): string {
+export function ofKinds(
+  document: CawlDocument,
+  ask: string,
+  rows: readonly Constraint[],
+  kinds: ReadonlyMap<string, string>,
+): string {
   const end = ask.lastIndexOf("}");
   if (end < 0) return ask;
-  const names = new Set(rows.flatMap((row) => [row.subject.text, row.object.text]).flatMap((text) => /^\$([A-Za-z]\w*)$/.exec(text.trim())?.[1] ?? []));
+  const names = new Set(
+    rows
+      .flatMap((row) => [row.subject.text, row.object.text])
+      .flatMap((text) => /^\$([A-Za-z]\w*)$/.exec(text.trim())?.[1] ?? []),
+  );
   const patterns = [...names].flatMap((name) => (kinds.has(name) ? [`?${name} a ${kinds.get(name)} .`] : []));
   if (patterns.length === 0) return ask;
-  const missing = prologue(document, patterns.join(" ")).split("\n").filter((line) => line && !ask.includes(line.split(":")[0] + ":"));
+  const missing = prologue(document, patterns.join(" "))
+    .split("\n")
+    .filter((line) => line && !ask.includes(line.split(":")[0] + ":"));
   return `${missing.map((line) => `${line}\n`).join("")}${ask.slice(0, end)} ${patterns.join(" ")} }`;
 }
 
@@ -57,12 +74,23 @@ function asSelect(ask: string): string {
   return `${whole.slice(0, -1)} BIND(true AS ?value_holds) } LIMIT ${matchesShown}`; // a row has a value, also where nothing is free
 }
 
-export function useLive(document: CawlDocument, asks: readonly { id: string; ask: string }[]): ReadonlyMap<string, Live> {
+export function useLive(
+  document: CawlDocument,
+  asks: readonly { id: string; ask: string }[],
+): ReadonlyMap<string, Live> {
   const key = asks.map((a) => a.ask).join("\n");
-  const polled = usePoll(key === "" ? "" : `live ${key}`, async (signal) => {
-    const entries = await Promise.all(asks.filter((a) => a.ask).map(async ({ id, ask }): Promise<[string, Live]> => [id, await state(document, ask, signal)]));
-    return new Map(entries);
-  }, live.state === "open" ? 3000 : 700); // where /live tells of each turn, only counts and what lacks are asked for in between
+  const polled = usePoll(
+    key === "" ? "" : `live ${key}`,
+    async (signal) => {
+      const entries = await Promise.all(
+        asks
+          .filter((a) => a.ask)
+          .map(async ({ id, ask }): Promise<[string, Live]> => [id, await state(document, ask, signal)]),
+      );
+      return new Map(entries);
+    },
+    live.state === "open" ? 3000 : 700,
+  ); // where /live tells of each turn, only counts and what lacks are asked for in between
   useTurns(asks.map((a) => a.ask).filter(Boolean), polled.again);
   return polled.data ?? new Map();
 }
@@ -74,7 +102,15 @@ function useTurns(asks: readonly string[], turned: () => void) {
   const key = JSON.stringify([...new Set(asks)]);
   useEffect(() => {
     if (live.state === "none") return;
-    const stops = (JSON.parse(key) as string[]).map((ask) => live.follow({ call: "docent.v1.Context/Subscribe", request: { query: ask }, everyMs: undefined, onMessage: () => latest.current(), onEnd: () => undefined }));
+    const stops = (JSON.parse(key) as string[]).map((ask) =>
+      live.follow({
+        call: "docent.v1.Context/Subscribe",
+        request: { query: ask },
+        everyMs: undefined,
+        onMessage: () => latest.current(),
+        onEnd: () => undefined,
+      }),
+    );
     return () => stops.forEach((stop) => stop());
   }, [key]);
 }
@@ -83,12 +119,27 @@ async function state(document: CawlDocument, ask: string, signal: AbortSignal): 
   try {
     const answer = await query(asSelect(ask), signal);
     const first = answer.rows[0];
-    const found = Object.fromEntries(first ? answer.variables.filter((v) => !v.startsWith("value_")).map((v) => [v, valueWords(first[v])]) : []);
-    const witness = Object.entries(found).map(([name, value]) => `${name} = ${value}`).join(", ");
-    const miss = answer.rows.length === 0 ? await nearestMiss(ask, prefixesOf(document), signal).catch(() => null) : null;
+    const found = Object.fromEntries(
+      first
+        ? answer.variables.filter((v) => !v.startsWith("value_")).map((v) => [v, valueWords(first[v])])
+        : [],
+    );
+    const witness = Object.entries(found)
+      .map(([name, value]) => `${name} = ${value}`)
+      .join(", ");
+    const miss =
+      answer.rows.length === 0
+        ? await nearestMiss(ask, prefixesOf(document), signal).catch(() => null)
+        : null;
     return { matches: answer.rows.length, witness, found, miss, note: "" };
   } catch (error) {
     if (signal.aborted) throw error;
-    return { matches: -1, witness: "", found: {}, miss: null, note: error instanceof Error ? error.message : String(error) };
+    return {
+      matches: -1,
+      witness: "",
+      found: {},
+      miss: null,
+      note: error instanceof Error ? error.message : String(error),
+    };
   }
 }

@@ -11,7 +11,11 @@ import { isDeployed, liveOf, type LiveVersion } from "./load_document";
 const lookMs = 3000;
 
 // Undefined: the server does not say. Texts are asked for only where another version is live.
-export async function askLive(name: string, known: LiveVersion | null, signal?: AbortSignal): Promise<LiveVersion | null> {
+export async function askLive(
+  name: string,
+  known: LiveVersion | null,
+  signal?: AbortSignal,
+): Promise<LiveVersion | null> {
   const options = signal ? { signal } : {};
   if (!known && !(await isDeployed(name, signal))) return null; // to ask for versions of what has none is an error
   const { versions } = await workflows.listVersions({ workflow: name }, options);
@@ -30,25 +34,37 @@ export async function liveNumber(name: string): Promise<number | undefined> {
   }
 }
 
-export function useLiveVersion(name: string, sync: DraftSync): { live: LiveVersion | null; deployed: (text: string, version: string) => void } {
+export function useLiveVersion(
+  name: string,
+  sync: DraftSync,
+): { live: LiveVersion | null; deployed: (text: string, version: string) => void } {
   useSyncExternalStore(sync.subscribe, sync.getTurn);
   const generation = useRef(0); // an answer from before an own deployment is old
-  const polled = usePoll(`live version ${name}`, async (signal) => {
-    const asked = generation.current;
-    const live = await askLive(name, sync.live, signal);
-    return { asked, live };
-  }, lookMs);
+  const polled = usePoll(
+    `live version ${name}`,
+    async (signal) => {
+      const asked = generation.current;
+      const live = await askLive(name, sync.live, signal);
+      return { asked, live };
+    },
+    lookMs,
+  );
   useEffect(() => {
     if (polled.data?.live && polled.data.asked === generation.current) sync.sees(polled.data.live);
   }, [polled.data, sync]);
-  return { live: sync.live, deployed: (text, version) => (generation.current++, sync.isDeployed(text, version)) };
+  return {
+    live: sync.live,
+    deployed: (text, version) => (generation.current++, sync.isDeployed(text, version)),
+  };
 }
 
 // "Version 1.2 was deployed at 18:20 after you began."
 export function behindWords(live: LiveVersion, base: string | null): string {
   const today = new Date(Number(live.timeUs / 1000n)).toDateString() === new Date().toDateString();
   const when = live.timeUs > 0n ? ` ${today ? "at" : "on"} ${clockMinutes(live.timeUs)}` : "";
-  return base === null ? `${versionWords(live)} was deployed${when}, and this text did not begin from it.` : `${versionWords(live)} was deployed${when} after you began.`;
+  return base === null
+    ? `${versionWords(live)} was deployed${when}, and this text did not begin from it.`
+    : `${versionWords(live)} was deployed${when} after you began.`;
 }
 
 export function BehindBar({ sync }: { sync: DraftSync }) {
@@ -56,7 +72,9 @@ export function BehindBar({ sync }: { sync: DraftSync }) {
   if (!live || !sync.behind) return null;
   return (
     <div className="stale" role="alert">
-      <span title={live.timeUs > 0n ? timeTitle(live.timeUs) : undefined}>{behindWords(live, sync.base)} Deploying this text takes it back.</span>
+      <span title={live.timeUs > 0n ? timeTitle(live.timeUs) : undefined}>
+        {behindWords(live, sync.base)} Deploying this text takes it back.
+      </span>
       <BehindChoices sync={sync} />
     </div>
   );
@@ -64,8 +82,18 @@ export function BehindBar({ sync }: { sync: DraftSync }) {
 export function BehindChoices({ sync }: { sync: DraftSync }) {
   return (
     <>
-      {sync.together() !== null && <button className="button small" title="What was changed here, and what was deployed" onClick={() => sync.putTogether()}>Put both together</button>}
-      <button className="button small" title="Undo brings this text back" onClick={() => sync.takeLive()}>Take the deployed text</button>
+      {sync.together() !== null && (
+        <button
+          className="button small"
+          title="What was changed here, and what was deployed"
+          onClick={() => sync.putTogether()}
+        >
+          Put both together
+        </button>
+      )}
+      <button className="button small" title="Undo brings this text back" onClick={() => sync.takeLive()}>
+        Take the deployed text
+      </button>
     </>
   );
 }
@@ -73,5 +101,12 @@ export function BehindChoices({ sync }: { sync: DraftSync }) {
 // Where the browser does not keep the text.
 export function UnkeptBar({ sync, full }: { sync: DraftSync; full: boolean }) {
   if (sync.isKept) return null;
-  return <div className="stale" role="status">{full ? "The browser’s storage is full: this draft is not kept." : "This browser keeps nothing: drafts are not kept."} Save the text as a file (Ctrl-S) or on the server (Ctrl-Shift-S) before you leave the page.</div>;
+  return (
+    <div className="stale" role="status">
+      {full
+        ? "The browser’s storage is full: this draft is not kept."
+        : "This browser keeps nothing: drafts are not kept."}{" "}
+      Save the text as a file (Ctrl-S) or on the server (Ctrl-Shift-S) before you leave the page.
+    </div>
+  );
 }

@@ -26,7 +26,8 @@ export async function loadDocument(name: string): Promise<Loaded> {
   let error: PlainError | null = null;
   try {
     // Of what was never deployed, the server has no versions to tell.
-    if (!draft || draft.base !== "" || (await isDeployed(name))) versions = (await workflows.listVersions({ workflow: name, withTexts: true })).versions;
+    if (!draft || draft.base !== "" || (await isDeployed(name)))
+      versions = (await workflows.listVersions({ workflow: name, withTexts: true })).versions;
     live = liveOf(versions);
   } catch (failure) {
     const words = plain(failure);
@@ -35,14 +36,22 @@ export async function loadDocument(name: string): Promise<Loaded> {
   }
   const kept = draft ? null : await readServerDraft(name).catch(() => null);
   if (kept) keepSeen(name, kept.saved, kept.text);
-  const base = draft ? draft.base || null : kept ? kept.base || baseAt(versions, Date.parse(kept.saved)) : (live?.text ?? null);
+  const base = draft
+    ? draft.base || null
+    : kept
+      ? kept.base || baseAt(versions, Date.parse(kept.saved))
+      : (live?.text ?? null);
   return { text: draft?.text ?? kept?.text ?? live?.text ?? null, live, base, hidden, error };
 }
 
 // The version that new runs begin with; of a workflow that is no longer deployed, its last one.
-export function liveOf<V extends LiveVersion>(versions: readonly (V & { live?: boolean })[]): LiveVersion | null {
+export function liveOf<V extends LiveVersion>(
+  versions: readonly (V & { live?: boolean })[],
+): LiveVersion | null {
   const live = versions.find((v) => v.live) ?? versions.at(-1);
-  return live && live.text ? { number: live.number, version: live.version, timeUs: live.timeUs, text: live.text } : null;
+  return live && live.text
+    ? { number: live.number, version: live.version, timeUs: live.timeUs, text: live.text }
+    : null;
 }
 // The text that was deployed at a time. Of a draft that does not say what it began from.
 export function baseAt(versions: readonly LiveVersion[], ms: number): string | null {

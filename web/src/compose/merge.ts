@@ -8,7 +8,8 @@ function touch(a: Hunk, b: Hunk): boolean {
   if (a.from === a.to || b.from === b.to) return a.from <= b.to && b.from <= a.to;
   return a.from < b.to && b.from < a.to;
 }
-const same = (a: Hunk, b: Hunk) => a.from === b.from && a.to === b.to && a.lines.join("\n") === b.lines.join("\n");
+const same = (a: Hunk, b: Hunk) =>
+  a.from === b.from && a.to === b.to && a.lines.join("\n") === b.lines.join("\n");
 
 export function mergeLines(base: string, mine: string, other: string): string | null {
   if (mine === other || other === base) return mine;
@@ -17,7 +18,8 @@ export function mergeLines(base: string, mine: string, other: string): string | 
   const a = hunksOf(lines, mine.split("\n"));
   const b = hunksOf(lines, other.split("\n")).filter((h) => !a.some((m) => same(m, h)));
   if (b.some((h) => a.some((m) => touch(m, h)))) return null;
-  for (const hunk of [...a, ...b].sort((x, y) => y.from - x.from || y.to - x.to)) lines.splice(hunk.from, hunk.to - hunk.from, ...hunk.lines);
+  for (const hunk of [...a, ...b].sort((x, y) => y.from - x.from || y.to - x.to))
+    lines.splice(hunk.from, hunk.to - hunk.from, ...hunk.lines);
   return lines.join("\n");
 }
 

@@ -33,7 +33,9 @@ const importedKey = "docent.imported";
 export function importedEntries(): PaletteEntry[] {
   try {
     const stored = JSON.parse(kept.getItem(importedKey) ?? "[]") as PaletteEntry[];
-    return Array.isArray(stored) ? stored.filter((e) => typeof e.id === "string" && Array.isArray(e.inputs)) : [];
+    return Array.isArray(stored)
+      ? stored.filter((e) => typeof e.id === "string" && Array.isArray(e.inputs))
+      : [];
   } catch {
     return [];
   }
@@ -46,7 +48,7 @@ export function keepImported(entries: readonly PaletteEntry[]) {
 // A workflow with the values that it begins with, so that the flow that reuses it has them, too.
 export async function withInputs(entry: PaletteEntry): Promise<PaletteEntry> {
   if (entry.kind !== "workflow" || entry.inputs.length > 0) return entry;
-  const text = await liveText(entry.id).catch(() => undefined) ?? loadDraft(entry.id)?.text;
+  const text = (await liveText(entry.id).catch(() => undefined)) ?? loadDraft(entry.id)?.text;
   const called = text ? calledFlow(readCawl(text), "", () => []) : undefined;
   return called ? { ...entry, inputs: called.takes } : entry;
 }
@@ -65,7 +67,8 @@ async function operationInputs(signal: AbortSignal): Promise<Map<string, Palette
     const operation = decodeURIComponent((row["operation"]?.text ?? "").slice(operationPrefix.length));
     const name = row["name"]?.text ?? "";
     const inputs = found.get(operation) ?? [];
-    if (name && !inputs.some((i) => i.name === name)) found.set(operation, [...inputs, { name, type: row["type"]?.text ?? "" }]);
+    if (name && !inputs.some((i) => i.name === name))
+      found.set(operation, [...inputs, { name, type: row["type"]?.text ?? "" }]);
   }
   return found;
 }
@@ -87,28 +90,79 @@ function takes(inputs: PaletteEntry["inputs"]): string {
 export function usePalette(): PaletteData {
   const operations = usePoll("operation inputs", operationInputs, 6000);
   const outputs = usePoll("operation outputs", operationOutputs, 30_000);
-  const polled = usePoll("palette", async (signal) => {
-    const [robots, registered, deployed] = await Promise.all([fleet.list({}, { signal }), services.list({}, { signal }), workflows.list({}, { signal })]);
-    const taken = new Set(registered.services.map((s) => s.name));
-    const operations = new Map<string, string[]>();
-    for (const robot of robots.robots) for (const operation of robot.operations) operations.set(operation, [...(operations.get(operation) ?? []), robot.label || nameOf(robot.robot)]);
-    const entries: PaletteEntry[] = [];
-    for (const s of registered.services) {
-      const inputs = s.inputParts.length > 0 ? s.inputParts.map((p) => ({ name: p.name, type: p.type })) : s.inputs.map((name) => ({ name, type: "" }));
-      entries.push({ kind: "service", id: s.name, title: words(s.name), inputs, detail: takes(inputs), outputs: s.outputParts.map((p) => p.name), uses: s.steps.flatMap((step) => [step.operation, step.service]).filter(Boolean) });
-    }
-    for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
-      if (taken.has(operation)) continue;
-      entries.push({ kind: "operation", id: operation, title: words(operation), inputs: [], detail: by.length > 2 ? `${by.length} robots` : by.join(", ") });
-    }
-    for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
-    for (const w of deployed.workflows) entries.push({ kind: "workflow", id: w.name, title: words(w.name), detail: w.version ? `version ${w.version}` : "", inputs: [], deployed: w.deployedVersion });
-    return entries;
-  }, 6000);
-  const entries = useMemo(() => (polled.data ?? []).map((e): PaletteEntry => {
-    const inputs = e.kind === "operation" ? (operations.data?.get(e.id) ?? []) : [];
-    const gives = e.kind === "operation" ? outputs.data?.get(e.id) : undefined;
-    return { ...e, ...(inputs.length > 0 && { inputs, detail: [takes(inputs), e.detail].filter(Boolean).join(" · ") }), ...(gives && { outputs: gives }) };
-  }), [polled.data, operations.data, outputs.data]);
-  return { entries, error: polled.data ? undefined : polled.error, loading: !polled.data && !polled.error, again: polled.again };
+  const polled = usePoll(
+    "palette",
+    async (signal) => {
+      const [robots, registered, deployed] = await Promise.all([
+        fleet.list({}, { signal }),
+        services.list({}, { signal }),
+        workflows.list({}, { signal }),
+      ]);
+      const taken = new Set(registered.services.map((s) => s.name));
+      const operations = new Map<string, string[]>();
+      for (const robot of robots.robots)
+        for (const operation of robot.operations)
+          operations.set(operation, [
+            ...(operations.get(operation) ?? []),
+            robot.label || nameOf(robot.robot),
+          ]);
+      const entries: PaletteEntry[] = [];
+      for (const s of registered.services) {
+        const inputs =
+          s.inputParts.length > 0
+            ? s.inputParts.map((p) => ({ name: p.name, type: p.type }))
+            : s.inputs.map((name) => ({ name, type: "" }));
+        entries.push({
+          kind: "service",
+          id: s.name,
+          title: words(s.name),
+          inputs,
+          detail: takes(inputs),
+          outputs: s.outputParts.map((p) => p.name),
+          uses: s.steps.flatMap((step) => [step.operation, step.service]).filter(Boolean),
+        });
+      }
+      for (const [operation, by] of [...operations].sort(([a], [b]) => a.localeCompare(b))) {
+        if (taken.has(operation)) continue;
+        entries.push({
+          kind: "operation",
+          id: operation,
+          title: words(operation),
+          inputs: [],
+          detail: by.length > 2 ? `${by.length} robots` : by.join(", "),
+        });
+      }
+      for (const e of importedEntries()) if (!entries.some((known) => known.id === e.id)) entries.push(e);
+      for (const w of deployed.workflows)
+        entries.push({
+          kind: "workflow",
+          id: w.name,
+          title: words(w.name),
+          detail: w.version ? `version ${w.version}` : "",
+          inputs: [],
+          deployed: w.deployedVersion,
+        });
+      return entries;
+    },
+    6000,
+  );
+  const entries = useMemo(
+    () =>
+      (polled.data ?? []).map((e): PaletteEntry => {
+        const inputs = e.kind === "operation" ? (operations.data?.get(e.id) ?? []) : [];
+        const gives = e.kind === "operation" ? outputs.data?.get(e.id) : undefined;
+        return {
+          ...e,
+          ...(inputs.length > 0 && { inputs, detail: [takes(inputs), e.detail].filter(Boolean).join(" · ") }),
+          ...(gives && { outputs: gives }),
+        };
+      }),
+    [polled.data, operations.data, outputs.data],
+  );
+  return {
+    entries,
+    error: polled.data ? undefined : polled.error,
+    loading: !polled.data && !polled.error,
+    again: polled.again,
+  };
 }

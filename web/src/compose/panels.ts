@@ -11,9 +11,19 @@ interface Panels {
 const key = "docent.panels";
 
 function load(): Panels {
-  const usual: Panels = { palette: window.innerWidth > 900, text: false, width: Math.round(Math.min(520, Math.max(360, window.innerWidth * 0.34))), tab: "canvas" };
+  const usual: Panels = {
+    palette: window.innerWidth > 900,
+    text: false,
+    width: Math.round(Math.min(520, Math.max(360, window.innerWidth * 0.34))),
+    tab: "canvas",
+  };
   try {
-    return { ...usual, ...(JSON.parse(kept.getItem(key) ?? "{}") as Partial<Panels>), tab: "canvas", ...(window.innerWidth <= 900 && { palette: false }) };
+    return {
+      ...usual,
+      ...(JSON.parse(kept.getItem(key) ?? "{}") as Partial<Panels>),
+      tab: "canvas",
+      ...(window.innerWidth <= 900 && { palette: false }),
+    };
   } catch {
     return usual;
   }
@@ -27,7 +37,8 @@ export function usePanels() {
       kept.setItem(key, JSON.stringify(after));
       return after;
     });
-  const wide = (width: number) => change({ width: Math.round(Math.max(320, Math.min(window.innerWidth - 420, width))) });
+  const wide = (width: number) =>
+    change({ width: Math.round(Math.max(320, Math.min(window.innerWidth - 420, width))) });
   return {
     ...panels,
     setTab: (tab: Panels["tab"]) => change({ tab }),

@@ -20,7 +20,12 @@ export interface Shown {
 
 // Plays on from a head, in ticks, until it is over or the function that it returns is called. Each tick goes on from the one
 // before, and not from what is drawn, which comes later.
-export function playOn(from: Head, { events, endS, stops }: Scene, speed: number, show: (shown: Shown) => void): () => void {
+export function playOn(
+  from: Head,
+  { events, endS, stops }: Scene,
+  speed: number,
+  show: (shown: Shown) => void,
+): () => void {
   let head = from;
   let nowS = from.afterS; // goes on where only whole events are shown
   let last = performance.now();
@@ -38,13 +43,21 @@ export function playOn(from: Head, { events, endS, stops }: Scene, speed: number
 }
 
 // Playing ends at `endS`; the head can be set up to `lengthS`.
-export function usePlayer(events: readonly SimulationEvent[], { endS, lengthS }: { endS: number; lengthS: number }, stops: readonly number[]) {
+export function usePlayer(
+  events: readonly SimulationEvent[],
+  { endS, lengthS }: { endS: number; lengthS: number },
+  stops: readonly number[],
+) {
   const [place, setPlace] = useState({ of: events, head: begin, stop: -1 });
   const [play, setPlay] = useState({ playing: false }); // another object: it begins again
   const [speed, setSpeed] = useState<number>(10);
   // With other events the head stays at its time.
   const kept = place.of === events;
-  const head = kept ? place.head : place.head.done === 0 ? begin : headAt(events, Math.min(place.head.afterS, lengthS));
+  const head = kept
+    ? place.head
+    : place.head.done === 0
+      ? begin
+      : headAt(events, Math.min(place.head.afterS, lengthS));
   const latest = useRef({ head, events });
   latest.current = { head, events };
   const show = (to: Head, stop = -1) => setPlace({ of: latest.current.events, head: to, stop });
@@ -66,7 +79,10 @@ export function usePlayer(events: readonly SimulationEvent[], { endS, lengthS }:
     show(to);
   };
   return {
-    head, playing: play.playing, speed, setSpeed,
+    head,
+    playing: play.playing,
+    speed,
+    setSpeed,
     stop: kept ? place.stop : -1,
     seek: (afterS: number) => go(headAt(events, afterS)),
     toEvent: (done: number) => go(headAfter(events, done)),

@@ -4,7 +4,8 @@ import { query } from "../api/sparql";
 import { sparqlString } from "./server_drafts";
 
 export const testsGraph = "urn:docent:run-tests";
-const prologue = "PREFIX docent: <https://w3id.org/docent#> PREFIX xsd: <http://www.w3.org/2001/XMLSchema#>\n";
+const prologue =
+  "PREFIX docent: <https://w3id.org/docent#> PREFIX xsd: <http://www.w3.org/2001/XMLSchema#>\n";
 
 export function testIri(run: string): string {
   return `urn:docent:run-test:${encodeURIComponent(run).replace(/[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`)}`;
@@ -20,6 +21,9 @@ export async function dropTest(run: string): Promise<void> {
 }
 // Ids of the runs, the newest first.
 export async function listTests(workflow: string, signal?: AbortSignal): Promise<string[]> {
-  const { rows } = await query(`${prologue}SELECT DISTINCT ?run { GRAPH <${testsGraph}> { ?t a docent:RunTest ; docent:testOf ${sparqlString(workflow)} ; docent:testsRun ?run ; docent:keptAt ?at } } ORDER BY DESC(?at) LIMIT 200`, signal);
+  const { rows } = await query(
+    `${prologue}SELECT DISTINCT ?run { GRAPH <${testsGraph}> { ?t a docent:RunTest ; docent:testOf ${sparqlString(workflow)} ; docent:testsRun ?run ; docent:keptAt ?at } } ORDER BY DESC(?at) LIMIT 200`,
+    signal,
+  );
   return rows.flatMap((row) => row["run"]?.text ?? []);
 }

@@ -29,7 +29,13 @@ export function useServerDraft(name: string, session: Session, sync: DraftSync) 
     try {
       const text = session.written;
       const saved = await writeServerDraft(name, text, sync.base ?? "", seen);
-      if (saved) (see(saved, text), toast("good", "The draft is saved on the server", "It can be opened in any browser. Nothing is deployed."));
+      if (saved)
+        (see(saved, text),
+          toast(
+            "good",
+            "The draft is saved on the server",
+            "It can be opened in any browser. Nothing is deployed.",
+          ));
       else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
       polled.again();
     } catch (error) {
@@ -37,15 +43,42 @@ export function useServerDraft(name: string, session: Session, sync: DraftSync) 
     }
     setBusy(false);
   };
-  useCommands([{ title: "Save the draft on the server", group: "Document", icon: CloudUpload, keys: "Mod+Shift+S", inFields: true, run: () => void save() }]);
-  return { name, there, same, busy, save, newer: there !== null && !same && there.saved !== seen ? there : null, see };
+  useCommands([
+    {
+      title: "Save the draft on the server",
+      group: "Document",
+      icon: CloudUpload,
+      keys: "Mod+Shift+S",
+      inFields: true,
+      run: () => void save(),
+    },
+  ]);
+  return {
+    name,
+    there,
+    same,
+    busy,
+    save,
+    newer: there !== null && !same && there.saved !== seen ? there : null,
+    see,
+  };
 }
 export type ServerDraftState = ReturnType<typeof useServerDraft>;
 
 export function ServerDraftButton({ draft, dirty }: { draft: ServerDraftState; dirty: boolean }) {
   if (!dirty && !draft.there) return null;
   const Icon = draft.same ? CloudCheck : CloudUpload;
-  return <button className="button plain wide-only" disabled={draft.busy || draft.same} title="Save the draft on the server (Ctrl-Shift-S)" onClick={() => void draft.save()}><Icon size={15} />{draft.same ? "Saved" : "Save"}</button>;
+  return (
+    <button
+      className="button plain wide-only"
+      disabled={draft.busy || draft.same}
+      title="Save the draft on the server (Ctrl-Shift-S)"
+      onClick={() => void draft.save()}
+    >
+      <Icon size={15} />
+      {draft.same ? "Saved" : "Save"}
+    </button>
+  );
 }
 
 export function ServerDraftBar({ draft, session }: { draft: ServerDraftState; session: Session }) {
@@ -55,10 +88,25 @@ export function ServerDraftBar({ draft, session }: { draft: ServerDraftState; se
   const both = base === null ? null : mergeTexts(base, session.written, newer.text);
   return (
     <div className="stale" role="alert">
-      Another browser has saved a draft on the server at <Time us={BigInt(Date.parse(newer.saved) || 0) * 1000n} />.
-      {both !== null && both !== newer.text && <button className="button small" onClick={() => (session.mergeIn(both), draft.see(newer.saved, newer.text))}>Put both together</button>}
-      <button className="button small" onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved, newer.text))}>Take its text</button>
-      <button className="button small" onClick={() => draft.see(newer.saved, newer.text)}>Keep mine</button>
+      Another browser has saved a draft on the server at{" "}
+      <Time us={BigInt(Date.parse(newer.saved) || 0) * 1000n} />.
+      {both !== null && both !== newer.text && (
+        <button
+          className="button small"
+          onClick={() => (session.mergeIn(both), draft.see(newer.saved, newer.text))}
+        >
+          Put both together
+        </button>
+      )}
+      <button
+        className="button small"
+        onClick={() => (session.replaceAll(newer.text), draft.see(newer.saved, newer.text))}
+      >
+        Take its text
+      </button>
+      <button className="button small" onClick={() => draft.see(newer.saved, newer.text)}>
+        Keep mine
+      </button>
     </div>
   );
 }

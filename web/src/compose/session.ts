@@ -32,7 +32,9 @@ export class Session {
           EditorView.updateListener.of((update) => {
             if (!update.docChanged) return;
             const ranges: { fromA: number; toA: number; fromB: number; toB: number }[] = [];
-            update.changes.iterChangedRanges((fromA, toA, fromB, toB) => ranges.push({ fromA, toA, fromB, toB }));
+            update.changes.iterChangedRanges((fromA, toA, fromB, toB) =>
+              ranges.push({ fromA, toA, fromB, toB }),
+            );
             // Of a large text that is typed in, the model follows when the keys rest.
             const typed = update.transactions.every((t) => t.isUserEvent("input") || t.isUserEvent("delete"));
             if (typed && update.state.doc.length > large) {
@@ -44,7 +46,8 @@ export class Session {
         ],
       }),
     });
-    for (const what of ["wheel", "pointerdown", "keydown"]) this.view.scrollDOM.addEventListener(what, this.leaveThere, { passive: true });
+    for (const what of ["wheel", "pointerdown", "keydown"])
+      this.view.scrollDOM.addEventListener(what, this.leaveThere, { passive: true });
     this.model = readCawl(this.view.state.doc.toString());
     this.good = this.model.problems.length === 0 ? this.model : null;
   }
@@ -88,8 +91,7 @@ export class Session {
       if (!flow) throw new EditRefused("The text has no <flow> to edit.");
       const edits = new Edits(this.document);
       const result = make(edits, flow);
-      if (edits.changes.length > 0)
-        this.change(edits.changes, "canvas");
+      if (edits.changes.length > 0) this.change(edits.changes, "canvas");
       if (said) announce(said);
       return result;
     } catch (error) {
@@ -108,7 +110,10 @@ export class Session {
   }
 
   replaceAll(text: string) {
-    this.view.dispatch({ changes: { from: 0, to: this.view.state.doc.length, insert: Text.of(text.split(/\r?\n/)) }, annotations: isolateHistory.of("full") });
+    this.view.dispatch({
+      changes: { from: 0, to: this.view.state.doc.length, insert: Text.of(text.split(/\r?\n/)) },
+      annotations: isolateHistory.of("full"),
+    });
     this.refreshed++;
   }
 
@@ -118,16 +123,27 @@ export class Session {
     const starts = [0];
     for (const line of lines) starts.push((starts.at(-1) ?? 0) + line.length + 1);
     const end = this.view.state.doc.length;
-    const whole = text.split("\n").map((line) => (this.view.state.lineBreak === "\r\n" ? line.replace(/\r$/, "") : line));
+    const whole = text
+      .split("\n")
+      .map((line) => (this.view.state.lineBreak === "\r\n" ? line.replace(/\r$/, "") : line));
     const changes = hunksOf(lines, whole).map((hunk) => {
       // Lines at the end have no line end of their own: the one before them goes or comes along.
       const last = hunk.to === lines.length;
       const from = last && hunk.from > 0 ? (starts[hunk.from] ?? 0) - 1 : (starts[hunk.from] ?? 0);
       const to = last ? end : (starts[hunk.to] ?? end);
-      const insert = last ? (hunk.from > 0 ? ["", ...hunk.lines] : hunk.lines) : hunk.lines.length > 0 ? [...hunk.lines, ""] : [];
+      const insert = last
+        ? hunk.from > 0
+          ? ["", ...hunk.lines]
+          : hunk.lines
+        : hunk.lines.length > 0
+          ? [...hunk.lines, ""]
+          : [];
       return { from, to, insert: insert.length > 0 ? Text.of(insert) : Text.empty };
     });
-    this.view.dispatch({ changes, annotations: [Transaction.addToHistory.of(false), Transaction.remote.of(true)] });
+    this.view.dispatch({
+      changes,
+      annotations: [Transaction.addToHistory.of(false), Transaction.remote.of(true)],
+    });
   }
 
   get canUndo(): boolean {
@@ -147,7 +163,10 @@ export class Session {
   reveal(from: number, to: number) {
     const place = () => Math.min(from, this.view.state.doc.length);
     const scroll = () => EditorView.scrollIntoView(place(), { y: "start", yMargin: 60 });
-    this.view.dispatch({ selection: { anchor: place(), head: Math.min(to, this.view.state.doc.length) }, effects: scroll() });
+    this.view.dispatch({
+      selection: { anchor: place(), head: Math.min(to, this.view.state.doc.length) },
+      effects: scroll(),
+    });
     // Lines that were not drawn yet have heights that the editor guesses: once they are drawn, the place is another one.
     this.leaveThere();
     let times = 25;
@@ -158,7 +177,8 @@ export class Session {
       const there = at !== null && at.top >= box.top && at.bottom <= box.bottom;
       seen = there ? seen + 1 : 0;
       if (!there) this.view.dispatch({ effects: scroll() });
-      if (--times > 0 && (seen < 4 || document.fonts.status !== "loaded")) this.revealing = window.setTimeout(again, 120);
+      if (--times > 0 && (seen < 4 || document.fonts.status !== "loaded"))
+        this.revealing = window.setTimeout(again, 120);
     };
     this.revealing = window.setTimeout(again, 60);
   }

@@ -20,7 +20,12 @@ export function SimulateEvents(props: EventsProps) {
 }
 
 // Drawn when something has happened, and not with each tick of the clock.
-const List = memo(function List({ events, done, names, latest }: Pick<EventsProps, "events" | "done" | "names"> & { latest: RefObject<EventsProps> }) {
+const List = memo(function List({
+  events,
+  done,
+  names,
+  latest,
+}: Pick<EventsProps, "events" | "done" | "names"> & { latest: RefObject<EventsProps> }) {
   const list = useRef<HTMLOListElement>(null);
   useEffect(() => {
     const row = list.current?.children[Math.max(0, done - 1)];
@@ -33,8 +38,25 @@ const List = memo(function List({ events, done, names, latest }: Pick<EventsProp
         const { who, what, why } = eventWords(event, names);
         return (
           <li key={i} className={i < done ? "" : "to-come"} aria-current={i === done - 1}>
-            <button className="simulate-event" title={why} onClick={() => latest.current.onEvent(i + 1)}><span className="number faint">{clockWords(event.afterS)}</span><span>{who && <b>{who}</b>}{who && ": "}{what}{why && <span className="faint"> {why}</span>}</span></button>
-            {event.telling && <button className="button plain icon small" aria-label={`Take back: ${what}`} title="Take it back" onClick={() => event.telling && latest.current.onTakeBack(event.telling)}><X size={13} /></button>}
+            <button className="simulate-event" title={why} onClick={() => latest.current.onEvent(i + 1)}>
+              <span className="number faint">{clockWords(event.afterS)}</span>
+              <span>
+                {who && <b>{who}</b>}
+                {who && ": "}
+                {what}
+                {why && <span className="faint"> {why}</span>}
+              </span>
+            </button>
+            {event.telling && (
+              <button
+                className="button plain icon small"
+                aria-label={`Take back: ${what}`}
+                title="Take it back"
+                onClick={() => event.telling && latest.current.onTakeBack(event.telling)}
+              >
+                <X size={13} />
+              </button>
+            )}
           </li>
         );
       })}

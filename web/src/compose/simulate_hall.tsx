@@ -14,6 +14,30 @@ const nothing = () => undefined;
 export function SimulateHall({ poses, atS }: { poses: readonly SimulatedPose[]; atS: number }) {
   const layout = useLayout();
   if (!layout.data || layout.data.shapes.length === 0) return null;
-  const robots = [...placesAt(poses, atS)].map(([robot, at]) => create(RobotStatusSchema, { robot, label: robotName(robot), hasPose: true, xM: at.x, yM: at.y, headingRad: at.heading, state: at.driving ? "busy" : "standby" }));
-  return <div className="simulate-hall" inert><HallDrawing layout={layout.data} robots={robots} people={[]} trails={none} ways={none} picked="" camera={null} onCamera={nothing} onPick={nothing} /></div>;
+  const robots = [...placesAt(poses, atS)].map(([robot, at]) =>
+    create(RobotStatusSchema, {
+      robot,
+      label: robotName(robot),
+      hasPose: true,
+      xM: at.x,
+      yM: at.y,
+      headingRad: at.heading,
+      state: at.driving ? "busy" : "standby",
+    }),
+  );
+  return (
+    <div className="simulate-hall" inert>
+      <HallDrawing
+        layout={layout.data}
+        robots={robots}
+        people={[]}
+        trails={none}
+        ways={none}
+        picked=""
+        camera={null}
+        onCamera={nothing}
+        onPick={nothing}
+      />
+    </div>
+  );
 }

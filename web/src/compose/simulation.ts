@@ -9,7 +9,9 @@ export interface Telling {
   quad: Quad;
   remove: boolean; // the fact stands in the way, and goes
 }
-export type SimulationEvent = { afterS: number; step: SimulatedStep; telling?: undefined } | { afterS: number; telling: Telling; step?: undefined };
+export type SimulationEvent =
+  | { afterS: number; step: SimulatedStep; telling?: undefined }
+  | { afterS: number; telling: Telling; step?: undefined };
 // The moment that is shown. Several events may have the same time: the first `done` ones have happened.
 export interface Head {
   afterS: number;
@@ -38,7 +40,10 @@ export function eventsOf(reply: SimulateReply, told: readonly Telling[]): Simula
 }
 
 // When the last thing happens, and how far the clock can be set: a run that ends waiting goes on waiting.
-export function endOf(reply: SimulateReply, events: readonly SimulationEvent[]): { endS: number; lengthS: number } {
+export function endOf(
+  reply: SimulateReply,
+  events: readonly SimulationEvent[],
+): { endS: number; lengthS: number } {
   const endS = Math.max(0, reply.endedS, events.at(-1)?.afterS ?? 0, reply.poses.at(-1)?.afterS ?? 0);
   return { endS, lengthS: hasEnded(reply) ? endS : endS + waitingS };
 }
@@ -53,7 +58,11 @@ export function headAfter(events: readonly SimulationEvent[], done: number): Hea
 }
 
 // Steps of the flow itself by name, as they are at this moment.
-export function statesAt(events: readonly SimulationEvent[], done: number, steps: readonly Pick<Step, "name" | "kind">[]): Map<string, StepTrial> {
+export function statesAt(
+  events: readonly SimulationEvent[],
+  done: number,
+  steps: readonly Pick<Step, "name" | "kind">[],
+): Map<string, StepTrial> {
   const states = new Map<string, string>();
   let run = "";
   for (const { step } of events.slice(0, done)) {
@@ -62,30 +71,53 @@ export function statesAt(events: readonly SimulationEvent[], done: number, steps
     if (step.node === "") run = state;
     else states.set(step.node, state);
   }
-  return new Map(steps.map((s): [string, StepTrial] => {
-    const own = s.kind === "source" ? (run === "" ? "inactive" : "done") : s.kind === "sink" ? (run === "done" ? "done" : "inactive") : (states.get(s.name) ?? "inactive");
-    return [s.name, { state: own, differs: false }];
-  }));
+  return new Map(
+    steps.map((s): [string, StepTrial] => {
+      const own =
+        s.kind === "source"
+          ? run === ""
+            ? "inactive"
+            : "done"
+          : s.kind === "sink"
+            ? run === "done"
+              ? "done"
+              : "inactive"
+            : (states.get(s.name) ?? "inactive");
+      return [s.name, { state: own, differs: false }];
+    }),
+  );
 }
 
 // Events at which playing stops: where a step with a breakpoint opens, or if it never does, where it comes to wait.
 export function stopsOf(events: readonly SimulationEvent[], breakpoints: ReadonlySet<string>): number[] {
-  const into = (name: string, state: string) => events.flatMap((e, i) => (e.step?.node === name && e.step.step?.state === state ? [i] : []));
-  return [...breakpoints].flatMap((name) => {
-    const opens = into(name, "running");
-    return opens.length > 0 ? opens : into(name, "waiting").slice(0, 1);
-  }).sort((a, b) => a - b);
+  const into = (name: string, state: string) =>
+    events.flatMap((e, i) => (e.step?.node === name && e.step.step?.state === state ? [i] : []));
+  return [...breakpoints]
+    .flatMap((name) => {
+      const opens = into(name, "running");
+      return opens.length > 0 ? opens : into(name, "waiting").slice(0, 1);
+    })
+    .sort((a, b) => a - b);
 }
 
 // The head moves on to a time, or to a breakpoint before it. `stop`: the event of that breakpoint; -1: none.
-export function advance(events: readonly SimulationEvent[], head: Head, toS: number, stops: readonly number[]): { head: Head; stop: number } {
+export function advance(
+  events: readonly SimulationEvent[],
+  head: Head,
+  toS: number,
+  stops: readonly number[],
+): { head: Head; stop: number } {
   const to = headAt(events, toS);
   const stop = stops.find((i) => i >= head.done && i < to.done);
   return stop === undefined ? { head: to, stop: -1 } : { head: headAfter(events, stop + 1), stop };
 }
 
 // What a step sends next: its commands before it comes into another state.
-export function commandsAfter(events: readonly SimulationEvent[], done: number, node: string): SimulatedStep[] {
+export function commandsAfter(
+  events: readonly SimulationEvent[],
+  done: number,
+  node: string,
+): SimulatedStep[] {
   const own = events.slice(done).flatMap(({ step }) => (step?.node === node ? [step] : []));
   const next = own.findIndex((s) => s.step?.state);
   return (next < 0 ? own : own.slice(0, next)).filter((s) => s.step?.operation);
@@ -96,7 +128,8 @@ export function valuesAt(events: readonly SimulationEvent[], done: number): Map<
   const values = new Map<string, string>();
   for (const { step } of events.slice(0, done)) {
     const found = / holds with ([\s\S]*)$/.exec(step?.step?.cause ?? "")?.[1] ?? "";
-    for (const match of found.matchAll(/(\w+) = (<[^>]*>|"(?:[^"\\]|\\.)*"[^\s,]*|[^\s,]+)(?:, |$)/g)) values.set(match[1] ?? "", match[2] ?? "");
+    for (const match of found.matchAll(/(\w+) = (<[^>]*>|"(?:[^"\\]|\\.)*"[^\s,]*|[^\s,]+)(?:, |$)/g))
+      values.set(match[1] ?? "", match[2] ?? "");
   }
   return values;
 }
@@ -122,7 +155,12 @@ export function placesAt(poses: readonly SimulatedPose[], afterS: number): Map<s
     const from = driving ? before : (own[at - 1] ?? before);
     const to = driving ? next : before;
     const heading = from === to ? 0 : Math.atan2(to.y - from.y, to.x - from.x);
-    places.set(robot, { x: before.x + along * ((next?.x ?? 0) - before.x), y: before.y + along * ((next?.y ?? 0) - before.y), heading, driving });
+    places.set(robot, {
+      x: before.x + along * ((next?.x ?? 0) - before.x),
+      y: before.y + along * ((next?.y ?? 0) - before.y),
+      heading,
+      driving,
+    });
   }
   return places;
 }

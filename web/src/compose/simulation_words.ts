@@ -20,8 +20,10 @@ export function clockWords(afterS: number): string {
   return `${s >= 3600 ? `${Math.floor(s / 3600)}:` : ""}${two(Math.floor(s / 60) % 60)}:${two(s % 60)}`;
 }
 
-export const robotName = (iri: string) => (iri.startsWith("urn:docent:robot:") ? `the ${iri.slice("urn:docent:robot:".length)} robot` : localName(iri));
-const value = (term: Term | undefined) => (term?.kind.case === "iri" ? localName(term.kind.value) : termText(term, () => ""));
+export const robotName = (iri: string) =>
+  iri.startsWith("urn:docent:robot:") ? `the ${iri.slice("urn:docent:robot:".length)} robot` : localName(iri);
+const value = (term: Term | undefined) =>
+  term?.kind.case === "iri" ? localName(term.kind.value) : termText(term, () => "");
 export const plainIris = (text: string) => replaceIris(text, robotName);
 
 // "R01 gets moveToBooth(B03)"
@@ -30,27 +32,51 @@ export function commandWords(step: SimulatedStep, verb = "gets"): string {
 }
 
 export function eventWords(event: SimulationEvent, names: Short): { who: string; what: string; why: string } {
-  if (event.telling) return { who: "", what: `${event.telling.remove ? "no longer known" : "told"}: ${quadText(event.telling.quad, names.short)}`, why: "" };
+  if (event.telling)
+    return {
+      who: "",
+      what: `${event.telling.remove ? "no longer known" : "told"}: ${quadText(event.telling.quad, names.short)}`,
+      why: "",
+    };
   const { node, step } = event.step;
   const who = runWords(node);
   if (step?.operation) return { who, what: commandWords(event.step), why: "" };
   const state = step?.state ?? "";
-  const why = ["running", "failed", "incident", "cancelled"].includes(state) ? plainIris(step?.cause ?? "").replace(/^asked for$|^after .*$/, "").replace(/^condition (\S+) holds(?: with)?/, "by $1:").replace(/:$/, "") : "";
-  if (node === "") return { who: "", what: state === "running" ? "the run begins" : `the run is ${look(state).words}`, why };
-  return { who, what: state === "running" ? "opens" : state === "waiting" ? "waits" : look(state).words, why };
+  const why = ["running", "failed", "incident", "cancelled"].includes(state)
+    ? plainIris(step?.cause ?? "")
+        .replace(/^asked for$|^after .*$/, "")
+        .replace(/^condition (\S+) holds(?: with)?/, "by $1:")
+        .replace(/:$/, "")
+    : "";
+  if (node === "")
+    return { who: "", what: state === "running" ? "the run begins" : `the run is ${look(state).words}`, why };
+  return {
+    who,
+    what: state === "running" ? "opens" : state === "waiting" ? "waits" : look(state).words,
+    why,
+  };
 }
 
-const list = (text: string) => text.split(/, /).map((word) => plainIris(word)).join(", ");
+const list = (text: string) =>
+  text
+    .split(/, /)
+    .map((word) => plainIris(word))
+    .join(", ");
 export function noteWords(note: string): string {
   const ready = /^taken to be ready: (.*)$/s.exec(note);
   if (ready) return `Taken to be free and ready: ${list(ready[1] ?? "")}.`;
   const offers = /^no robot offers (.*): a simulated one does/s.exec(note);
   if (offers) return `No robot offers ${list(offers[1] ?? "")}: a simulated robot does it.`;
-  const activator = /^activator (.*) does not fire on these facts(?:; the run is started all the same)?(?:; (.*))?$/s.exec(note);
-  if (activator) return `${activator[1]} does not start a run on these facts; this one is started by hand.${activator[2] ? ` ${sentenceOf(activator[2])}` : ""}`;
+  const activator =
+    /^activator (.*) does not fire on these facts(?:; the run is started all the same)?(?:; (.*))?$/s.exec(
+      note,
+    );
+  if (activator)
+    return `${activator[1]} does not start a run on these facts; this one is started by hand.${activator[2] ? ` ${sentenceOf(activator[2])}` : ""}`;
   return sentenceOf(plainIris(note));
 }
-const sentenceOf = (words: string) => `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? "" : "."}`;
+const sentenceOf = (words: string) =>
+  `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? "" : "."}`;
 
 export interface Lack {
   text: string;
@@ -65,7 +91,10 @@ export function lacksOf(missing: string, names: Short): Lack[] {
     const text = remove ? fact.slice(4) : fact;
     const term = /^(?:\?\w+|<[^>]*>|[\w-]*:\S*)$/;
     const parts = /^(\S+)\s+(\S+)\s+([\s\S]+)$/.exec(text);
-    const row = parts && term.test(parts[1] ?? "") && term.test(parts[2] ?? "") ? ([parts[1] ?? "", parts[2] ?? "", parts[3] ?? ""] as [string, string, string]) : null;
+    const row =
+      parts && term.test(parts[1] ?? "") && term.test(parts[2] ?? "")
+        ? ([parts[1] ?? "", parts[2] ?? "", parts[3] ?? ""] as [string, string, string])
+        : null;
     return { text, row, remove, open: row?.some((word) => word.startsWith("?")) ?? false };
   });
 }

@@ -21,7 +21,13 @@ export interface Simulation extends Asked {
   reply: SimulateReply;
 }
 
-export function useSimulation(workflow: string, text: string, flow: string, findings: Findings, prefixes: ReadonlyMap<string, string>) {
+export function useSimulation(
+  workflow: string,
+  text: string,
+  flow: string,
+  findings: Findings,
+  prefixes: ReadonlyMap<string, string>,
+) {
   const [told, setTold] = useState<readonly Telling[]>([]);
   const [values, setValues] = useState<Asked["values"]>({});
   const [shown, setShown] = useState<Simulation | null>(null);
@@ -35,10 +41,19 @@ export function useSimulation(workflow: string, text: string, flow: string, find
     const abort = (asking.current = new AbortController());
     setBusy(true);
     try {
-      const reply = await replays.simulate({
-        name: `${workflow}.cawl.xml`, cawl: asked.text, flow: asked.flow, arguments: startArguments(asked.values, prefixes),
-        told: inOrder(asked.told).map((t) => ({ afterS: t.afterS, [t.remove ? "remove" : "add"]: [create(QuadSchema, t.quad)] })),
-      }, { signal: abort.signal });
+      const reply = await replays.simulate(
+        {
+          name: `${workflow}.cawl.xml`,
+          cawl: asked.text,
+          flow: asked.flow,
+          arguments: startArguments(asked.values, prefixes),
+          told: inOrder(asked.told).map((t) => ({
+            afterS: t.afterS,
+            [t.remove ? "remove" : "add"]: [create(QuadSchema, t.quad)],
+          })),
+        },
+        { signal: abort.signal },
+      );
       if (abort.signal.aborted) return false;
       setShown({ ...asked, reply });
       setError("");
@@ -66,7 +81,15 @@ export function useSimulation(workflow: string, text: string, flow: string, find
 
   const retell = (list: readonly Telling[]) => (setTold(list), void simulate({ told: list }));
   return {
-    shown, old, busy, error, faulty, told, values, setValues, simulate,
+    shown,
+    old,
+    busy,
+    error,
+    faulty,
+    told,
+    values,
+    setValues,
+    simulate,
     tell: (telling: Telling) => retell([...told, telling]),
     untell: (telling: Telling) => retell(told.filter((t) => t !== telling)),
   };

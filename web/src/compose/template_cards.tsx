@@ -4,7 +4,10 @@ import "./template_cards.css";
 
 const icons: Record<string, typeof Plus> = { empty: Plus, guide: Footprints, event: BellRing };
 
-export function TemplateCards(props: { templates: readonly Template[]; onChoose: (template: Template) => void }) {
+export function TemplateCards(props: {
+  templates: readonly Template[];
+  onChoose: (template: Template) => void;
+}) {
   return (
     <ul className="templates">
       {props.templates.map((template) => {
@@ -12,7 +15,9 @@ export function TemplateCards(props: { templates: readonly Template[]; onChoose:
         return (
           <li key={template.id}>
             <button className="template" onClick={() => props.onChoose(template)}>
-              <span className="template-icon"><Icon size={18} /></span>
+              <span className="template-icon">
+                <Icon size={18} />
+              </span>
               <b>{template.title}</b>
               <span className="quiet small">{template.detail}</span>
             </button>

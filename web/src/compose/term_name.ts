@@ -12,7 +12,13 @@ export function termName(term: string, prefixes: ReadonlyMap<string, string>): s
 // A pattern as a sentence: "expo:John docent:isAt expo:B10" is "John is at B10".
 export function patternWords(pattern: string, prefixes: ReadonlyMap<string, string>): string {
   const [, subject, verb, object] = /^(\S+)\s+(\S+)\s+([\s\S]+)$/.exec(pattern.trim()) ?? [];
-  return subject && verb && object ? [termName(subject, prefixes), verb === "rdf:type" ? "is a" : verbWords(verb), termName(object, prefixes)].join(" ") : pattern;
+  return subject && verb && object
+    ? [
+        termName(subject, prefixes),
+        verb === "rdf:type" ? "is a" : verbWords(verb),
+        termName(object, prefixes),
+      ].join(" ")
+    : pattern;
 }
 // Several values, as the server lists them.
 export function valuesWords(values: string, prefixes: ReadonlyMap<string, string>): string {

@@ -13,12 +13,19 @@ export function diffLines(before: string, after: string, around = 2): DiffLine[]
   let head = 0;
   while (head < a.length && head < b.length && a[head] === b[head]) head++;
   let tail = 0;
-  while (tail < a.length - head && tail < b.length - head && a[a.length - 1 - tail] === b[b.length - 1 - tail]) tail++;
+  while (
+    tail < a.length - head &&
+    tail < b.length - head &&
+    a[a.length - 1 - tail] === b[b.length - 1 - tail]
+  )
+    tail++;
   const middle = changes(a.slice(head, a.length - tail), b.slice(head, b.length - tail), head);
   const all: DiffLine[] = [
     ...b.slice(0, head).map((text, i): DiffLine => ({ kind: "same", text, line: i + 1 })),
     ...middle,
-    ...b.slice(b.length - tail).map((text, i): DiffLine => ({ kind: "same", text, line: b.length - tail + i + 1 })),
+    ...b
+      .slice(b.length - tail)
+      .map((text, i): DiffLine => ({ kind: "same", text, line: b.length - tail + i + 1 })),
   ];
   const near = new Set<number>();
   all.forEach((line, i) => {
@@ -27,7 +34,8 @@ export function diffLines(before: string, after: string, around = 2): DiffLine[]
   const shown: DiffLine[] = [];
   all.forEach((line, i) => {
     if (near.has(i)) shown.push(line);
-    else if (shown.length > 0 && shown.at(-1)?.kind !== "gap") shown.push({ kind: "gap", text: "", line: line.line });
+    else if (shown.length > 0 && shown.at(-1)?.kind !== "gap")
+      shown.push({ kind: "gap", text: "", line: line.line });
   });
   if (shown.at(-1)?.kind === "gap") shown.pop();
   return shown;
@@ -44,11 +52,20 @@ export function hunksOf(before: string[], after: string[]): Hunk[] {
   let head = 0;
   while (head < before.length && head < after.length && before[head] === after[head]) head++;
   let tail = 0;
-  while (tail < before.length - head && tail < after.length - head && before[before.length - 1 - tail] === after[after.length - 1 - tail]) tail++;
+  while (
+    tail < before.length - head &&
+    tail < after.length - head &&
+    before[before.length - 1 - tail] === after[after.length - 1 - tail]
+  )
+    tail++;
   const hunks: Hunk[] = [];
   let at = head;
   let open = false;
-  for (const line of changes(before.slice(head, before.length - tail), after.slice(head, after.length - tail), head)) {
+  for (const line of changes(
+    before.slice(head, before.length - tail),
+    after.slice(head, after.length - tail),
+    head,
+  )) {
     if (line.kind === "same") {
       at++;
       open = false;
@@ -71,7 +88,10 @@ function changes(a: string[], b: string[], head: number): DiffLine[] {
   const longest = new Uint32Array((a.length + 1) * width);
   for (let i = a.length - 1; i >= 0; i--)
     for (let j = b.length - 1; j >= 0; j--)
-      longest[i * width + j] = a[i] === b[j] ? (longest[(i + 1) * width + j + 1] ?? 0) + 1 : Math.max(longest[(i + 1) * width + j] ?? 0, longest[i * width + j + 1] ?? 0);
+      longest[i * width + j] =
+        a[i] === b[j]
+          ? (longest[(i + 1) * width + j + 1] ?? 0) + 1
+          : Math.max(longest[(i + 1) * width + j] ?? 0, longest[i * width + j + 1] ?? 0);
   const lines: DiffLine[] = [];
   let i = 0;
   let j = 0;
@@ -80,7 +100,11 @@ function changes(a: string[], b: string[], head: number): DiffLine[] {
       lines.push({ kind: "same", text: b[j] ?? "", line: head + j + 1 });
       i++;
       j++;
-    } else if (j < b.length && (i === a.length || (longest[i * width + j + 1] ?? 0) > (longest[(i + 1) * width + j] ?? 0))) lines.push(come(j++));
+    } else if (
+      j < b.length &&
+      (i === a.length || (longest[i * width + j + 1] ?? 0) > (longest[(i + 1) * width + j] ?? 0))
+    )
+      lines.push(come(j++));
     else lines.push(gone(i++));
   }
   return lines;
@@ -95,7 +119,8 @@ function isAbove(a: string, b: string): boolean {
   const numbers = (version: string) => version.match(/\d+/g)?.map(Number) ?? [];
   const [left, right] = [numbers(a), numbers(b)];
   if (left.length === 0 || right.length === 0) return a !== b && a !== "";
-  for (let i = 0; i < Math.max(left.length, right.length); i++) if ((left[i] ?? 0) !== (right[i] ?? 0)) return (left[i] ?? 0) > (right[i] ?? 0);
+  for (let i = 0; i < Math.max(left.length, right.length); i++)
+    if ((left[i] ?? 0) !== (right[i] ?? 0)) return (left[i] ?? 0) > (right[i] ?? 0);
   return false;
 }
 // "1.0" is followed by "1.1".

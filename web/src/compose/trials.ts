@@ -31,7 +31,14 @@ export const restMs = 900; // after an edit
 
 // The steps of the flow itself, by name.
 export function stepTrials(reply: ReplayReply): Map<string, StepTrial> {
-  return new Map(reply.nodes.filter((n) => n.node !== "" && !/[/#]/.test(n.node)).map((n) => [n.node, { state: n.replayed.findLast((s) => s.state !== "")?.state ?? "inactive", differs: !n.same }]));
+  return new Map(
+    reply.nodes
+      .filter((n) => n.node !== "" && !/[/#]/.test(n.node))
+      .map((n) => [
+        n.node,
+        { state: n.replayed.findLast((s) => s.state !== "")?.state ?? "inactive", differs: !n.same },
+      ]),
+  );
 }
 // The step that goes otherwise first; empty: none does.
 export function firstDifference(reply: ReplayReply): string {
@@ -39,11 +46,16 @@ export function firstDifference(reply: ReplayReply): string {
 }
 
 export function useTrials(workflow: string, text: string, findings: Findings) {
-  const runs = usePoll(workflow && `trials ${workflow}`, (signal) => workflows.listRuns({ workflow, pageSize: runsListed }, { signal }), 5000);
+  const runs = usePoll(
+    workflow && `trials ${workflow}`,
+    (signal) => workflows.listRuns({ workflow, pageSize: runsListed }, { signal }),
+    5000,
+  );
   const tests = usePoll(workflow && `tests ${workflow}`, (signal) => listTests(workflow, signal), 5000);
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [assume, setAssume] = useState(false); // commands that were not sent then count as done
-  const set = (run: string, part: Partial<Result>) => setResults((before) => new Map(before).set(run, { ...(before.get(run) ?? notTried), ...part }));
+  const set = (run: string, part: Partial<Result>) =>
+    setResults((before) => new Map(before).set(run, { ...(before.get(run) ?? notTried), ...part }));
   const latest = useRef({ text, assume });
   latest.current = { text, assume };
 
@@ -51,7 +63,10 @@ export function useTrials(workflow: string, text: string, findings: Findings) {
     const tried = latest.current;
     set(run, { busy: true });
     try {
-      const reply = await replays.replay({ run, name: `${workflow}.cawl.xml`, cawl: tried.text, assumeDone: tried.assume }, signal ? { signal } : {});
+      const reply = await replays.replay(
+        { run, name: `${workflow}.cawl.xml`, cawl: tried.text, assumeDone: tried.assume },
+        signal ? { signal } : {},
+      );
       set(run, { busy: false, reply, text: tried.text, error: "" });
     } catch (error) {
       if (plain(error).kind === "cancelled") set(run, { busy: false });
@@ -75,8 +90,24 @@ export function useTrials(workflow: string, text: string, findings: Findings) {
 
   const roots = (runs.data?.runs ?? []).filter((r) => r.parent === "");
   const ids = [...kept, ...roots.map((r) => r.id).filter((id) => !kept.includes(id))];
-  const list = ids.map((run): Trial => ({ run, of: roots.find((r) => r.id === run), kept: kept.includes(run), ...(results.get(run) ?? notTried) }));
-  const keep = (run: string, on: boolean) => (on ? keepTest(workflow, run) : dropTest(run)).then(tests.again, (error: unknown) => toast("bad", on ? "The run could not be kept" : "The test could not be dropped", sentence(error)));
-  return { list, attempt, keep, assume, setAssume, error: runs.error, differing: list.filter((t) => t.kept && t.reply && !t.reply.same && t.text === text).length };
+  const list = ids.map((run): Trial => ({
+    run,
+    of: roots.find((r) => r.id === run),
+    kept: kept.includes(run),
+    ...(results.get(run) ?? notTried),
+  }));
+  const keep = (run: string, on: boolean) =>
+    (on ? keepTest(workflow, run) : dropTest(run)).then(tests.again, (error: unknown) =>
+      toast("bad", on ? "The run could not be kept" : "The test could not be dropped", sentence(error)),
+    );
+  return {
+    list,
+    attempt,
+    keep,
+    assume,
+    setAssume,
+    error: runs.error,
+    differing: list.filter((t) => t.kept && t.reply && !t.reply.same && t.text === text).length,
+  };
 }
 export type Trials = ReturnType<typeof useTrials>;

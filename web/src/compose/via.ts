@@ -7,14 +7,21 @@ export interface Opened {
 const most = 20;
 
 export function viaText(opened: readonly Opened[]): string {
-  return opened.slice(-most).map((o) => [o.name, o.flow, o.step].map(encodeURIComponent).join("/")).join("|");
+  return opened
+    .slice(-most)
+    .map((o) => [o.name, o.flow, o.step].map(encodeURIComponent).join("/"))
+    .join("|");
 }
 export function readVia(text: string): Opened[] {
   try {
-    return text.split("|").filter(Boolean).map((part) => {
-      const [name = "", flow = "", step = ""] = part.split("/").map(decodeURIComponent);
-      return { name, flow, step };
-    }).filter((o) => o.name !== "");
+    return text
+      .split("|")
+      .filter(Boolean)
+      .map((part) => {
+        const [name = "", flow = "", step = ""] = part.split("/").map(decodeURIComponent);
+        return { name, flow, step };
+      })
+      .filter((o) => o.name !== "");
   } catch {
     return []; // not made by the app
   }

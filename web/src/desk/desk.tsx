@@ -12,7 +12,15 @@ import { useVocabulary } from "../compose/vocabulary";
 import { Dialog } from "../ui/dialog";
 import { Picker } from "../ui/picker";
 import { toast } from "../ui/toasts";
-import { type Favourite, favouritesSearch, favouriteText, keepFavourites, keptFavourites, mostFavourites, readFavourites } from "./favourites";
+import {
+  type Favourite,
+  favouritesSearch,
+  favouriteText,
+  keepFavourites,
+  keptFavourites,
+  mostFavourites,
+  readFavourites,
+} from "./favourites";
 import { AskDialog } from "./ask_dialog";
 import { RunningNow } from "./running_now";
 import { runWords } from "../operate/states";
@@ -27,27 +35,47 @@ export default function Desk({ search }: { search: string }) {
   const shown = linked.length > 0 ? linked : kept;
   const [editing, setEditing] = useState(false);
   const [adding, setAdding] = useState(false);
-  const [asking, setAsking] = useState<{ favourite: Favourite; entry: PaletteEntry; edit: boolean } | null>(null);
+  const [asking, setAsking] = useState<{ favourite: Favourite; entry: PaletteEntry; edit: boolean } | null>(
+    null,
+  );
   useEffect(() => void (document.title = "Front desk – Docent"), []);
   // Changes of favourites that came by a link change the address, those of one's own what the browser keeps.
   const put = (next: Favourite[]) => {
     if (linked.length > 0) return navigate(paths.desk(favouritesSearch(next)), true);
     setKept(next);
-    if (!keepFavourites(next, storage)) toast("bad", "This browser keeps nothing", "Copy the link: it has the favourites.");
+    if (!keepFavourites(next, storage))
+      toast("bad", "This browser keeps nothing", "Copy the link: it has the favourites.");
   };
   const share = () => {
     const address = `${location.origin}${paths.desk(favouritesSearch(shown))}`;
-    navigator.clipboard.writeText(address).then(() => toast("good", "The link is copied", "It shows these favourites in any browser."), () => toast("bad", "The link could not be copied", address));
+    navigator.clipboard.writeText(address).then(
+      () => toast("good", "The link is copied", "It shows these favourites in any browser."),
+      () => toast("bad", "The link could not be copied", address),
+    );
   };
   const add = async (entry: PaletteEntry) => {
-    const favourite: Favourite = { kind: entry.kind === "workflow" ? "workflow" : "service", name: entry.id, flow: "", title: "", values: {} };
+    const favourite: Favourite = {
+      kind: entry.kind === "workflow" ? "workflow" : "service",
+      name: entry.id,
+      flow: "",
+      title: "",
+      values: {},
+    };
     const whole = await withInputs(entry);
     setAsking({ favourite, entry: whole, edit: true });
   };
   useCommands([
     { title: "Add a favourite", group: "Front desk", icon: Plus, keys: "A", run: () => setAdding(true) },
     { title: "Copy the link to these favourites", group: "Front desk", icon: LinkIcon, run: share },
-    ...shown.slice(0, 9).map((f, i) => ({ title: `Start ${titleOf(f)}`, group: "Front desk", icon: Star, keys: `${i + 1}`, run: () => document.querySelectorAll<HTMLButtonElement>(".desk-start")[i]?.click() })),
+    ...shown
+      .slice(0, 9)
+      .map((f, i) => ({
+        title: `Start ${titleOf(f)}`,
+        group: "Front desk",
+        icon: Star,
+        keys: `${i + 1}`,
+        run: () => document.querySelectorAll<HTMLButtonElement>(".desk-start")[i]?.click(),
+      })),
   ]);
   const offered = palette.entries.filter((e) => e.kind !== "operation");
   return (
@@ -55,38 +83,108 @@ export default function Desk({ search }: { search: string }) {
       <header className="head">
         <h1>Front desk</h1>
         <span className="grow" />
-        {shown.length > 0 && <button className="button" onClick={share}><LinkIcon size={14} />Copy the link</button>}
-        {shown.length > 0 && <button className="button" aria-pressed={editing} onClick={() => setEditing(!editing)}><Settings2 size={14} />Change</button>}
-        <button className="button primary" onClick={() => setAdding(true)}><Plus size={15} />Add</button>
+        {shown.length > 0 && (
+          <button className="button" onClick={share}>
+            <LinkIcon size={14} />
+            Copy the link
+          </button>
+        )}
+        {shown.length > 0 && (
+          <button className="button" aria-pressed={editing} onClick={() => setEditing(!editing)}>
+            <Settings2 size={14} />
+            Change
+          </button>
+        )}
+        <button className="button primary" onClick={() => setAdding(true)}>
+          <Plus size={15} />
+          Add
+        </button>
       </header>
       <div className="view desk" tabIndex={0} aria-label="Front desk">
         {linked.length > 0 && (
           <div className="notice desk-linked">
-            <LinkIcon size={15} /><div className="grow"><b>These favourites come by a link.</b> This browser has {kept.length === 0 ? "none" : kept.length} of its own.</div>
-            <button className="button small" onClick={() => (keepAll(kept, linked, setKept), navigate(paths.desk()))}>Keep them here</button>
-            {kept.length > 0 && <button className="button small" onClick={() => navigate(paths.desk())}>Show my own</button>}
+            <LinkIcon size={15} />
+            <div className="grow">
+              <b>These favourites come by a link.</b> This browser has{" "}
+              {kept.length === 0 ? "none" : kept.length} of its own.
+            </div>
+            <button
+              className="button small"
+              onClick={() => (keepAll(kept, linked, setKept), navigate(paths.desk()))}
+            >
+              Keep them here
+            </button>
+            {kept.length > 0 && (
+              <button className="button small" onClick={() => navigate(paths.desk())}>
+                Show my own
+              </button>
+            )}
           </div>
         )}
         {shown.length === 0 && (
-          <div className="nothing"><Star size={28} /><h2>No favourites yet</h2><p>Add the workflows and services that are started often. Each is a large button; what it needs is asked for in a small form.</p><button className="button primary" onClick={() => setAdding(true)}><Plus size={15} />Add a favourite</button></div>
+          <div className="nothing">
+            <Star size={28} />
+            <h2>No favourites yet</h2>
+            <p>
+              Add the workflows and services that are started often. Each is a large button; what it needs is
+              asked for in a small form.
+            </p>
+            <button className="button primary" onClick={() => setAdding(true)}>
+              <Plus size={15} />
+              Add a favourite
+            </button>
+          </div>
         )}
         <ul className="desk-tiles">
           {shown.map((favourite, i) => (
-            <Tile key={`${favouriteText(favourite)} ${i}`} favourite={favourite} palette={palette} names={names} editing={editing} number={i + 1}
-              onAsk={(entry, edit) => setAsking({ favourite, entry, edit })} onRemove={() => put(shown.filter((_, k) => k !== i))} />
+            <Tile
+              key={`${favouriteText(favourite)} ${i}`}
+              favourite={favourite}
+              palette={palette}
+              names={names}
+              editing={editing}
+              number={i + 1}
+              onAsk={(entry, edit) => setAsking({ favourite, entry, edit })}
+              onRemove={() => put(shown.filter((_, k) => k !== i))}
+            />
           ))}
         </ul>
         <RunningNow />
       </div>
       {adding && (
         <Dialog label="Add a favourite" width={520} top onClose={() => setAdding(false)}>
-          <Picker label="Workflows and services" placeholder="What should be started by one touch?" empty="Nothing here has this name. Deploy a workflow, or register services." onDone={() => setAdding(false)}
-            items={offered.map((e) => ({ id: `${e.kind} ${e.id}`, title: e.title, group: e.kind === "workflow" ? "Workflows" : "Services", detail: [e.kind, e.detail].filter(Boolean).join(" · "), words: e.id, icon: e.kind === "workflow" ? <Workflow size={16} /> : <Wrench size={16} />, run: () => void add(e) }))} />
+          <Picker
+            label="Workflows and services"
+            placeholder="What should be started by one touch?"
+            empty="Nothing here has this name. Deploy a workflow, or register services."
+            onDone={() => setAdding(false)}
+            items={offered.map((e) => ({
+              id: `${e.kind} ${e.id}`,
+              title: e.title,
+              group: e.kind === "workflow" ? "Workflows" : "Services",
+              detail: [e.kind, e.detail].filter(Boolean).join(" · "),
+              words: e.id,
+              icon: e.kind === "workflow" ? <Workflow size={16} /> : <Wrench size={16} />,
+              run: () => void add(e),
+            }))}
+          />
         </Dialog>
       )}
       {asking && (
-        <AskDialog favourite={asking.favourite} entry={asking.entry} edit={asking.edit} names={names} onClose={() => setAsking(null)}
-          onKeep={(favourite) => put(shown.includes(asking.favourite) ? shown.map((f) => (f === asking.favourite ? favourite : f)) : [...shown, favourite].slice(0, mostFavourites))} />
+        <AskDialog
+          favourite={asking.favourite}
+          entry={asking.entry}
+          edit={asking.edit}
+          names={names}
+          onClose={() => setAsking(null)}
+          onKeep={(favourite) =>
+            put(
+              shown.includes(asking.favourite)
+                ? shown.map((f) => (f === asking.favourite ? favourite : f))
+                : [...shown, favourite].slice(0, mostFavourites),
+            )
+          }
+        />
       )}
     </main>
   );
@@ -96,17 +194,34 @@ export function titleOf(favourite: Favourite): string {
   return favourite.title || words(favourite.name);
 }
 
-function keepAll(kept: readonly Favourite[], linked: readonly Favourite[], setKept: (next: Favourite[]) => void) {
+function keepAll(
+  kept: readonly Favourite[],
+  linked: readonly Favourite[],
+  setKept: (next: Favourite[]) => void,
+) {
   const have = new Set(kept.map(favouriteText));
   const next = [...kept, ...linked.filter((f) => !have.has(favouriteText(f)))].slice(0, mostFavourites);
   setKept(next);
   if (keepFavourites(next, storage)) toast("good", "The favourites are kept in this browser");
-  else toast("bad", "This browser keeps nothing", "The favourites last as long as this page. Copy the link: it has them.");
+  else
+    toast(
+      "bad",
+      "This browser keeps nothing",
+      "The favourites last as long as this page. Copy the link: it has them.",
+    );
 }
 
 const rest = 1500; // after a touch, so that a double one starts one run
 
-function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names; editing: boolean; number: number; onAsk: (entry: PaletteEntry, edit: boolean) => void; onRemove: () => void }) {
+function Tile(props: {
+  favourite: Favourite;
+  palette: PaletteData;
+  names: Names;
+  editing: boolean;
+  number: number;
+  onAsk: (entry: PaletteEntry, edit: boolean) => void;
+  onRemove: () => void;
+}) {
   const { favourite, palette, names } = props;
   const vocabulary = useVocabulary(names.prefixes);
   const entry = palette.entries.find((e) => e.kind === favourite.kind && e.id === favourite.name);
@@ -121,16 +236,24 @@ function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names;
   }, [entryKey]);
   useEffect(() => () => window.clearTimeout(timer.current), []);
   const asked = (inputs ?? []).filter((i) => !i.optional && !favourite.values[i.name]);
-  const label = (value: string) => vocabulary.things.find((t) => t.term === value)?.label || value.replace(/^[\w-]+:/, "");
+  const label = (value: string) =>
+    vocabulary.things.find((t) => t.term === value)?.label || value.replace(/^[\w-]+:/, "");
   const touch = () => {
     if (busy || !entry || !inputs) return;
     if (asked.length > 0) return props.onAsk({ ...entry, inputs }, false);
     setBusy(true);
     timer.current = window.setTimeout(() => setBusy(false), rest);
     start(favourite, favourite.values, names.prefixes).then(
-      (run) => toast("good", `${titleOf(favourite)} has begun`, runWords(run), { label: "Open it", run: () => navigate(paths.run(run)) }),
+      (run) =>
+        toast("good", `${titleOf(favourite)} has begun`, runWords(run), {
+          label: "Open it",
+          run: () => navigate(paths.run(run)),
+        }),
       (error: unknown) => {
-        const { title, detail } = error instanceof RangeError ? { title: "A value can't be read", detail: error.message } : plain(error);
+        const { title, detail } =
+          error instanceof RangeError
+            ? { title: "A value can't be read", detail: error.message }
+            : plain(error);
         toast("bad", `${titleOf(favourite)} did not begin`, [title, detail].filter(Boolean).join(". "));
       },
     );
@@ -139,19 +262,54 @@ function Tile(props: { favourite: Favourite; palette: PaletteData; names: Names;
   const Icon = favourite.kind === "workflow" ? Workflow : Bot;
   return (
     <li className="desk-tile">
-      <button className="desk-start" disabled={busy || missing} onClick={touch} aria-keyshortcuts={props.number < 10 ? `${props.number}` : undefined}>
-        <span className={`desk-icon ${favourite.kind}`}><Icon size={24} /></span>
+      <button
+        className="desk-start"
+        disabled={busy || missing}
+        onClick={touch}
+        aria-keyshortcuts={props.number < 10 ? `${props.number}` : undefined}
+      >
+        <span className={`desk-icon ${favourite.kind}`}>
+          <Icon size={24} />
+        </span>
         <span className="grow">
           <b>{titleOf(favourite)}</b>
-          <span className="quiet">{Object.entries(favourite.values).filter(([, v]) => v).map(([, v]) => label(v)).join(", ")}</span>
-          <span className="faint small">{missing ? "" : `${favourite.kind}${inputs ? ", " : ""}`}{missing ? `No ${favourite.kind} of this name is here now` : asked.length > 0 ? `asks for ${asked.map((i) => words(i.name).toLowerCase()).join(", ")}` : inputs ? "starts at once" : ""}</span>
+          <span className="quiet">
+            {Object.entries(favourite.values)
+              .filter(([, v]) => v)
+              .map(([, v]) => label(v))
+              .join(", ")}
+          </span>
+          <span className="faint small">
+            {missing ? "" : `${favourite.kind}${inputs ? ", " : ""}`}
+            {missing
+              ? `No ${favourite.kind} of this name is here now`
+              : asked.length > 0
+                ? `asks for ${asked.map((i) => words(i.name).toLowerCase()).join(", ")}`
+                : inputs
+                  ? "starts at once"
+                  : ""}
+          </span>
         </span>
         {props.number < 10 && <kbd aria-hidden>{props.number}</kbd>}
       </button>
       {props.editing && (
         <span className="desk-edit">
-          <button className="button small" disabled={!entry || !inputs} onClick={() => entry && inputs && props.onAsk({ ...entry, inputs }, true)}><Settings2 size={13} />Name and values</button>
-          <button className="button plain icon small" aria-label={`Remove ${titleOf(favourite)}`} title="Remove" onClick={props.onRemove}><Trash2 size={14} /></button>
+          <button
+            className="button small"
+            disabled={!entry || !inputs}
+            onClick={() => entry && inputs && props.onAsk({ ...entry, inputs }, true)}
+          >
+            <Settings2 size={13} />
+            Name and values
+          </button>
+          <button
+            className="button plain icon small"
+            aria-label={`Remove ${titleOf(favourite)}`}
+            title="Remove"
+            onClick={props.onRemove}
+          >
+            <Trash2 size={14} />
+          </button>
         </span>
       )}
     </li>

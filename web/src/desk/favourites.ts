@@ -17,7 +17,8 @@ export function favouriteText(f: Favourite): string {
   const parts = [`${f.kind}:${part(f.name)}`];
   if (f.flow) parts.push(`flow=${part(f.flow)}`);
   if (f.title) parts.push(`title=${part(f.title)}`);
-  for (const name of Object.keys(f.values).sort()) if (f.values[name]) parts.push(`$${part(name)}=${part(f.values[name] ?? "")}`);
+  for (const name of Object.keys(f.values).sort())
+    if (f.values[name]) parts.push(`$${part(name)}=${part(f.values[name] ?? "")}`);
   return parts.join(";");
 }
 function part(text: string): string {
@@ -29,7 +30,13 @@ export function readFavourite(text: string): Favourite | null {
   const [head = "", ...rest] = text.split(";");
   const match = /^(workflow|service):(.+)$/.exec(head);
   if (!match) return null;
-  const favourite: Favourite = { kind: match[1] as Favourite["kind"], name: plain(match[2] ?? ""), flow: "", title: "", values: {} };
+  const favourite: Favourite = {
+    kind: match[1] as Favourite["kind"],
+    name: plain(match[2] ?? ""),
+    flow: "",
+    title: "",
+    values: {},
+  };
   const values: Record<string, string> = {};
   for (const one of rest) {
     const at = one.indexOf("=");
@@ -49,7 +56,10 @@ function plain(text: string): string {
 }
 
 export function readFavourites(search: string): Favourite[] {
-  return new URLSearchParams(search).getAll("f").flatMap((text) => readFavourite(text) ?? []).slice(0, mostFavourites);
+  return new URLSearchParams(search)
+    .getAll("f")
+    .flatMap((text) => readFavourite(text) ?? [])
+    .slice(0, mostFavourites);
 }
 export function favouritesSearch(favourites: readonly Favourite[]): string {
   const search = new URLSearchParams(favourites.map((f) => ["f", favouriteText(f)])).toString();
@@ -59,7 +69,9 @@ export function favouritesSearch(favourites: readonly Favourite[]): string {
 export function keptFavourites(storage: Pick<Kept, "getItem">): Favourite[] {
   try {
     const stored = JSON.parse(storage.getItem(key) ?? "[]") as unknown;
-    return Array.isArray(stored) ? stored.flatMap((text) => (typeof text === "string" ? (readFavourite(text) ?? []) : [])) : [];
+    return Array.isArray(stored)
+      ? stored.flatMap((text) => (typeof text === "string" ? (readFavourite(text) ?? []) : []))
+      : [];
   } catch {
     return [];
   }

@@ -19,9 +19,21 @@ import { runWords } from "./states";
 const robotsWithButtons = 4;
 
 // `causes`: IRIs of robots.
-export function CauseActions({ causes, robots, names, again }: { causes: readonly string[]; robots: readonly RobotStatus[]; names: Names; again: () => void }) {
+export function CauseActions({
+  causes,
+  robots,
+  names,
+  again,
+}: {
+  causes: readonly string[];
+  robots: readonly RobotStatus[];
+  names: Names;
+  again: () => void;
+}) {
   const past = usePast() !== null;
-  const known = causes.slice(0, robotsWithButtons).flatMap((iri) => robots.find((r) => r.robot === iri) ?? []);
+  const known = causes
+    .slice(0, robotsWithButtons)
+    .flatMap((iri) => robots.find((r) => r.robot === iri) ?? []);
   if (known.length === 0) return null;
   return (
     <div className="row cause-actions">
@@ -29,8 +41,25 @@ export function CauseActions({ causes, robots, names, again }: { causes: readonl
         const name = r.label || names.name(r.robot);
         return (
           <span key={r.robot} className="row">
-            {r.outOfService && !past && <button className="button small" onClick={() => attempt(`${name} is in service`, () => fleet.putInService({ robot: r.robot }), again)}><Power size={13} />Put {name} in service</button>}
-            <Link className="button small" href={paths.hall(names.short(r.robot) || r.robot)} title={`Where ${name} is, and what it does`}><MapPin size={13} />{known.length === 1 ? "See it in the hall" : `See ${name} in the hall`}</Link>
+            {r.outOfService && !past && (
+              <button
+                className="button small"
+                onClick={() =>
+                  attempt(`${name} is in service`, () => fleet.putInService({ robot: r.robot }), again)
+                }
+              >
+                <Power size={13} />
+                Put {name} in service
+              </button>
+            )}
+            <Link
+              className="button small"
+              href={paths.hall(names.short(r.robot) || r.robot)}
+              title={`Where ${name} is, and what it does`}
+            >
+              <MapPin size={13} />
+              {known.length === 1 ? "See it in the hall" : `See ${name} in the hall`}
+            </Link>
           </span>
         );
       })}
@@ -39,7 +68,23 @@ export function CauseActions({ causes, robots, names, again }: { causes: readonl
 }
 
 // For a step that waits for one robot of its run, or failed and can be done by another one.
-export function AnotherRobot({ run, node, runs, causes, robots, names, again }: { run: Run; node: Node | undefined; runs: readonly Run[]; causes: readonly string[]; robots: readonly RobotStatus[]; names: Names; again: () => void }) {
+export function AnotherRobot({
+  run,
+  node,
+  runs,
+  causes,
+  robots,
+  names,
+  again,
+}: {
+  run: Run;
+  node: Node | undefined;
+  runs: readonly Run[];
+  causes: readonly string[];
+  robots: readonly RobotStatus[];
+  names: Names;
+  again: () => void;
+}) {
   const [asking, setAsking] = useState(false);
   const past = usePast() !== null;
   const exchange = node && !past ? exchangeOf(run, node, runs, causes) : null;
@@ -49,21 +94,53 @@ export function AnotherRobot({ run, node, runs, causes, robots, names, again }: 
     setAsking(false);
     const name = robot.label || names.name(robot.robot);
     const calls = async () => {
-      if (exchange.how === "retry") await workflows.settle({ run: run.id, node: node.name, how: SettleRequest_How.RETRY, robot: robot.robot });
-      else for (const one of exchange.values) await workflows.setVariable({ run: one.run, variable: { name: one.name, value: iriTerm(robot.robot) } });
+      if (exchange.how === "retry")
+        await workflows.settle({
+          run: run.id,
+          node: node.name,
+          how: SettleRequest_How.RETRY,
+          robot: robot.robot,
+        });
+      else
+        for (const one of exchange.values)
+          await workflows.setVariable({
+            run: one.run,
+            variable: { name: one.name, value: iriTerm(robot.robot) },
+          });
     };
-    attempt(exchange.how === "retry" ? `The step begins again with ${name}` : `The run waits for ${name} now`, calls, again);
+    attempt(
+      exchange.how === "retry" ? `The step begins again with ${name}` : `The run waits for ${name} now`,
+      calls,
+      again,
+    );
   };
   return (
     <>
-      <button className="button small" onClick={() => setAsking(true)}><Bot size={13} />{exchange.how === "retry" ? "Try again with another robot" : "Give the run another robot"}</button>
+      <button className="button small" onClick={() => setAsking(true)}>
+        <Bot size={13} />
+        {exchange.how === "retry" ? "Try again with another robot" : "Give the run another robot"}
+      </button>
       {asking && (
         <Dialog label="Another robot" width={440} onClose={() => setAsking(false)}>
-          <div className="sheet-head"><h2 className="grow">Another robot for {runWords(run.id)}</h2><button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}><X size={15} /></button></div>
+          <div className="sheet-head">
+            <h2 className="grow">Another robot for {runWords(run.id)}</h2>
+            <button className="button plain icon small" aria-label="Close" onClick={() => setAsking(false)}>
+              <X size={15} />
+            </button>
+          </div>
           <div className="sheet-body" style={{ display: "grid", gap: 6 }}>
-            <p className="quiet">{exchange.how === "retry" ? `${node.name} begins again with the robot that you choose.` : `${node.name} and what comes after it wait for the robot that you choose.`}</p>
+            <p className="quiet">
+              {exchange.how === "retry"
+                ? `${node.name} begins again with the robot that you choose.`
+                : `${node.name} and what comes after it wait for the robot that you choose.`}
+            </p>
             {fitting.map((r) => (
-              <button key={r.robot} className="button robot-choice" onClick={() => give(r)}><Bot size={13} /><b>{r.label || names.name(r.robot)}</b><span className="grow faint small cut">{whyNotReady(r, run.id) || "is free"}</span><RobotTag state={r.outOfService ? "maintenance" : r.state} /></button>
+              <button key={r.robot} className="button robot-choice" onClick={() => give(r)}>
+                <Bot size={13} />
+                <b>{r.label || names.name(r.robot)}</b>
+                <span className="grow faint small cut">{whyNotReady(r, run.id) || "is free"}</span>
+                <RobotTag state={r.outOfService ? "maintenance" : r.state} />
+              </button>
             ))}
           </div>
         </Dialog>

@@ -28,12 +28,16 @@ export function asMeant(fact: string, ask: string): string {
     if (isType(pattern[1]) || pattern[1] !== found[1]) continue;
     const open = [0, 2].filter((i) => isVariable(pattern[i] ?? "") && pattern[i] !== found[i]);
     if (open.length === 0 || [0, 2].some((i) => !open.includes(i) && pattern[i] !== found[i])) continue;
-    const free = (variable: string) => pieces.filter((piece) => new RegExp(`${literally(variable)}(?!\\w)`).test(piece)).every((piece) => {
-      const p = patternOf(piece);
-      return p && (p.join(" ") === pattern.join(" ") || (isType(p[1]) && p[0] === variable));
-    });
+    const free = (variable: string) =>
+      pieces
+        .filter((piece) => new RegExp(`${literally(variable)}(?!\\w)`).test(piece))
+        .every((piece) => {
+          const p = patternOf(piece);
+          return p && (p.join(" ") === pattern.join(" ") || (isType(p[1]) && p[0] === variable));
+        });
     if (!open.every((i) => free(pattern[i] ?? ""))) continue;
-    const named = (i: number) => (open.includes(i) ? classNamed(pattern[i] ?? "", patterns) : (found[i] ?? ""));
+    const named = (i: number) =>
+      open.includes(i) ? classNamed(pattern[i] ?? "", patterns) : (found[i] ?? "");
     return [named(0), found[1], named(2)].join(" ");
   }
   return fact;
@@ -41,7 +45,9 @@ export function asMeant(fact: string, ask: string): string {
 // "?booth", by its class where it has one.
 function classNamed(variable: string, patterns: readonly Pattern[]): string {
   const of = patterns.find((p) => isType(p[1]) && p[0] === variable)?.[2];
-  return of && /^[\w-]+:\w+$/.test(of) ? `?${of.replace(/^.*:/, "").replace(/^\w/, (c) => c.toLowerCase())}` : variable;
+  return of && /^[\w-]+:\w+$/.test(of)
+    ? `?${of.replace(/^.*:/, "").replace(/^\w/, (c) => c.toLowerCase())}`
+    : variable;
 }
 
 // "John selected a booth"
@@ -53,6 +59,9 @@ export function factWords(fact: string, prefixes: ReadonlyMap<string, string>): 
     const noun = words(term.slice(1).replace(/^_/, "")).toLowerCase();
     return `${/^[aeiou]/.test(noun) ? "an" : "a"} ${noun}`;
   };
-  const text = patternWords([isVariable(subject) ? "?SUBJECT" : subject, verb, isVariable(object) ? "?OBJECT" : object].join(" "), prefixes);
+  const text = patternWords(
+    [isVariable(subject) ? "?SUBJECT" : subject, verb, isVariable(object) ? "?OBJECT" : object].join(" "),
+    prefixes,
+  );
   return text.replace("SUBJECT", () => some(subject)).replace("OBJECT", () => some(object));
 }

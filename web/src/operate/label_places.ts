@@ -21,20 +21,47 @@ export function textBox(x: number, baseline: number, text: string, size: number)
   return { x, y: baseline - size * 0.35, width: text.length * size * letter, height: size };
 }
 function shared(a: Box, b: Box): number {
-  const wide = Math.min(a.x + a.width / 2, b.x + b.width / 2) - Math.max(a.x - a.width / 2, b.x - b.width / 2);
-  const high = Math.min(a.y + a.height / 2, b.y + b.height / 2) - Math.max(a.y - a.height / 2, b.y - b.height / 2);
+  const wide =
+    Math.min(a.x + a.width / 2, b.x + b.width / 2) - Math.max(a.x - a.width / 2, b.x - b.width / 2);
+  const high =
+    Math.min(a.y + a.height / 2, b.y + b.height / 2) - Math.max(a.y - a.height / 2, b.y - b.height / 2);
   return wide > 0 && high > 0 ? wide * high : 0;
 }
 
 // Offsets of the names (middle and baseline) from their things: above, below, right or left, or a line farther, where least is
 // covered; the first come first.
-export function placeLabels(fixed: readonly Box[], movers: readonly Mover[]): Map<string, { x: number; y: number }> {
-  const taken = [...fixed, ...movers.map((m): Box => ({ x: m.x, y: m.y, width: m.radius * 2, height: m.radius * 2 }))];
+export function placeLabels(
+  fixed: readonly Box[],
+  movers: readonly Mover[],
+): Map<string, { x: number; y: number }> {
+  const taken = [
+    ...fixed,
+    ...movers.map((m): Box => ({ x: m.x, y: m.y, width: m.radius * 2, height: m.radius * 2 })),
+  ];
   const places = new Map<string, { x: number; y: number }>();
   for (const mover of movers) {
     const half = (mover.text.length * mover.size * letter) / 2;
-    const [above, below, aside] = [-mover.radius - 0.3 * mover.size, mover.radius + mover.size, mover.radius + half + 0.2];
-    const offers = [{ x: 0, y: above }, { x: 0, y: below }, { x: aside, y: mover.size * 0.35 }, { x: -aside, y: mover.size * 0.35 }, { x: aside, y: above }, { x: -aside, y: above }, { x: aside, y: below }, { x: -aside, y: below }, { x: 0, y: above - mover.size * farther }, { x: 0, y: below + mover.size * farther }, { x: aside, y: below + mover.size * farther }, { x: -aside, y: below + mover.size * farther }, { x: aside, y: above - mover.size * farther }, { x: -aside, y: above - mover.size * farther }];
+    const [above, below, aside] = [
+      -mover.radius - 0.3 * mover.size,
+      mover.radius + mover.size,
+      mover.radius + half + 0.2,
+    ];
+    const offers = [
+      { x: 0, y: above },
+      { x: 0, y: below },
+      { x: aside, y: mover.size * 0.35 },
+      { x: -aside, y: mover.size * 0.35 },
+      { x: aside, y: above },
+      { x: -aside, y: above },
+      { x: aside, y: below },
+      { x: -aside, y: below },
+      { x: 0, y: above - mover.size * farther },
+      { x: 0, y: below + mover.size * farther },
+      { x: aside, y: below + mover.size * farther },
+      { x: -aside, y: below + mover.size * farther },
+      { x: aside, y: above - mover.size * farther },
+      { x: -aside, y: above - mover.size * farther },
+    ];
     let best = offers[0]!;
     let least = Infinity;
     for (const offer of offers) {

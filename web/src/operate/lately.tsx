@@ -19,17 +19,33 @@ export function readLately(rows: readonly Row[]): { run: string; state: string; 
   return rows.flatMap((row) => {
     const began = Date.parse(row["began"]?.text ?? "");
     const run = runOf(row["run"]?.text ?? "");
-    return run && Number.isFinite(began) ? [{ run, state: row["state"]?.text ?? "", beganUs: BigInt(began) * 1000n }] : [];
+    return run && Number.isFinite(began)
+      ? [{ run, state: row["state"]?.text ?? "", beganUs: BigInt(began) * 1000n }]
+      : [];
   });
 }
 
 export function Lately({ iri }: { iri: string }) {
-  const runs = useShown(`lately ${iri}`, async (asOf, signal) => readLately((await query(latelyQuery(iri), signal, asOf)).rows), 3000);
+  const runs = useShown(
+    `lately ${iri}`,
+    async (asOf, signal) => readLately((await query(latelyQuery(iri), signal, asOf)).rows),
+    3000,
+  );
   if (!runs.data || runs.data.length === 0) return null;
   return (
     <>
       <h3>Lately</h3>
-      <ul className="lately">{runs.data.map((r) => <li key={r.run}><Link href={paths.run(r.run)} className="run-id cut grow">{runWords(r.run)}</Link><StateTag state={r.state} /><Time us={r.beganUs} className="faint small number" /></li>)}</ul>
+      <ul className="lately">
+        {runs.data.map((r) => (
+          <li key={r.run}>
+            <Link href={paths.run(r.run)} className="run-id cut grow">
+              {runWords(r.run)}
+            </Link>
+            <StateTag state={r.state} />
+            <Time us={r.beganUs} className="faint small number" />
+          </li>
+        ))}
+      </ul>
     </>
   );
 }

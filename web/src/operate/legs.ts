@@ -12,18 +12,38 @@ SELECT ?from ?to (SAMPLE(?l) AS ?length) { ?c a docent:Connection ; docent:fromP
 
 // The text that docent:routeLength takes; empty: the hall has no routes.
 export function roadmapText(rows: readonly Row[]): string {
-  return rows.flatMap((row) => (row["from"] && row["to"] ? [[row["from"].text, row["to"].text, row["length"]?.text ?? ""].join(" ").trim()] : [])).join("; ");
+  return rows
+    .flatMap((row) =>
+      row["from"] && row["to"]
+        ? [[row["from"].text, row["to"].text, row["length"]?.text ?? ""].join(" ").trim()]
+        : [],
+    )
+    .join("; ");
 }
 
 // Metres to each stop from the one before it, or from `from`; undefined: no route is known.
 export function useLegs(stops: readonly Point[], from: Point | null): readonly (number | undefined)[] {
-  const roadmap = usePoll("roadmap", async (signal) => roadmapText((await query(roadmapQuery, signal)).rows), 60_000);
+  const roadmap = usePoll(
+    "roadmap",
+    async (signal) => roadmapText((await query(roadmapQuery, signal)).rows),
+    60_000,
+  );
   const ways = stops.map((to, i) => [i === 0 ? from : stops[i - 1], to] as const);
-  const legs = ways.flatMap(([a, b], i) => (a && b ? [{ i, text: `docent:routeLength("${a.x} ${a.y}", "${b.x} ${b.y}", ?map)` }] : []));
-  const key = roadmap.data && legs.length > 0 ? `legs ${roadmap.data.length} ${legs.map((l) => l.text).join(" ")}` : "";
-  const lengths = usePoll(key, async (signal) => {
-    const { rows } = await query(`PREFIX docent: <https://w3id.org/docent#> SELECT ${legs.map((l) => `?m${l.i}`).join(" ")} { BIND(${JSON.stringify(roadmap.data)} AS ?map) ${legs.map((l) => `BIND(${l.text} AS ?m${l.i})`).join(" ")} }`, signal);
-    return stops.map((_, i) => (rows[0]?.[`m${i}`] ? Number(rows[0][`m${i}`]?.text) : undefined));
-  }, 60_000);
+  const legs = ways.flatMap(([a, b], i) =>
+    a && b ? [{ i, text: `docent:routeLength("${a.x} ${a.y}", "${b.x} ${b.y}", ?map)` }] : [],
+  );
+  const key =
+    roadmap.data && legs.length > 0 ? `legs ${roadmap.data.length} ${legs.map((l) => l.text).join(" ")}` : "";
+  const lengths = usePoll(
+    key,
+    async (signal) => {
+      const { rows } = await query(
+        `PREFIX docent: <https://w3id.org/docent#> SELECT ${legs.map((l) => `?m${l.i}`).join(" ")} { BIND(${JSON.stringify(roadmap.data)} AS ?map) ${legs.map((l) => `BIND(${l.text} AS ?m${l.i})`).join(" ")} }`,
+        signal,
+      );
+      return stops.map((_, i) => (rows[0]?.[`m${i}`] ? Number(rows[0][`m${i}`]?.text) : undefined));
+    },
+    60_000,
+  );
   return lengths.data ?? [];
 }

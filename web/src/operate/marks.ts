@@ -20,14 +20,27 @@ SELECT ?t ?r ?node ?what { GRAPH docent:runs {
 } } ORDER BY DESC(?t) LIMIT ${most}`;
 
 export function readMarks(rows: readonly Row[]): Mark[] {
-  return rows.flatMap((row) => {
-    const ms = Date.parse(row["t"]?.text ?? "");
-    const run = runOf(row["r"]?.text ?? "");
-    const node = row["node"]?.text;
-    const what = row["what"]?.text ?? "";
-    // Times in the graph are cut to milliseconds: the turn itself came within the next one.
-    return Number.isFinite(ms) && run ? [{ ms: ms + 1, run, words: node ? `${node} of ${runWords(run)}${what === "opens" ? " opens" : ` is ${what}`}` : `${runWords(run)} ${what === "begins" ? "begins" : `is ${what}`}`, ends: !node && what !== "begins" }] : [];
-  }).sort((a, b) => a.ms - b.ms);
+  return rows
+    .flatMap((row) => {
+      const ms = Date.parse(row["t"]?.text ?? "");
+      const run = runOf(row["r"]?.text ?? "");
+      const node = row["node"]?.text;
+      const what = row["what"]?.text ?? "";
+      // Times in the graph are cut to milliseconds: the turn itself came within the next one.
+      return Number.isFinite(ms) && run
+        ? [
+            {
+              ms: ms + 1,
+              run,
+              words: node
+                ? `${node} of ${runWords(run)}${what === "opens" ? " opens" : ` is ${what}`}`
+                : `${runWords(run)} ${what === "begins" ? "begins" : `is ${what}`}`,
+              ends: !node && what !== "begins",
+            },
+          ]
+        : [];
+    })
+    .sort((a, b) => a.ms - b.ms);
 }
 
 // The nearest mark before or after a time.
@@ -37,17 +50,26 @@ export function nextMark(marks: readonly Mark[], ms: number, direction: 1 | -1):
 
 export function useMarks() {
   const [slow, setSlow] = useState(false); // very many runs: the question takes a while, and is asked less often
-  return usePoll("marks", async (signal) => {
-    const begin = performance.now();
-    const { rows } = await query(marksQuery, signal);
-    if (performance.now() - begin > slowMs) setSlow(true);
-    return readMarks(rows);
-  }, slow ? 30_000 : 3000);
+  return usePoll(
+    "marks",
+    async (signal) => {
+      const begin = performance.now();
+      const { rows } = await query(marksQuery, signal);
+      if (performance.now() - begin > slowMs) setSlow(true);
+      return readMarks(rows);
+    },
+    slow ? 30_000 : 3000,
+  );
 }
 
 const minute = 60_000;
 export const spans = [
-  { ms: 5 * minute, words: "5 minutes" }, { ms: 15 * minute, words: "15 minutes" }, { ms: 60 * minute, words: "an hour" }, { ms: 8 * 60 * minute, words: "8 hours" }, { ms: 24 * 60 * minute, words: "a day" }, { ms: 7 * 24 * 60 * minute, words: "a week" },
+  { ms: 5 * minute, words: "5 minutes" },
+  { ms: 15 * minute, words: "15 minutes" },
+  { ms: 60 * minute, words: "an hour" },
+  { ms: 8 * 60 * minute, words: "8 hours" },
+  { ms: 24 * 60 * minute, words: "a day" },
+  { ms: 7 * 24 * 60 * minute, words: "a week" },
 ] as const;
 
 // The shortest span that has the newest things in it, and at least what happened last.

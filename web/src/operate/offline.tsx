@@ -15,7 +15,11 @@ const everyMs = 2000;
 // All robots, of now or of the time that is shown.
 export function useFleet(): readonly RobotStatus[] {
   const at = usePast();
-  const now = usePoll(at === null ? "fleet" : "", async (signal) => (await fleet.list({}, { signal })).robots, everyMs);
+  const now = usePoll(
+    at === null ? "fleet" : "",
+    async (signal) => (await fleet.list({}, { signal })).robots,
+    everyMs,
+  );
   const then = useAsOf("robots", at, askRobots);
   return (at === null ? now.data : then.data?.robots) ?? none;
 }
@@ -26,9 +30,27 @@ export function useOfflineRobots(): readonly RobotStatus[] {
 }
 
 export function LostTag({ lost }: { lost: readonly Lost[] }) {
-  return lost.map((r) => <span key={r.robot} className="tag wait" title="Nothing more is heard of its step until it is back"><Unplug size={12} />{r.label || nameOf(r.robot)} offline{sinceWords(r)}</span>);
+  return lost.map((r) => (
+    <span key={r.robot} className="tag wait" title="Nothing more is heard of its step until it is back">
+      <Unplug size={12} />
+      {r.label || nameOf(r.robot)} offline{sinceWords(r)}
+    </span>
+  ));
 }
 export function LostBar({ lost }: { lost: readonly Lost[] }) {
   if (lost.length === 0) return null;
-  return <div className="stale" role="status"><Unplug size={14} /><span>{lost.map((r) => `${r.label || nameOf(r.robot)} ${r.lastSeenUs > 0n ? "has been" : "is"} offline${sinceWords(r)}`).join("; ")}. Nothing more is heard of its step until it is back.</span></div>;
+  return (
+    <div className="stale" role="status">
+      <Unplug size={14} />
+      <span>
+        {lost
+          .map(
+            (r) =>
+              `${r.label || nameOf(r.robot)} ${r.lastSeenUs > 0n ? "has been" : "is"} offline${sinceWords(r)}`,
+          )
+          .join("; ")}
+        . Nothing more is heard of its step until it is back.
+      </span>
+    </div>
+  );
 }

@@ -20,13 +20,25 @@ export function readRobots(rows: readonly Row[]): ListRobotsReply {
       if (!robot) return [];
       const text = (name: string) => row[name]?.text ?? "";
       const run = runOf(text("run"));
-      return [create(RobotStatusSchema, {
-        robot, label: text("label") || nameOf(robot), state: localName(text("status")).toLowerCase() || "offline", hasPose: row["x"] !== undefined && row["y"] !== undefined,
-        xM: Number(text("x")), yM: Number(text("y")), headingRad: Number(text("heading")), regions: row["region"] ? [text("region")] : [],
-        outOfService: row["reason"] !== undefined, outOfServiceReason: text("reason"), heldBy: run, heldFor: row["operation"] ? [{ run, node: text("node"), operation: text("operation") }] : [],
-      })];
+      return [
+        create(RobotStatusSchema, {
+          robot,
+          label: text("label") || nameOf(robot),
+          state: localName(text("status")).toLowerCase() || "offline",
+          hasPose: row["x"] !== undefined && row["y"] !== undefined,
+          xM: Number(text("x")),
+          yM: Number(text("y")),
+          headingRad: Number(text("heading")),
+          regions: row["region"] ? [text("region")] : [],
+          outOfService: row["reason"] !== undefined,
+          outOfServiceReason: text("reason"),
+          heldBy: run,
+          heldFor: row["operation"] ? [{ run, node: text("node"), operation: text("operation") }] : [],
+        }),
+      ];
     }),
   });
 }
 
-export const askRobots = async (asOf: string, signal: AbortSignal) => readRobots((await query(robotsQuery, signal, asOf)).rows);
+export const askRobots = async (asOf: string, signal: AbortSignal) =>
+  readRobots((await query(robotsQuery, signal, asOf)).rows);

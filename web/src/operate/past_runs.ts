@@ -33,13 +33,20 @@ function gathered(rows: readonly Row[]): Map<string, Map<string, Value[]>> {
   }
   return things;
 }
-const all = (facts: Facts | undefined, name: string): string[] => facts?.get(name.includes("#") ? name : docent + name)?.map((v) => v.text) ?? [];
+const all = (facts: Facts | undefined, name: string): string[] =>
+  facts?.get(name.includes("#") ? name : docent + name)?.map((v) => v.text) ?? [];
 const one = (facts: Facts | undefined, name: string) => all(facts, name)[0] ?? "";
 const micros = (time: string) => (time ? BigInt(Date.parse(time)) * 1000n : 0n);
 const numberAtEnd = (iri: string) => Number(iri.slice(iri.lastIndexOf("/") + 1)) || 0;
 
 function termOf(value: Value): Term {
-  if (value.kind === "literal") return create(TermSchema, { kind: { case: "literal", value: { lexical: value.text, datatype: value.datatype ?? "", language: value.language ?? "" } } });
+  if (value.kind === "literal")
+    return create(TermSchema, {
+      kind: {
+        case: "literal",
+        value: { lexical: value.text, datatype: value.datatype ?? "", language: value.language ?? "" },
+      },
+    });
   return create(TermSchema, { kind: { case: value.kind, value: value.text } });
 }
 
@@ -47,32 +54,67 @@ export function readRuns(rows: readonly Row[]): Run[] {
   const things = gathered(rows);
   const under = (property: string) => {
     const found = new Map<string, string[]>();
-    for (const [iri, facts] of things) for (const of of all(facts, property)) found.set(of, [...(found.get(of) ?? []), iri]);
+    for (const [iri, facts] of things)
+      for (const of of all(facts, property)) found.set(of, [...(found.get(of) ?? []), iri]);
     return found;
   };
   const nodes = under("ofRun");
   const invocations = under("ofNode");
-  const values = (iris: readonly string[]) => iris.flatMap((iri) => {
-    const value = things.get(iri)?.get(`${docent}variableValue`)?.[0];
-    return value ? [{ name: one(things.get(iri), "variableName"), value: termOf(value) }] : [];
-  }).sort((a, b) => a.name.localeCompare(b.name));
-  const runs = [...things].filter(([, facts]) => facts.has(`${docent}runState`)).map(([iri, facts]) => create(RunSchema, {
-    id: runOf(iri), workflow: one(facts, "workflow"), flow: one(facts, "flow"), state: one(facts, "runState"), reason: one(facts, "reason"), parent: runOf(one(facts, "parentRun")), paused: facts.has(`${docent}pausedAt`),
-    startedUs: micros(one(facts, `${prov}startedAtTime`)), endedUs: micros(one(facts, `${prov}endedAtTime`)), variables: values(all(facts, "hasVariable")), results: values(all(facts, "hasResult")),
-    nodes: (nodes.get(iri) ?? []).sort((a, b) => Number(one(things.get(a), "position")) - Number(one(things.get(b), "position"))).map((node) => {
-      const of = things.get(node);
-      return {
-        name: one(of, "nodeName"), state: one(of, "nodeState"), waitsFor: one(of, "waitsFor"), firedBecause: one(of, "firedBecause"), reason: one(of, "reason"), sinceUs: micros(one(of, "since")),
-        invocations: (invocations.get(node) ?? []).sort((a, b) => numberAtEnd(a) - numberAtEnd(b)).map((i) => {
-          const done = things.get(i);
-          return { operation: one(done, "operation"), state: one(done, "invocationState"), robot: one(done, "robot"), step: one(done, "step"), reason: one(done, "reason"), progress: Number(one(done, "progress")) || 0 };
-        }),
-      };
-    }),
-  }));
+  const values = (iris: readonly string[]) =>
+    iris
+      .flatMap((iri) => {
+        const value = things.get(iri)?.get(`${docent}variableValue`)?.[0];
+        return value ? [{ name: one(things.get(iri), "variableName"), value: termOf(value) }] : [];
+      })
+      .sort((a, b) => a.name.localeCompare(b.name));
+  const runs = [...things]
+    .filter(([, facts]) => facts.has(`${docent}runState`))
+    .map(([iri, facts]) =>
+      create(RunSchema, {
+        id: runOf(iri),
+        workflow: one(facts, "workflow"),
+        flow: one(facts, "flow"),
+        state: one(facts, "runState"),
+        reason: one(facts, "reason"),
+        parent: runOf(one(facts, "parentRun")),
+        paused: facts.has(`${docent}pausedAt`),
+        startedUs: micros(one(facts, `${prov}startedAtTime`)),
+        endedUs: micros(one(facts, `${prov}endedAtTime`)),
+        variables: values(all(facts, "hasVariable")),
+        results: values(all(facts, "hasResult")),
+        nodes: (nodes.get(iri) ?? [])
+          .sort((a, b) => Number(one(things.get(a), "position")) - Number(one(things.get(b), "position")))
+          .map((node) => {
+            const of = things.get(node);
+            return {
+              name: one(of, "nodeName"),
+              state: one(of, "nodeState"),
+              waitsFor: one(of, "waitsFor"),
+              firedBecause: one(of, "firedBecause"),
+              reason: one(of, "reason"),
+              sinceUs: micros(one(of, "since")),
+              invocations: (invocations.get(node) ?? [])
+                .sort((a, b) => numberAtEnd(a) - numberAtEnd(b))
+                .map((i) => {
+                  const done = things.get(i);
+                  return {
+                    operation: one(done, "operation"),
+                    state: one(done, "invocationState"),
+                    robot: one(done, "robot"),
+                    step: one(done, "step"),
+                    reason: one(done, "reason"),
+                    progress: Number(one(done, "progress")) || 0,
+                  };
+                }),
+            };
+          }),
+      }),
+    );
   return runs.sort((a, b) => Number(b.startedUs - a.startedUs));
 }
 
 // Undefined: there was no such run yet, or no longer.
-export const askRun = async (id: string, asOf: string, signal: AbortSignal) => readRuns((await query(runQuery(id), signal, asOf)).rows).find((run) => run.id === id);
-export const askRuns = async (asOf: string, signal: AbortSignal): Promise<ListRunsReply> => create(ListRunsReplySchema, { runs: readRuns((await query(runsQuery, signal, asOf)).rows) });
+export const askRun = async (id: string, asOf: string, signal: AbortSignal) =>
+  readRuns((await query(runQuery(id), signal, asOf)).rows).find((run) => run.id === id);
+export const askRuns = async (asOf: string, signal: AbortSignal): Promise<ListRunsReply> =>
+  create(ListRunsReplySchema, { runs: readRuns((await query(runsQuery, signal, asOf)).rows) });

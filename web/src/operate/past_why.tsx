@@ -12,10 +12,27 @@ export function PastWhyNot({ run, node, names }: { run: string; node: string; na
     const { revision } = await query("ASK {}", signal, asOf);
     return replays.tryNode({ run, node, turn: revision }, { signal });
   });
-  if (tried.error && !tried.data) return <p className="notice"><Unplug size={14} />{tried.error.title}. {tried.error.detail}</p>;
+  if (tried.error && !tried.data)
+    return (
+      <p className="notice">
+        <Unplug size={14} />
+        {tried.error.title}. {tried.error.detail}
+      </p>
+    );
   if (!tried.data) return <p className="faint small">Looking for what was missing…</p>;
   const lacks = factsOf(tried.data.missing, names);
   if (tried.data.opens) return <p className="notice">It opened with this turn.</p>;
   if (lacks.length === 0) return <p className="faint small">What was missing can’t be told.</p>;
-  return <div className="lacks"><section className="lack">{lacks.map((fact) => <p key={fact} className="lack-words" title={fact}><ChevronRight size={12} /><span>{factWords(fact, names.prefixes)}</span></p>)}</section></div>;
+  return (
+    <div className="lacks">
+      <section className="lack">
+        {lacks.map((fact) => (
+          <p key={fact} className="lack-words" title={fact}>
+            <ChevronRight size={12} />
+            <span>{factWords(fact, names.prefixes)}</span>
+          </p>
+        ))}
+      </section>
+    </div>
+  );
 }

@@ -4,11 +4,19 @@ import { clock } from "./states";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 
 export function taskWords(robot: RobotStatus): string {
-  if (robot.outOfService) return `out of service${robot.outOfServiceReason ? `: ${robot.outOfServiceReason}` : ""}`;
+  if (robot.outOfService)
+    return `out of service${robot.outOfServiceReason ? `: ${robot.outOfServiceReason}` : ""}`;
   const task = robot.heldFor[0];
   // It may be no longer so, and its run may have failed meanwhile.
-  if (robot.state === "offline") return [robot.lastSeenUs > 0n ? `not seen since ${clock(robot.lastSeenUs)}` : "not seen", task && `it had begun: ${words(task.operation).toLowerCase()}`].filter(Boolean).join("; ");
-  if (robot.endingCommands.length > 0 && robot.heldFor.length <= robot.endingCommands.length) return task ? `ends ${words(task.operation).toLowerCase()}` : "ends a command";
+  if (robot.state === "offline")
+    return [
+      robot.lastSeenUs > 0n ? `not seen since ${clock(robot.lastSeenUs)}` : "not seen",
+      task && `it had begun: ${words(task.operation).toLowerCase()}`,
+    ]
+      .filter(Boolean)
+      .join("; ");
+  if (robot.endingCommands.length > 0 && robot.heldFor.length <= robot.endingCommands.length)
+    return task ? `ends ${words(task.operation).toLowerCase()}` : "ends a command";
   if (task) return words(task.operation);
   return robot.heldBy ? "waits for its run" : robot.state === "standby" ? "free" : "";
 }

@@ -1,5 +1,17 @@
 // States of runs and nodes as icon and words, never by colour alone; times for people.
-import { Ban, CircleAlert, CircleCheck, CircleDashed, CirclePause, Hourglass, LoaderCircle, Send, SkipForward, Undo2, type LucideIcon } from "lucide-react";
+import {
+  Ban,
+  CircleAlert,
+  CircleCheck,
+  CircleDashed,
+  CirclePause,
+  Hourglass,
+  LoaderCircle,
+  Send,
+  SkipForward,
+  Undo2,
+  type LucideIcon,
+} from "lucide-react";
 import { shownNow } from "../api/past";
 
 interface Look {
@@ -29,7 +41,12 @@ export function look(state: string): Look {
 
 export function StateTag({ state }: { state: string }) {
   const { words, tone, icon: Icon } = look(state);
-  return <span className={`tag ${tone}`}><Icon size={12} className={state === "running" ? "turn" : ""} />{words}</span>;
+  return (
+    <span className={`tag ${tone}`}>
+      <Icon size={12} className={state === "running" ? "turn" : ""} />
+      {words}
+    </span>
+  );
 }
 
 export const isLive = (state: string) => !["done", "failed", "cancelled"].includes(state);

@@ -33,9 +33,15 @@ export default function TimeBar({ run }: { run: string }) {
   const [playing, setPlaying] = useState(false);
   const span = chosenSpan || usualSpan(marks, now);
   const ended = run ? marks.findLast((m) => m.ends)?.ms : undefined;
-  const live = run && marks[0] ? { from: marks[0].ms - 1000, to: ended === undefined ? now : ended + 1000 } : { from: now - span, to: now };
+  const live =
+    run && marks[0]
+      ? { from: marks[0].ms - 1000, to: ended === undefined ? now : ended + 1000 }
+      : { from: now - span, to: now };
   // In the past the ends stand still, so that the slider does not run away below the finger.
-  useEffect(() => setFrozen(at === null || !polled.data ? null : (before) => before ?? live), [at === null, span, run, polled.data === undefined]);
+  useEffect(
+    () => setFrozen(at === null || !polled.data ? null : (before) => before ?? live),
+    [at === null, span, run, polled.data === undefined],
+  );
   const range = frozen ?? live;
   const from = at !== null && at < range.from ? at : range.from;
   const to = Math.max(range.to, at ?? 0);
@@ -54,7 +60,8 @@ export default function TimeBar({ run }: { run: string }) {
     if (!playing) return;
     const timer = window.setInterval(() => {
       const next = (at ?? from) + frameMs * speed;
-      if (next >= now || (ended !== undefined && next > ended + 1000)) (setPlaying(false), next >= now && showTime(null));
+      if (next >= now || (ended !== undefined && next > ended + 1000))
+        (setPlaying(false), next >= now && showTime(null));
       else showTime(next);
     }, frameMs);
     return () => window.clearInterval(timer);
@@ -64,9 +71,30 @@ export default function TimeBar({ run }: { run: string }) {
     setPlaying(!playing);
   };
   useCommands([
-    { title: "The event before", group: "Time", icon: SkipBack, keys: ",", words: "past history scrub", run: () => jump(-1) },
-    { title: "The next event", group: "Time", icon: SkipForward, keys: ".", words: "past history scrub", run: () => jump(1) },
-    { title: playing ? "Hold the time" : "Play the past", group: "Time", icon: playing ? Pause : Play, keys: "Shift+L", words: "replay history", run: play },
+    {
+      title: "The event before",
+      group: "Time",
+      icon: SkipBack,
+      keys: ",",
+      words: "past history scrub",
+      run: () => jump(-1),
+    },
+    {
+      title: "The next event",
+      group: "Time",
+      icon: SkipForward,
+      keys: ".",
+      words: "past history scrub",
+      run: () => jump(1),
+    },
+    {
+      title: playing ? "Hold the time" : "Play the past",
+      group: "Time",
+      icon: playing ? Pause : Play,
+      keys: "Shift+L",
+      words: "replay history",
+      run: play,
+    },
     { title: "Back to live", group: "Time", icon: Radio, keys: "L", words: "now", run: () => go(null) },
   ]);
   const away = useConnection().state === "away";
@@ -75,13 +103,52 @@ export default function TimeBar({ run }: { run: string }) {
   const words = at === null ? "live" : `${clock(micros(at))}, ${duration(micros(at), micros(now))} ago`;
   return (
     <section className={`time-bar${at === null ? "" : " past"}`} aria-label="Time">
-      <button className="button plain icon small" aria-label="The event before" title="The event before ( , )" disabled={!nextMark(marks, at ?? now, -1)} onClick={() => jump(-1)}><SkipBack size={14} /></button>
-      <button className="button plain icon small" aria-label={playing ? "Hold the time" : "Play the past"} title="Play the past (Shift-L)" onClick={play}>{playing ? <Pause size={14} /> : <Play size={14} />}</button>
-      <button className="button plain icon small" aria-label="The next event" title="The next event ( . )" disabled={at === null || !polled.data} onClick={() => jump(1)}><SkipForward size={14} /></button>
+      <button
+        className="button plain icon small"
+        aria-label="The event before"
+        title="The event before ( , )"
+        disabled={!nextMark(marks, at ?? now, -1)}
+        onClick={() => jump(-1)}
+      >
+        <SkipBack size={14} />
+      </button>
+      <button
+        className="button plain icon small"
+        aria-label={playing ? "Hold the time" : "Play the past"}
+        title="Play the past (Shift-L)"
+        onClick={play}
+      >
+        {playing ? <Pause size={14} /> : <Play size={14} />}
+      </button>
+      <button
+        className="button plain icon small"
+        aria-label="The next event"
+        title="The next event ( . )"
+        disabled={at === null || !polled.data}
+        onClick={() => jump(1)}
+      >
+        <SkipForward size={14} />
+      </button>
       <div className="time-track">
-        <div className="time-marks" aria-hidden>{marks.filter((m) => m.ms >= from && m.ms <= to).map((m, i) => <span key={i} className={m.ends ? "ends" : ""} title={m.words} style={{ left: `${((m.ms - from) / (to - from || 1)) * 100}%` }} />)}</div>
+        <div className="time-marks" aria-hidden>
+          {marks
+            .filter((m) => m.ms >= from && m.ms <= to)
+            .map((m, i) => (
+              <span
+                key={i}
+                className={m.ends ? "ends" : ""}
+                title={m.words}
+                style={{ left: `${((m.ms - from) / (to - from || 1)) * 100}%` }}
+              />
+            ))}
+        </div>
         <input
-          type="range" aria-label="Time that is shown" aria-valuetext={words} min={0} max={steps * 10} step={10}
+          type="range"
+          aria-label="Time that is shown"
+          aria-valuetext={words}
+          min={0}
+          max={steps * 10}
+          step={10}
           value={at === null ? steps * 10 : Math.round(((at - from) / (to - from || 1)) * steps * 10)}
           onChange={(e) => {
             setPlaying(false);
@@ -91,10 +158,55 @@ export default function TimeBar({ run }: { run: string }) {
           }}
         />
       </div>
-      <span className="time-words number" role="status" title={at === null ? undefined : timeTitle(micros(at))}>{at === null ? "" : words}{there.error ? <span className="cut" title={there.error.detail}><CircleAlert size={12} /> {there.error.detail}</span> : here && <span className="faint cut">{here.words}</span>}</span>
-      <select className="field small time-speed wide-only" aria-label="Speed of playing" value={speed} onChange={(e) => setSpeed(Number(e.target.value))}>{speeds.map((s) => <option key={s} value={s}>{s}×</option>)}</select>
-      {!run && <select className="field small time-span wide-only" aria-label="How far back" value={span} onChange={(e) => (setSpan(Number(e.target.value)), setFrozen(null))}>{spans.map((s) => <option key={s.ms} value={s.ms}>{s.words}</option>)}</select>}
-      <button className={`button small time-live${at === null ? (away ? " away" : " on") : ""}`} aria-pressed={at === null} title={away ? "The server does not answer" : "Back to live (L)"} onClick={() => go(null)}>{away ? <Unplug size={13} /> : <Radio size={13} />}{away ? "Not live" : "Live"}</button>
+      <span
+        className="time-words number"
+        role="status"
+        title={at === null ? undefined : timeTitle(micros(at))}
+      >
+        {at === null ? "" : words}
+        {there.error ? (
+          <span className="cut" title={there.error.detail}>
+            <CircleAlert size={12} /> {there.error.detail}
+          </span>
+        ) : (
+          here && <span className="faint cut">{here.words}</span>
+        )}
+      </span>
+      <select
+        className="field small time-speed wide-only"
+        aria-label="Speed of playing"
+        value={speed}
+        onChange={(e) => setSpeed(Number(e.target.value))}
+      >
+        {speeds.map((s) => (
+          <option key={s} value={s}>
+            {s}×
+          </option>
+        ))}
+      </select>
+      {!run && (
+        <select
+          className="field small time-span wide-only"
+          aria-label="How far back"
+          value={span}
+          onChange={(e) => (setSpan(Number(e.target.value)), setFrozen(null))}
+        >
+          {spans.map((s) => (
+            <option key={s.ms} value={s.ms}>
+              {s.words}
+            </option>
+          ))}
+        </select>
+      )}
+      <button
+        className={`button small time-live${at === null ? (away ? " away" : " on") : ""}`}
+        aria-pressed={at === null}
+        title={away ? "The server does not answer" : "Back to live (L)"}
+        onClick={() => go(null)}
+      >
+        {away ? <Unplug size={13} /> : <Radio size={13} />}
+        {away ? "Not live" : "Live"}
+      </button>
     </section>
   );
 }

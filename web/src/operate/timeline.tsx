@@ -17,7 +17,8 @@ export function useRunEvents(run: string): { events: RunEvent[]; whole: boolean 
   const [state, setState] = useState<{ events: RunEvent[]; whole: boolean }>({ events: [], whole: true });
   useEffect(() => {
     setState({ events: [], whole: true });
-    const take = (event: RunEvent) => setState((before) => ({ ...before, events: [...before.events.slice(-kept), event] }));
+    const take = (event: RunEvent) =>
+      setState((before) => ({ ...before, events: [...before.events.slice(-kept), event] }));
     const notWhole = () => setState((before) => ({ ...before, whole: false }));
     return live.state === "none" ? streamEvents(run, take, notWhole) : followEvents(run, take, notWhole);
   }, [run]);
@@ -25,13 +26,23 @@ export function useRunEvents(run: string): { events: RunEvent[]; whole: boolean 
 }
 
 function followEvents(run: string, take: (event: RunEvent) => void, notWhole: () => void): () => void {
-  const onMessage = (message: JsonValue) => take(fromJson(RunEventSchema, message, { ignoreUnknownFields: true }));
+  const onMessage = (message: JsonValue) =>
+    take(fromJson(RunEventSchema, message, { ignoreUnknownFields: true }));
   let stop = live.follow({
-    call: "docent.v1.Workflows/Watch", request: { run, after: "1" }, everyMs: undefined, onMessage,
+    call: "docent.v1.Workflows/Watch",
+    request: { run, after: "1" },
+    everyMs: undefined,
+    onMessage,
     onEnd: (failure) => {
       if (failure?.code !== "out_of_range") return;
       notWhole();
-      stop = live.follow({ call: "docent.v1.Workflows/Watch", request: { run }, everyMs: undefined, onMessage, onEnd: () => undefined });
+      stop = live.follow({
+        call: "docent.v1.Workflows/Watch",
+        request: { run },
+        everyMs: undefined,
+        onMessage,
+        onEnd: () => undefined,
+      });
     },
   });
   return () => stop();
@@ -45,7 +56,10 @@ function streamEvents(run: string, take: (event: RunEvent) => void, notWhole: ()
   const stream = async (after: bigint): Promise<void> => {
     let again = newest > 0n ? known : 0; // events of the newest revision that come a second time
     try {
-      for await (const event of workflowStreams.watch({ run, after }, { signal: abort.signal, timeoutMs: 0 })) {
+      for await (const event of workflowStreams.watch(
+        { run, after },
+        { signal: abort.signal, timeoutMs: 0 },
+      )) {
         if (event.revision === newest && again-- > 0) continue;
         known = event.revision === newest ? known + 1 : 1;
         newest = event.revision;
@@ -64,13 +78,34 @@ function streamEvents(run: string, take: (event: RunEvent) => void, notWhole: ()
   return () => abort.abort();
 }
 
-export function Timeline({ run, names, picked, onPick }: { run: string; names: Names; picked: string; onPick: (node: string) => void }) {
+export function Timeline({
+  run,
+  names,
+  picked,
+  onPick,
+}: {
+  run: string;
+  names: Names;
+  picked: string;
+  onPick: (node: string) => void;
+}) {
   const { events, whole } = useRunEvents(run);
   const at = usePast();
   const until = at === null ? events : events.filter((e) => Number(e.timeUs) / 1000 <= at);
   const said = eventsInWords(until, names);
-  const shown = until.map((event, i) => ({ event, words: said[i] })).filter(({ event, words }) => words && (!picked || event.node === picked));
-  if (shown.length === 0) return <p className="faint small" style={{ padding: "10px 14px" }}>{until.length === 0 && at !== null ? "Nothing had happened yet." : events.length === 0 ? "What happens from now on is listed here." : `Nothing of ${picked} yet.`}</p>;
+  const shown = until
+    .map((event, i) => ({ event, words: said[i] }))
+    .filter(({ event, words }) => words && (!picked || event.node === picked));
+  if (shown.length === 0)
+    return (
+      <p className="faint small" style={{ padding: "10px 14px" }}>
+        {until.length === 0 && at !== null
+          ? "Nothing had happened yet."
+          : events.length === 0
+            ? "What happens from now on is listed here."
+            : `Nothing of ${picked} yet.`}
+      </p>
+    );
   return (
     <ol className="timeline">
       {!whole && <li className="faint small">What was before is no longer kept.</li>}
@@ -78,12 +113,25 @@ export function Timeline({ run, names, picked, onPick }: { run: string; names: N
         const { icon: Icon, tone } = look(e.to);
         return (
           <li key={i}>
-            <span className={`timeline-icon ${tone}`}><Icon size={13} /></span>
+            <span className={`timeline-icon ${tone}`}>
+              <Icon size={13} />
+            </span>
             <div className="grow">
-              <div><button className="timeline-node" onClick={() => onPick(e.node)}>{e.node || "The run"}</button> <span className="faint">{line?.words}</span></div>
+              <div>
+                <button className="timeline-node" onClick={() => onPick(e.node)}>
+                  {e.node || "The run"}
+                </button>{" "}
+                <span className="faint">{line?.words}</span>
+              </div>
               {line?.detail && <div className="timeline-detail">{line.detail}</div>}
             </div>
-            <button className="timeline-time faint number small" title={`Show this time: ${timeTitle(e.timeUs)}`} onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}>{clock(e.timeUs)}</button>
+            <button
+              className="timeline-time faint number small"
+              title={`Show this time: ${timeTitle(e.timeUs)}`}
+              onClick={() => showTime(Number(e.timeUs / 1000n) + 1)}
+            >
+              {clock(e.timeUs)}
+            </button>
           </li>
         );
       })}

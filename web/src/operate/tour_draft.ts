@@ -11,14 +11,28 @@ export interface TourDraft {
   wait: boolean; // for the visitor, at each stop
   near: boolean; // drive only while the visitor is near
 }
-export const newTour: TourDraft = { stops: [], name: "Tour", travel: "", present: null, wait: true, near: false };
+export const newTour: TourDraft = {
+  stops: [],
+  name: "Tour",
+  travel: "",
+  present: null,
+  wait: true,
+  near: false,
+};
 const key = "docent.tour";
 
 export function readTour(text: string | null): TourDraft | null {
   try {
     const stored = JSON.parse(text ?? "null") as Partial<TourDraft> | null;
     if (!stored || !Array.isArray(stored.stops)) return null;
-    const stops = (stored.stops as Partial<Stop>[]).filter((s): s is Stop => typeof s?.iri === "string" && typeof s.term === "string" && typeof s.name === "string" && typeof s.x === "number" && typeof s.y === "number");
+    const stops = (stored.stops as Partial<Stop>[]).filter(
+      (s): s is Stop =>
+        typeof s?.iri === "string" &&
+        typeof s.term === "string" &&
+        typeof s.name === "string" &&
+        typeof s.x === "number" &&
+        typeof s.y === "number",
+    );
     return { ...newTour, ...stored, stops };
   } catch {
     return null;
@@ -28,9 +42,12 @@ export function readTour(text: string | null): TourDraft | null {
 // Null: none is being made.
 export function useTourDraft(): [TourDraft | null, (tour: TourDraft | null) => void] {
   const [tour, setTour] = useState(() => readTour(keptInTab.getItem(key)));
-  return [tour, (next) => {
-    if (next) keptInTab.setItem(key, JSON.stringify(next));
-    else keptInTab.removeItem(key);
-    setTour(next);
-  }];
+  return [
+    tour,
+    (next) => {
+      if (next) keptInTab.setItem(key, JSON.stringify(next));
+      else keptInTab.removeItem(key);
+      setTour(next);
+    },
+  ];
 }

@@ -7,6 +7,14 @@ SELECT (COUNT(DISTINCT ?run) AS ?n) { GRAPH docent:runs { ?run docent:runState "
   { ?node docent:nodeState "waiting" } UNION { ?node docent:nodeState "incident" } UNION { ?i docent:ofNode ?node ; docent:invocationState "pending" } UNION { ?i docent:ofNode ?node ; docent:invocationState "running" ; docent:robot ?robot . FILTER EXISTS { GRAPH ?robot { ?robot docent:status docent:Offline } } } } }`;
 
 export function WaitingCount() {
-  const polled = usePoll("waiting count", async (signal) => Number((await query(countQuery, signal)).rows[0]?.["n"]?.text ?? 0), 3000);
-  return polled.data ? <span className="rail-count" aria-label={`${polled.data} waiting`}>{polled.data > 99 ? "99+" : polled.data}</span> : null;
+  const polled = usePoll(
+    "waiting count",
+    async (signal) => Number((await query(countQuery, signal)).rows[0]?.["n"]?.text ?? 0),
+    3000,
+  );
+  return polled.data ? (
+    <span className="rail-count" aria-label={`${polled.data} waiting`}>
+      {polled.data > 99 ? "99+" : polled.data}
+    </span>
+  ) : null;
 }

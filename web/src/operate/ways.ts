@@ -12,13 +12,29 @@ export const waysQuery = `PREFIX docent: <https://w3id.org/docent#>
 SELECT ?r (SAMPLE(?p) AS ?path) (SAMPLE(?d) AS ?deviation) { { ?r docent:positionDeviation ?d } UNION { ?r docent:plannedPath ?p } } GROUP BY ?r LIMIT 500`;
 
 export function readWays(rows: readonly Row[]): Map<string, Way> {
-  return new Map(rows.flatMap((row): [string, Way][] => {
-    const deviation = Number(row["deviation"]?.text ?? NaN);
-    return row["r"] ? [[row["r"].text, { path: readWkt(row["path"]?.text ?? "")[0] ?? [], deviationM: Number.isFinite(deviation) ? deviation : null }]] : [];
-  }));
+  return new Map(
+    rows.flatMap((row): [string, Way][] => {
+      const deviation = Number(row["deviation"]?.text ?? NaN);
+      return row["r"]
+        ? [
+            [
+              row["r"].text,
+              {
+                path: readWkt(row["path"]?.text ?? "")[0] ?? [],
+                deviationM: Number.isFinite(deviation) ? deviation : null,
+              },
+            ],
+          ]
+        : [];
+    }),
+  );
 }
 export function useWays(): Polled<Map<string, Way>> {
-  return useShown("ways", async (asOf, signal) => readWays((await query(waysQuery, signal, asOf)).rows), 1000);
+  return useShown(
+    "ways",
+    async (asOf, signal) => readWays((await query(waysQuery, signal, asOf)).rows),
+    1000,
+  );
 }
 
 // What is left of a path for somebody who stands at `at`: from there on, after the part of the path that is nearest.

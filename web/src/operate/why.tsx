@@ -33,7 +33,17 @@ export function othersWords(others: number): string {
 }
 
 // A fact that can be asked why. `short`: its subject is known. `heldAt`: when it was so, for one that may no longer be so; 0: not known.
-export function Fact({ words, names, short, heldAt }: { words: readonly string[]; names: Names; short?: boolean; heldAt?: () => Promise<bigint> }) {
+export function Fact({
+  words,
+  names,
+  short,
+  heldAt,
+}: {
+  words: readonly string[];
+  names: Names;
+  short?: boolean;
+  heldAt?: () => Promise<bigint>;
+}) {
   const [proof, setProof] = useState<Proof | null>(null);
   const [state, setState] = useState<"closed" | "asking" | "open">("closed");
   const [error, setError] = useState<PlainError | null>(null);
@@ -48,22 +58,52 @@ export function Fact({ words, names, short, heldAt }: { words: readonly string[]
     setError(null);
     try {
       const [s = "", p = "", o = ""] = words;
-      const fact = create(QuadSchema, { subject: termOf(s, names.prefixes), predicate: termOf(p, names.prefixes), object: termOf(o, names.prefixes) });
-      const reply = await context.explain({ question: { case: "whyFact", value: fact }, prefixes: Object.fromEntries(names.prefixes), timeoutMs: 5000, asOf: at === null ? "" : timeText(at) });
+      const fact = create(QuadSchema, {
+        subject: termOf(s, names.prefixes),
+        predicate: termOf(p, names.prefixes),
+        object: termOf(o, names.prefixes),
+      });
+      const reply = await context.explain({
+        question: { case: "whyFact", value: fact },
+        prefixes: Object.fromEntries(names.prefixes),
+        timeoutMs: 5000,
+        asOf: at === null ? "" : timeText(at),
+      });
       setProof(reply.proof ?? null);
       if (!reply.proof && heldAt) setHeld(await heldAt().catch(() => 0n));
     } catch (failure) {
-      setError(failure instanceof RangeError ? { kind: "failed", title: "It can't be asked", detail: failure.message } : plain(failure));
+      setError(
+        failure instanceof RangeError
+          ? { kind: "failed", title: "It can't be asked", detail: failure.message }
+          : plain(failure),
+      );
     }
     setState("open");
   };
   return (
     <li className="fact">
       <div className="fact-row">
-        <span className="fact-words">{!short && `${words[0]} `}<span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}</span>
-        <button className="button plain small" aria-expanded={open} onClick={() => void ask()}>{state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?</button>
+        <span className="fact-words">
+          {!short && `${words[0]} `}
+          <span className="fact-verb">{words[1] === "rdf:type" ? "is a" : words[1]}</span> {words[2]}
+        </span>
+        <button className="button plain small" aria-expanded={open} onClick={() => void ask()}>
+          {state === "asking" ? <LoaderCircle size={12} className="turn" /> : <HelpCircle size={12} />}Why?
+        </button>
       </div>
-      {open && (error ? <p className="small faint fact-proof">{error.title}. {error.detail}</p> : proof ? <ProofTree proof={proof} names={names} /> : <p className="small faint fact-proof">{at === null ? "It is no longer so." : "It was not so then."}{at === null && held > 0n && ` It was so at ${clock(held)}.`}</p>)}
+      {open &&
+        (error ? (
+          <p className="small faint fact-proof">
+            {error.title}. {error.detail}
+          </p>
+        ) : proof ? (
+          <ProofTree proof={proof} names={names} />
+        ) : (
+          <p className="small faint fact-proof">
+            {at === null ? "It is no longer so." : "It was not so then."}
+            {at === null && held > 0n && ` It was so at ${clock(held)}.`}
+          </p>
+        ))}
     </li>
   );
 }
@@ -78,7 +118,14 @@ export function ProofTree({ proof, names }: { proof: Proof; names: Names }) {
         {depth > 0 && step.fact && <div className="fact-words">{quadText(step.fact, names.short)}</div>}
         <div className="proof-source">
           {step.rule && <span>by {step.rule}</span>}
-          {step.told.map((t, i) => <span key={i}>{t.graph === defaultGraph ? `told without a source${t.by ? `, by ${t.by}` : ""}` : `told by ${names.short(t.graph) || t.graph}${t.by ? `, ${t.by}` : ""}`}{t.timeUs > 0n ? ` at ${clock(t.timeUs)}` : ""}</span>)}
+          {step.told.map((t, i) => (
+            <span key={i}>
+              {t.graph === defaultGraph
+                ? `told without a source${t.by ? `, by ${t.by}` : ""}`
+                : `told by ${names.short(t.graph) || t.graph}${t.by ? `, ${t.by}` : ""}`}
+              {t.timeUs > 0n ? ` at ${clock(t.timeUs)}` : ""}
+            </span>
+          ))}
         </div>
         {step.premises.length > 0 && <ul>{step.premises.map((p) => row(p, depth + 1, [...seen, index]))}</ul>}
       </li>
@@ -88,7 +135,12 @@ export function ProofTree({ proof, names }: { proof: Proof; names: Names }) {
 }
 
 export function useWhyNot(ask: string, everyMs = 2500) {
-  return usePoll(ask && `whynot ${ask}`, (signal) => context.explain({ question: { case: "whyNot", value: ask }, sets: 3, timeoutMs: 4000 }, { signal }), everyMs);
+  return usePoll(
+    ask && `whynot ${ask}`,
+    (signal) =>
+      context.explain({ question: { case: "whyNot", value: ask }, sets: 3, timeoutMs: 4000 }, { signal }),
+    everyMs,
+  );
 }
 
 interface WhyNotProps {
@@ -112,27 +164,78 @@ function WhyNotOne({ ask, names, title, run, causeActions }: WhyNotProps) {
   const polled = useWhyNot(ask);
   const [telling, setTelling] = useState<MissingSet | null>(null);
   const robots = useFleet();
-  if (polled.error && !polled.data) return <p className="notice"><Unplug size={14} />{polled.error.title}. {polled.error.detail}</p>;
+  if (polled.error && !polled.data)
+    return (
+      <p className="notice">
+        <Unplug size={14} />
+        {polled.error.title}. {polled.error.detail}
+      </p>
+    );
   if (!polled.data) return <p className="faint small">Looking for what is missing…</p>;
   if (polled.data.holds) return <p className="notice">It holds now; the step opens with the next turn.</p>;
   const ways = waysOf(polled.data.sets, ask, names, robots, run);
-  const others = ways.length === 1 && polled.data.sets.length > 1 ? 0 : othersOf(polled.data, polled.data.sets.length);
+  const others =
+    ways.length === 1 && polled.data.sets.length > 1 ? 0 : othersOf(polled.data, polled.data.sets.length);
   return (
     <div className="lacks">
       {ways.map(({ set, missing, cause, add }, i) => (
         <section key={i} className="lack">
           {i > 0 && <p className="faint small">or</p>}
-          {cause.words && <p className="lack-words"><ChevronRight size={12} /><span>{cause.words}</span></p>}
+          {cause.words && (
+            <p className="lack-words">
+              <ChevronRight size={12} />
+              <span>{cause.words}</span>
+            </p>
+          )}
           {cause.words && causeActions(cause.robots)}
-          {missing.map((m, k) => <p key={k} className="lack-words" title={m}><ChevronRight size={12} /><span>{factWords(m, names.prefixes)}</span></p>)}
-          {set.conditions.map((c, k) => <p key={`c${k}`} className="lack-words faint"><ChevronRight size={12} /><code>{shortPattern(c, names)}</code></p>)}
-          {set.remove.length > 0 && set.remove.map((q, k) => <p key={`r${k}`} className="lack-words"><ChevronRight size={12} />must go: <span title={quadText(q, names.short)}>{patternWords(quadText(q, names.short), names.prefixes)}</span></p>)}
-          {add.length > 0 ? <button className="button small" onClick={() => setTelling(set)}><FlaskConical size={13} />Simulate or tell</button> : set.add.length > 0 && <p className="faint small">The robot tells this itself.</p>}
+          {missing.map((m, k) => (
+            <p key={k} className="lack-words" title={m}>
+              <ChevronRight size={12} />
+              <span>{factWords(m, names.prefixes)}</span>
+            </p>
+          ))}
+          {set.conditions.map((c, k) => (
+            <p key={`c${k}`} className="lack-words faint">
+              <ChevronRight size={12} />
+              <code>{shortPattern(c, names)}</code>
+            </p>
+          ))}
+          {set.remove.length > 0 &&
+            set.remove.map((q, k) => (
+              <p key={`r${k}`} className="lack-words">
+                <ChevronRight size={12} />
+                must go:{" "}
+                <span title={quadText(q, names.short)}>
+                  {patternWords(quadText(q, names.short), names.prefixes)}
+                </span>
+              </p>
+            ))}
+          {add.length > 0 ? (
+            <button className="button small" onClick={() => setTelling(set)}>
+              <FlaskConical size={13} />
+              Simulate or tell
+            </button>
+          ) : (
+            set.add.length > 0 && <p className="faint small">The robot tells this itself.</p>
+          )}
         </section>
       ))}
       {others > 0 && <p className="faint small">{othersWords(others)}</p>}
-      {polled.data.sets.length === 0 && <pre className="small faint" style={{ whiteSpace: "pre-wrap" }}>{polled.data.text}</pre>}
-      {telling && <TellDialog title={title} quads={tellable(telling, robots)} patterns={telling.missing.map((m) => asMeant(shortPattern(m, names), ask))} names={names} onTold={polled.again} onClose={() => setTelling(null)} />}
+      {polled.data.sets.length === 0 && (
+        <pre className="small faint" style={{ whiteSpace: "pre-wrap" }}>
+          {polled.data.text}
+        </pre>
+      )}
+      {telling && (
+        <TellDialog
+          title={title}
+          quads={tellable(telling, robots)}
+          patterns={telling.missing.map((m) => asMeant(shortPattern(m, names), ask))}
+          names={names}
+          onTold={polled.again}
+          onClose={() => setTelling(null)}
+        />
+      )}
     </div>
   );
 }
@@ -144,19 +247,35 @@ interface Way {
   add: Quad[]; // what people may tell
 }
 const iriOf = (term: Term | undefined) => (term?.kind.case === "iri" ? term.kind.value : "");
-const isOwn = (quad: Quad, robots: readonly Known[]) => isOwnFact(iriOf(quad.subject), iriOf(quad.predicate), robots);
+const isOwn = (quad: Quad, robots: readonly Known[]) =>
+  isOwnFact(iriOf(quad.subject), iriOf(quad.predicate), robots);
 // Of what a set adds, what is not for the robots alone to tell.
 export function tellable(set: Pick<MissingSet, "add">, robots: readonly Known[]): Quad[] {
   return set.add.filter((quad) => !isOwn(quad, robots)).map(quadOf);
 }
 // The ways to make it hold; those that differ only in a thing of which any would do are one way.
-export function waysOf(sets: readonly MissingSet[], ask: string, names: Names, robots: readonly Known[], run = ""): Way[] {
+export function waysOf(
+  sets: readonly MissingSet[],
+  ask: string,
+  names: Names,
+  robots: readonly Known[],
+  run = "",
+): Way[] {
   const ways = new Map<string, Way>();
   for (const set of sets) {
     const own = set.add.filter((quad) => isOfRobot(iriOf(quad.subject), iriOf(quad.predicate), robots));
-    const cause = own.length === 0 ? noCause : causeOf(robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)), run);
+    const cause =
+      own.length === 0
+        ? noCause
+        : causeOf(
+            robots.filter((r) => own.some((quad) => iriOf(quad.subject) === r.robot)),
+            run,
+          );
     const ofRobot = new Set(cause.words ? own.map((quad) => quadText(quad, names.short)) : []);
-    const missing = set.missing.map((m) => shortPattern(m, names)).filter((m) => !ofRobot.has(m)).map((m) => asMeant(m, ask));
+    const missing = set.missing
+      .map((m) => shortPattern(m, names))
+      .filter((m) => !ofRobot.has(m))
+      .map((m) => asMeant(m, ask));
     const key = JSON.stringify([missing, cause.words, set.remove.length, set.conditions]);
     if (!ways.has(key)) ways.set(key, { set, missing, cause, add: tellable(set, robots) });
   }

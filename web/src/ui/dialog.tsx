@@ -1,12 +1,21 @@
 // A modal sheet: focus stays in it, Escape and a click beside it close it, and focus goes back to where it was.
 import { useEffect, useRef, type ReactNode } from "react";
 
-export function Dialog(props: { label: string; width?: number; top?: boolean; onClose: () => void; children: ReactNode }) {
+export function Dialog(props: {
+  label: string;
+  width?: number;
+  top?: boolean;
+  onClose: () => void;
+  children: ReactNode;
+}) {
   const ref = useRef<HTMLDialogElement>(null);
   useEffect(() => {
     const before = document.activeElement;
     ref.current?.showModal();
-    (ref.current?.querySelector<HTMLElement>("[data-first]") ?? ref.current?.querySelector<HTMLElement>(".sheet-body :is(input, select, textarea)"))?.focus(); // else the first thing that can have it
+    (
+      ref.current?.querySelector<HTMLElement>("[data-first]") ??
+      ref.current?.querySelector<HTMLElement>(".sheet-body :is(input, select, textarea)")
+    )?.focus(); // else the first thing that can have it
     return () => {
       if (before instanceof HTMLElement && before.isConnected) before.focus();
     };

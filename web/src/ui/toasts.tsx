@@ -43,17 +43,29 @@ export function Toasts() {
   const words = useSyncExternalStore(subscribe, () => spoken);
   return (
     <>
-      <div className="unseen" aria-live="polite">{words}</div>
+      <div className="unseen" aria-live="polite">
+        {words}
+      </div>
       <div className="toasts" role="status">
         {shown.map((t) => (
           <div key={t.id} className={`toast ${t.kind}`}>
             {t.kind === "good" ? <CircleCheck size={16} /> : <CircleAlert size={16} />}
             <div className="grow">
               <div style={{ fontWeight: 560 }}>{t.title}</div>
-              {t.detail && <div className="quiet small" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>{t.detail}</div>}
+              {t.detail && (
+                <div className="quiet small" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>
+                  {t.detail}
+                </div>
+              )}
             </div>
-            {t.action && <button className="button small" onClick={() => (t.action?.run(), dismiss(t.id))}>{t.action.label}</button>}
-            <button className="button plain icon small" aria-label="Close" onClick={() => dismiss(t.id)}><X size={14} /></button>
+            {t.action && (
+              <button className="button small" onClick={() => (t.action?.run(), dismiss(t.id))}>
+                {t.action.label}
+              </button>
+            )}
+            <button className="button plain icon small" aria-label="Close" onClick={() => dismiss(t.id)}>
+              <X size={14} />
+            </button>
           </div>
         ))}
       </div>

@@ -16,20 +16,27 @@ export function readChoice(search: string): Choice {
   return Object.fromEntries(names.map((name) => [name, values.get(name) ?? ""])) as unknown as Choice;
 }
 export function useChoice(): Choice {
-  const search = useSyncExternalStore((listener) => {
-    listeners.add(listener);
-    window.addEventListener("popstate", listener);
-    return () => {
-      listeners.delete(listener);
-      window.removeEventListener("popstate", listener);
-    };
-  }, () => window.location.search);
+  const search = useSyncExternalStore(
+    (listener) => {
+      listeners.add(listener);
+      window.addEventListener("popstate", listener);
+      return () => {
+        listeners.delete(listener);
+        window.removeEventListener("popstate", listener);
+      };
+    },
+    () => window.location.search,
+  );
   return readChoice(search);
 }
 export function choose(values: Partial<Choice>, replace = false) {
   const search = new URLSearchParams(window.location.search);
   for (const [name, value] of Object.entries(values)) value ? search.set(name, value) : search.delete(name);
   const text = search.toString();
-  window.history[replace ? "replaceState" : "pushState"](null, "", `${window.location.pathname}${text && `?${text}`}`);
+  window.history[replace ? "replaceState" : "pushState"](
+    null,
+    "",
+    `${window.location.pathname}${text && `?${text}`}`,
+  );
   tell();
 }

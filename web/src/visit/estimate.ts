@@ -21,7 +21,11 @@ export function withSighting(seen: readonly Sighting[], now: Sighting): Sighting
 // Metres a second over the last seconds, where it has gone far enough to tell; else the usual speed.
 export function speedOf(seen: readonly Sighting[]): number {
   let metres = 0;
-  for (let i = 1; i < seen.length; i++) metres += Math.hypot((seen[i]?.x ?? 0) - (seen[i - 1]?.x ?? 0), (seen[i]?.y ?? 0) - (seen[i - 1]?.y ?? 0));
+  for (let i = 1; i < seen.length; i++)
+    metres += Math.hypot(
+      (seen[i]?.x ?? 0) - (seen[i - 1]?.x ?? 0),
+      (seen[i]?.y ?? 0) - (seen[i - 1]?.y ?? 0),
+    );
   const seconds = ((seen.at(-1)?.ms ?? 0) - (seen[0]?.ms ?? 0)) / 1000;
   return metres >= shortestWayM && seconds > 0 ? Math.max(0.1, metres / seconds) : usualMS;
 }
@@ -43,5 +47,7 @@ export function secondsInQueue(before: number, tookS: readonly number[]): number
 }
 
 export function etaWords(seconds: number): Sentence {
-  return seconds < 50 ? { word: "eta.soon" } : { word: "eta.minutes", values: { minutes: Math.max(1, Math.round(seconds / 60)) } };
+  return seconds < 50
+    ? { word: "eta.soon" }
+    : { word: "eta.minutes", values: { minutes: Math.max(1, Math.round(seconds / 60)) } };
 }

@@ -15,7 +15,18 @@ export type Remedy = "place" | "booth" | "here";
 export interface Reason extends Sentence {
   remedy?: Remedy;
 }
-export type Phase = "waiting" | "coming" | "here" | "ahead" | "guiding" | "presenting" | "working" | "staff" | "done" | "failed" | "cancelled";
+export type Phase =
+  | "waiting"
+  | "coming"
+  | "here"
+  | "ahead"
+  | "guiding"
+  | "presenting"
+  | "working"
+  | "staff"
+  | "done"
+  | "failed"
+  | "cancelled";
 export interface Journey {
   phase: Phase;
   robot: RobotStatus | undefined; // that works for the visitor
@@ -34,7 +45,13 @@ export interface Naming {
   clock: (us: bigint) => string;
 }
 
-export function journeyOf(run: Run, waits: readonly Wait[], robots: readonly RobotStatus[], visit: Visit, naming: Naming): Journey {
+export function journeyOf(
+  run: Run,
+  waits: readonly Wait[],
+  robots: readonly RobotStatus[],
+  visit: Visit,
+  naming: Naming,
+): Journey {
   const robot = robotOf(run, robots);
   const reasons = unique(waits.flatMap((wait) => reasonsOf(wait, robots, visit, naming, run)));
   const as = (phase: Phase): Journey => ({ phase, robot, reasons });
@@ -44,8 +61,12 @@ export function journeyOf(run: Run, waits: readonly Wait[], robots: readonly Rob
   if (!robot) return as(works ? "working" : "waiting");
   const together = visit.at !== "" && robot.regions.includes(visit.at);
   if (!visit.met && !together) return as(works ? "coming" : "waiting");
-  if (!works) return as(together ? "here" : visit.booth !== "" && robot.regions.includes(visit.booth) ? "ahead" : "waiting");
-  if (visit.booth !== "" && robot.regions.includes(visit.booth) && bothMove(run) && atTheBooth(run, visit)) return as("presenting");
+  if (!works)
+    return as(
+      together ? "here" : visit.booth !== "" && robot.regions.includes(visit.booth) ? "ahead" : "waiting",
+    );
+  if (visit.booth !== "" && robot.regions.includes(visit.booth) && bothMove(run) && atTheBooth(run, visit))
+    return as("presenting");
   return as(visit.booth !== "" && bothMove(run) ? "guiding" : together ? "here" : "working");
 }
 
@@ -58,7 +79,9 @@ function bothMove(run: Run): boolean {
 // still leads there, also in its last metre.
 function atTheBooth(run: Run, visit: Visit): boolean {
   const told = `<${visit.visitor}> <${docent}isAt> <${visit.booth}>`;
-  return visit.at === visit.booth || run.nodes.some((n) => n.state === "running" && n.firedBecause.includes(told));
+  return (
+    visit.at === visit.booth || run.nodes.some((n) => n.state === "running" && n.firedBecause.includes(told))
+  );
 }
 
 export function robotOf(run: Run, robots: readonly RobotStatus[]): RobotStatus | undefined {
@@ -69,7 +92,13 @@ export function robotOf(run: Run, robots: readonly RobotStatus[]): RobotStatus |
 }
 
 // Words for one thing that a run waits for.
-export function reasonsOf(wait: Wait, robots: readonly RobotStatus[], visit: Visit, naming: Naming, run?: Run): Reason[] {
+export function reasonsOf(
+  wait: Wait,
+  robots: readonly RobotStatus[],
+  visit: Visit,
+  naming: Naming,
+  run?: Run,
+): Reason[] {
   switch (wait.kind) {
     case "resume":
       return [{ word: "why.paused" }];
@@ -78,7 +107,10 @@ export function reasonsOf(wait: Wait, robots: readonly RobotStatus[], visit: Vis
     case "time":
       return wait.untilUs > 0n ? [{ word: "why.time", values: { time: naming.clock(wait.untilUs) } }] : [];
     case "robot":
-      return whyNoRobot(robots.filter((r) => wait.robot === "" || r.robot === wait.robot), run);
+      return whyNoRobot(
+        robots.filter((r) => wait.robot === "" || r.robot === wait.robot),
+        run,
+      );
     case "fact":
       return wait.missing ? ofPatterns(wait.missing, robots, visit, naming, run) : pendingRobots(robots, run);
     default: // command, subflow, join: something is under way
@@ -87,7 +119,9 @@ export function reasonsOf(wait: Wait, robots: readonly RobotStatus[], visit: Vis
 }
 
 function pendingRobots(robots: readonly RobotStatus[], run?: Run): Reason[] {
-  return run?.nodes.some((n) => n.invocations.some((i) => i.state === "pending")) ? whyNoRobot(robots, run) : [];
+  return run?.nodes.some((n) => n.invocations.some((i) => i.state === "pending"))
+    ? whyNoRobot(robots, run)
+    : [];
 }
 
 interface Pattern {
@@ -98,27 +132,51 @@ interface Pattern {
 // "<s> <p> ?o . ?x <p> true ." with IRIs whole.
 export function readPatterns(text: string): Pattern[] {
   const term = String.raw`(<[^>]*>|[?$]\w+|_:\w+|"(?:[^"\\]|\\.)*"(?:@[\w-]+|\^\^<[^>]*>)?|[^\s"<]+)`;
-  return [...text.matchAll(new RegExp(`${term}\\s+${term}\\s+${term}\\s*(?:\\.|$)`, "g"))].map((m) => ({ subject: bare(m[1]), property: bare(m[2]), object: bare(m[3]) }));
+  return [...text.matchAll(new RegExp(`${term}\\s+${term}\\s+${term}\\s*(?:\\.|$)`, "g"))].map((m) => ({
+    subject: bare(m[1]),
+    property: bare(m[2]),
+    object: bare(m[3]),
+  }));
 }
 function bare(term = ""): string {
   return term.startsWith("<") ? term.slice(1, -1) : term;
 }
 
-function ofPatterns(text: string, robots: readonly RobotStatus[], visit: Visit, naming: Naming, run?: Run): Reason[] {
+function ofPatterns(
+  text: string,
+  robots: readonly RobotStatus[],
+  visit: Visit,
+  naming: Naming,
+  run?: Run,
+): Reason[] {
   return readPatterns(text).flatMap(({ subject, property, object }): Reason[] => {
     const named = naming.place(object);
     if (subject === visit.visitor && property === `${docent}isAt`) {
       const there = visit.booth !== "" && object !== "" && !/^[?$]/.test(object);
-      return there && named !== "" ? [{ word: "why.follow", values: { place: named }, remedy: "here" }] : [{ word: "why.place", remedy: "place" }];
+      return there && named !== ""
+        ? [{ word: "why.follow", values: { place: named }, remedy: "here" }]
+        : [{ word: "why.place", remedy: "place" }];
     }
-    if (subject === visit.visitor && property === `${docent}selected`) return [{ word: "why.booth", remedy: "booth" }];
+    if (subject === visit.visitor && property === `${docent}selected`)
+      return [{ word: "why.booth", remedy: "booth" }];
     const ofRobot = robots.filter((r) => r.robot === subject || /^[?$]/.test(subject));
-    if (property === `${docent}isAt` && ofRobot[0] && named !== "") return [{ word: "why.robotThere", values: { robot: naming.robot(ofRobot[0].robot), place: named } }];
-    if (property === `${docent}status` || property === `${docent}localised` || object === `${docent}AvailableRobot`) {
+    if (property === `${docent}isAt` && ofRobot[0] && named !== "")
+      return [{ word: "why.robotThere", values: { robot: naming.robot(ofRobot[0].robot), place: named } }];
+    if (
+      property === `${docent}status` ||
+      property === `${docent}localised` ||
+      object === `${docent}AvailableRobot`
+    ) {
       const why = whyNoRobot(ofRobot.length > 0 ? ofRobot : robots, run);
-      return why.length > 0 || property !== `${docent}localised` ? why : ofRobot.slice(0, 1).map((r) => ({ word: "why.lost", values: { robot: naming.robot(r.robot) } }));
+      return why.length > 0 || property !== `${docent}localised`
+        ? why
+        : ofRobot.slice(0, 1).map((r) => ({ word: "why.lost", values: { robot: naming.robot(r.robot) } }));
     }
-    const words = [naming.robot(subject) || naming.place(subject) || local(subject), naming.property(property) || local(property), naming.robot(object) || named || local(object)];
+    const words = [
+      naming.robot(subject) || naming.place(subject) || local(subject),
+      naming.property(property) || local(property),
+      naming.robot(object) || named || local(object),
+    ];
     return [{ word: "why.other", values: { fact: words.join(" ") } }];
   });
 }
@@ -131,13 +189,36 @@ function local(term: string): string {
 // Why none of the robots is on its way: the nearest to being free first.
 export function whyNoRobot(robots: readonly RobotStatus[], run?: Run): Reason[] {
   if (robots.length === 0) return [{ word: "why.noRobot" }];
-  const order: Word[] = ["why.ending", "why.busy", "why.lost", "why.charging", "why.maintenance", "why.out", "why.outReason", "why.offlineSince", "why.offline"];
-  return robots.flatMap((r) => whyNot(r, run)).sort((a, b) => order.indexOf(a.word) - order.indexOf(b.word)).slice(0, 4);
+  const order: Word[] = [
+    "why.ending",
+    "why.busy",
+    "why.lost",
+    "why.charging",
+    "why.maintenance",
+    "why.out",
+    "why.outReason",
+    "why.offlineSince",
+    "why.offline",
+  ];
+  return robots
+    .flatMap((r) => whyNot(r, run))
+    .sort((a, b) => order.indexOf(a.word) - order.indexOf(b.word))
+    .slice(0, 4);
 }
 function whyNot(r: RobotStatus, run?: Run): Reason[] {
   const robot = r.label || r.robot.replace(/^.*[#/]/, "");
-  if (r.outOfService) return [r.outOfServiceReason ? { word: "why.outReason", values: { robot, reason: r.outOfServiceReason } } : { word: "why.out", values: { robot } }];
-  if (r.state === "offline") return [r.lastSeenUs > 0n ? { word: "why.offlineSince", values: { robot, time: clockOf(r.lastSeenUs) } } : { word: "why.offline", values: { robot } }];
+  if (r.outOfService)
+    return [
+      r.outOfServiceReason
+        ? { word: "why.outReason", values: { robot, reason: r.outOfServiceReason } }
+        : { word: "why.out", values: { robot } },
+    ];
+  if (r.state === "offline")
+    return [
+      r.lastSeenUs > 0n
+        ? { word: "why.offlineSince", values: { robot, time: clockOf(r.lastSeenUs) } }
+        : { word: "why.offline", values: { robot } },
+    ];
   if (r.state === "charging") return [{ word: "why.charging", values: { robot } }];
   if (r.state === "maintenance") return [{ word: "why.maintenance", values: { robot } }];
   if (r.endingCommands.length > 0) return [{ word: "why.ending", values: { robot } }];

@@ -3,7 +3,11 @@ import { useEffect, useState } from "react";
 import { type Polled, usePoll } from "../api/poll";
 import { kept as storage } from "../api/storage";
 
-export function useKept<T>(name: string, ask: (signal: AbortSignal) => Promise<T>, everyMs: number): Polled<T> {
+export function useKept<T>(
+  name: string,
+  ask: (signal: AbortSignal) => Promise<T>,
+  everyMs: number,
+): Polled<T> {
   const [kept] = useState<T | undefined>(() => {
     try {
       return (JSON.parse(storage.getItem(`docent.visit.${name}`) ?? "null") as T | null) ?? undefined;

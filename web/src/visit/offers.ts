@@ -20,15 +20,24 @@ export interface Wish {
 // "docent:chose" of the activator, and whether the steps wait for "docent:selected".
 export async function wishesOf(text: string): Promise<Wish[]> {
   // With the parser, which the first view does not need.
-  const [{ prefixesOf, readCawl }, { neededRows }] = await Promise.all([import("../cawl/document"), import("../cawl/condition_logic")]);
+  const [{ prefixesOf, readCawl }, { neededRows }] = await Promise.all([
+    import("../cawl/document"),
+    import("../cawl/condition_logic"),
+  ]);
   const document = readCawl(text);
   const prefixes = prefixesOf(document);
   const iri = (word: string) => {
     const [prefix = "", local = ""] = word.trim().split(/:(.*)/s);
-    return word.trim().startsWith("<") ? word.trim().slice(1, -1) : (prefixes.get(prefix) ?? `${prefix}:`) + local;
+    return word.trim().startsWith("<")
+      ? word.trim().slice(1, -1)
+      : (prefixes.get(prefix) ?? `${prefix}:`) + local;
   };
-  const asksBooth = document.flows.some((f) => f.steps.some((s) => neededRows(s.condition).some((r) => iri(r.verb.text) === `${docentNs}selected`)));
-  return neededRows(document.activator?.condition ?? null).filter((r) => iri(r.verb.text) === `${docentNs}chose`).map((r) => ({ service: /^[?$]/.test(r.object.text.trim()) ? "" : iri(r.object.text), asksBooth }));
+  const asksBooth = document.flows.some((f) =>
+    f.steps.some((s) => neededRows(s.condition).some((r) => iri(r.verb.text) === `${docentNs}selected`)),
+  );
+  return neededRows(document.activator?.condition ?? null)
+    .filter((r) => iri(r.verb.text) === `${docentNs}chose`)
+    .map((r) => ({ service: /^[?$]/.test(r.object.text.trim()) ? "" : iri(r.object.text), asksBooth }));
 }
 
 const servicesQuery = `PREFIX docent: <${docentNs}> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
@@ -37,7 +46,8 @@ SELECT ?s ?name ?text { ?s a docent:Service FILTER NOT EXISTS { ?s a docent:Robo
 // The text in the language, else without one, else any.
 export function inLanguage(rows: readonly Row[], variable: string, language: string): string {
   const values = rows.flatMap((row) => (row[variable] ? [row[variable]] : []));
-  const of = (tag: string) => values.find((v) => (v.language ?? "").toLowerCase().split("-")[0] === tag)?.text;
+  const of = (tag: string) =>
+    values.find((v) => (v.language ?? "").toLowerCase().split("-")[0] === tag)?.text;
   return of(language) ?? of("") ?? of("en") ?? values[0]?.text ?? "";
 }
 
@@ -45,7 +55,10 @@ const mostWorkflows = 60;
 const known = new Map<string, Wish[]>(); // by workflow and deployed version
 
 export async function readOffers(language: string, signal: AbortSignal): Promise<Offer[]> {
-  const [answer, deployed] = await Promise.all([query(servicesQuery, signal), workflows.list({}, { signal })]);
+  const [answer, deployed] = await Promise.all([
+    query(servicesQuery, signal),
+    workflows.list({}, { signal }),
+  ]);
   const starts = new Map<string, { workflow: string; live: boolean; asksBooth: boolean }>();
   for (const w of deployed.workflows.filter((one) => one.activatedFlow).slice(0, mostWorkflows)) {
     const key = `${w.name} ${w.revision}`;
@@ -64,6 +77,13 @@ export async function readOffers(language: string, signal: AbortSignal): Promise
   return [...new Set(answer.rows.map((row) => row["s"]?.text ?? ""))].filter(Boolean).map((iri) => {
     const rows = answer.rows.filter((row) => row["s"]?.text === iri);
     const start = starts.get(iri) ?? any;
-    return { iri, name: inLanguage(rows, "name", language) || iri.replace(/^.*[#/]/, ""), text: inLanguage(rows, "text", language), workflow: start?.workflow ?? "", live: start?.live ?? false, asksBooth: start?.asksBooth ?? false };
+    return {
+      iri,
+      name: inLanguage(rows, "name", language) || iri.replace(/^.*[#/]/, ""),
+      text: inLanguage(rows, "text", language),
+      workflow: start?.workflow ?? "",
+      live: start?.live ?? false,
+      asksBooth: start?.asksBooth ?? false,
+    };
   });
 }

@@ -5,7 +5,8 @@ import { type AssertRequest, AssertRequestSchema } from "../gen/docent/v1/contex
 import type { PlainError } from "../api/errors";
 import type { Kept } from "../api/storage";
 
-export type OutboxState = { kind: "empty" } | { kind: "sending" } | { kind: "unsent" } | { kind: "refused"; reason: string };
+export type OutboxState =
+  { kind: "empty" } | { kind: "sending" } | { kind: "unsent" } | { kind: "refused"; reason: string };
 export interface OutboxPorts {
   storage: Pick<Kept, "getItem"> & { setItem(key: string, value: string): unknown };
   send: (request: AssertRequest) => Promise<unknown>;
@@ -51,7 +52,10 @@ export class Outbox {
         const { kind, title, detail } = this.ports.plain(error);
         if (kind !== "refused") {
           this.become({ kind: "unsent" });
-          this.timer = setTimeout(() => void this.flush(), pausesMs[Math.min(this.failures++, pausesMs.length - 1)]);
+          this.timer = setTimeout(
+            () => void this.flush(),
+            pausesMs[Math.min(this.failures++, pausesMs.length - 1)],
+          );
           this.busy = false;
           return;
         }
@@ -72,7 +76,10 @@ export class Outbox {
     for (const listener of [...this.listeners]) listener();
   }
   private keep() {
-    this.ports.storage.setItem(key, JSON.stringify(this.waiting.map((request) => toJson(AssertRequestSchema, request))));
+    this.ports.storage.setItem(
+      key,
+      JSON.stringify(this.waiting.map((request) => toJson(AssertRequestSchema, request))),
+    );
   }
   private read(): AssertRequest[] {
     try {

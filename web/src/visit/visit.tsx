@@ -18,7 +18,13 @@ import "./visit.css";
 const languageKey = "docent.visit.language";
 
 export function Visit() {
-  const [language, setLanguage] = useState(() => chooseLanguage([new URLSearchParams(location.search).get("lang") ?? "", readLanguage(), ...navigator.languages]));
+  const [language, setLanguage] = useState(() =>
+    chooseLanguage([
+      new URLSearchParams(location.search).get("lang") ?? "",
+      readLanguage(),
+      ...navigator.languages,
+    ]),
+  );
   const words = useMemo(() => ({ language, say: sayIn(language) }), [language]);
   useEffect(() => {
     document.documentElement.lang = language;
@@ -32,8 +38,15 @@ export function Visit() {
         <label className="visit-language">
           <Languages size={17} aria-hidden />
           <span className="unseen">{words.say("language.choose")}</span>
-          <select value={language} onChange={(e) => (keepLanguage(e.target.value), setLanguage(e.target.value))}>
-            {[...languages].map(([tag, texts]) => <option key={tag} value={tag}>{texts.language}</option>)}
+          <select
+            value={language}
+            onChange={(e) => (keepLanguage(e.target.value), setLanguage(e.target.value))}
+          >
+            {[...languages].map(([tag, texts]) => (
+              <option key={tag} value={tag}>
+                {texts.language}
+              </option>
+            ))}
           </select>
         </label>
       </header>
@@ -60,12 +73,27 @@ function Body() {
       <h1 className={visitor.asked ? "unseen" : ""}>{say("heading")}</h1>
       {at && choice.step !== "at" && (
         <p className="visit-at">
-          <MapPin size={17} aria-hidden /><span className="grow">{say("where.now", { place: placeWords(at) })}</span>
-          <button className="visit-link" onClick={() => choose({ step: "at" })}>{say("where.change")}</button>
+          <MapPin size={17} aria-hidden />
+          <span className="grow">{say("where.now", { place: placeWords(at) })}</span>
+          <button className="visit-link" onClick={() => choose({ step: "at" })}>
+            {say("where.change")}
+          </button>
         </p>
       )}
-      {places.data && choice.at && !scanned && <p className="visit-notice" role="alert">{say("where.unknown", { place: choice.at })}</p>}
-      {!places.data ? <p className="visit-loading" role="status">{say("loading")}</p> : visitor.asked && choice.step !== "at" ? <Progress places={places.data} offers={offers.data ?? []} /> : <Choosing places={places.data} offers={offers.data} />}
+      {places.data && choice.at && !scanned && (
+        <p className="visit-notice" role="alert">
+          {say("where.unknown", { place: choice.at })}
+        </p>
+      )}
+      {!places.data ? (
+        <p className="visit-loading" role="status">
+          {say("loading")}
+        </p>
+      ) : visitor.asked && choice.step !== "at" ? (
+        <Progress places={places.data} offers={offers.data ?? []} />
+      ) : (
+        <Choosing places={places.data} offers={offers.data} />
+      )}
       <p className="visit-privacy">{say("privacy")}</p>
     </main>
   );
@@ -83,7 +111,11 @@ function Away() {
     let ended = false;
     let timer = 0;
     const look = async () => {
-      if (live.state !== "open" && !document.hidden) await fetch("/healthz", { cache: "no-store", signal: AbortSignal.timeout(6000) }).then((r) => (r.ok ? serverAnswered() : serverSilent()), serverSilent);
+      if (live.state !== "open" && !document.hidden)
+        await fetch("/healthz", { cache: "no-store", signal: AbortSignal.timeout(6000) }).then(
+          (r) => (r.ok ? serverAnswered() : serverSilent()),
+          serverSilent,
+        );
       if (!ended) timer = window.setTimeout(() => void look(), 3000);
     };
     const off = () => serverSilent();
@@ -96,7 +128,12 @@ function Away() {
     };
   }, []);
   if (connection.state !== "away") return null;
-  return <p className="visit-away" role="status"><Unplug size={16} aria-hidden />{say("away", { time: clockMinutes(BigInt(connection.since) * 1000n) })}</p>;
+  return (
+    <p className="visit-away" role="status">
+      <Unplug size={16} aria-hidden />
+      {say("away", { time: clockMinutes(BigInt(connection.since) * 1000n) })}
+    </p>
+  );
 }
 
 function readLanguage(): string {

@@ -30,13 +30,26 @@ const livesMs = 12 * 3_600_000; // of what is told, after which the server forge
 export const wishLivesMs = 30 * 60_000;
 export const wishAgainMs = 5 * 60_000;
 const rdfType = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
-const fresh = (): Visitor => ({ id: `urn:uuid:${randomUuid()}`, at: "", service: "", booth: "", asked: false, run: "", past: "", met: "", rated: "", toldMs: 0 });
+const fresh = (): Visitor => ({
+  id: `urn:uuid:${randomUuid()}`,
+  at: "",
+  service: "",
+  booth: "",
+  asked: false,
+  run: "",
+  past: "",
+  met: "",
+  rated: "",
+  toldMs: 0,
+});
 
 function read(): Visitor {
   try {
     const stored = JSON.parse(kept.getItem(key) ?? "null") as Partial<Visitor> | null;
     // Of a page before this version: told for 12 hours, and to be withdrawn all the same.
-    return typeof stored?.id === "string" ? { ...fresh(), ...(stored.asked && { toldMs: Date.now() }), ...stored } : fresh();
+    return typeof stored?.id === "string"
+      ? { ...fresh(), ...(stored.asked && { toldMs: Date.now() }), ...stored }
+      : fresh();
   } catch {
     return fresh();
   }
@@ -47,7 +60,8 @@ export const outbox = new Outbox({ storage: kept, send, plain });
 async function send(request: AssertRequest) {
   await context.assert(request, { timeoutMs: 10_000 });
   // One that was kept for want of a network lasts from now on.
-  if (request.add.some((quad) => quad.predicate?.kind.value === `${docentNs}chose`)) change({ toldMs: Date.now() });
+  if (request.add.some((quad) => quad.predicate?.kind.value === `${docentNs}chose`))
+    change({ toldMs: Date.now() });
 }
 window.addEventListener("online", () => void outbox.flush());
 void outbox.flush();
@@ -58,17 +72,34 @@ export function change(values: Partial<Visitor>) {
   for (const listener of [...listeners]) listener();
 }
 export function useVisitor(): Visitor {
-  return useSyncExternalStore((listener) => (listeners.add(listener), () => listeners.delete(listener)), () => visitor);
+  return useSyncExternalStore(
+    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
+    () => visitor,
+  );
 }
 export function useOutbox() {
   return useSyncExternalStore(outbox.subscribe, outbox.current);
 }
 
-const literal = (lexical: string, datatype = "", language = ""): Term => create(TermSchema, { kind: { case: "literal", value: { lexical, datatype, language } } });
+const literal = (lexical: string, datatype = "", language = ""): Term =>
+  create(TermSchema, { kind: { case: "literal", value: { lexical, datatype, language } } });
 const fact = (subject: string, property: string, object: Term | string): Quad =>
-  create(QuadSchema, { subject: iriTerm(subject), predicate: iriTerm(property.includes(":") ? property : docentNs + property), object: typeof object === "string" ? iriTerm(object) : object });
+  create(QuadSchema, {
+    subject: iriTerm(subject),
+    predicate: iriTerm(property.includes(":") ? property : docentNs + property),
+    object: typeof object === "string" ? iriTerm(object) : object,
+  });
 function tell(add: Quad[], remove: Quad[] = [], lifetimeMs = livesMs) {
-  if (add.length + remove.length > 0) outbox.put(create(AssertRequestSchema, { requestId: randomUuid(), source: visitor.id, add, remove, ...(add.length > 0 && { lifetimeMs: BigInt(lifetimeMs) }) }));
+  if (add.length + remove.length > 0)
+    outbox.put(
+      create(AssertRequestSchema, {
+        requestId: randomUuid(),
+        source: visitor.id,
+        add,
+        remove,
+        ...(add.length > 0 && { lifetimeMs: BigInt(lifetimeMs) }),
+      }),
+    );
 }
 const wish = (service: string) => tell([fact(visitor.id, "chose", service)], [], wishLivesMs);
 
@@ -84,10 +115,20 @@ export function arrive(place: string) {
 }
 export function call(service: string, booth: string) {
   const { id, at } = visitor;
-  change({ service, booth, asked: true, past: visitor.run || visitor.past, run: "", met: "", toldMs: Date.now() });
+  change({
+    service,
+    booth,
+    asked: true,
+    past: visitor.run || visitor.past,
+    run: "",
+    met: "",
+    toldMs: Date.now(),
+  });
   tell([
-    fact(id, rdfType, `${docentNs}Visitor`), fact(id, "http://www.w3.org/2000/01/rdf-schema#label", literal(guestName(id))),
-    ...(at ? [fact(id, "isAt", at)] : []), ...(booth ? [fact(id, "selected", booth)] : []),
+    fact(id, rdfType, `${docentNs}Visitor`),
+    fact(id, "http://www.w3.org/2000/01/rdf-schema#label", literal(guestName(id))),
+    ...(at ? [fact(id, "isAt", at)] : []),
+    ...(booth ? [fact(id, "selected", booth)] : []),
   ]);
   wish(service); // after what its run may need
 }
@@ -95,7 +136,14 @@ export function call(service: string, booth: string) {
 export function renewWish() {
   const { asked, service, toldMs } = visitor;
   const now = Date.now();
-  if (!asked || !service || outbox.state.kind !== "empty" || now - toldMs < wishAgainMs || lapsed(visitor, now)) return;
+  if (
+    !asked ||
+    !service ||
+    outbox.state.kind !== "empty" ||
+    now - toldMs < wishAgainMs ||
+    lapsed(visitor, now)
+  )
+    return;
   change({ toldMs: now });
   wish(service);
 }
@@ -111,7 +159,10 @@ export function fulfilled() {
   const { id, service, booth, toldMs } = visitor;
   if (!visitor.asked || toldMs === 0) return;
   change({ toldMs: 0 });
-  tell([], [...(service ? [fact(id, "chose", service)] : []), ...(booth ? [fact(id, "selected", booth)] : [])]);
+  tell(
+    [],
+    [...(service ? [fact(id, "chose", service)] : []), ...(booth ? [fact(id, "selected", booth)] : [])],
+  );
 }
 // The next wish is another one.
 export function withdraw() {
@@ -136,11 +187,18 @@ export async function end(): Promise<void> {
 export function rate(run: string, stars: number, text: string, language: string) {
   const id = `urn:uuid:${randomUuid()}`;
   change({ rated: run });
-  outbox.put(create(AssertRequestSchema, {
-    requestId: randomUuid(), source: visitor.id,
-    add: [
-      fact(id, rdfType, `${docentNs}Feedback`), fact(id, "rating", literal(String(stars), "http://www.w3.org/2001/XMLSchema#integer")), fact(id, "givenBy", visitor.id), fact(id, "ofService", visitor.service), ...(run ? [fact(id, "feedbackOn", `urn:docent:run:${run}`)] : []),
-      ...(text.trim() ? [fact(id, "comment", literal(text.trim().slice(0, 2000), "", language))] : []),
-    ],
-  }));
+  outbox.put(
+    create(AssertRequestSchema, {
+      requestId: randomUuid(),
+      source: visitor.id,
+      add: [
+        fact(id, rdfType, `${docentNs}Feedback`),
+        fact(id, "rating", literal(String(stars), "http://www.w3.org/2001/XMLSchema#integer")),
+        fact(id, "givenBy", visitor.id),
+        fact(id, "ofService", visitor.service),
+        ...(run ? [fact(id, "feedbackOn", `urn:docent:run:${run}`)] : []),
+        ...(text.trim() ? [fact(id, "comment", literal(text.trim().slice(0, 2000), "", language))] : []),
+      ],
+    }),
+  );
 }

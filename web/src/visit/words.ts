@@ -7,7 +7,9 @@ export type Texts = Record<Word, string>;
 export type Say = (word: Word, values?: Record<string, string | number>) => string;
 
 const files = import.meta.glob<Texts>("./words/*.json", { eager: true, import: "default" });
-export const languages: ReadonlyMap<string, Texts> = new Map(Object.entries(files).map(([path, texts]) => [/(\w+)\.json$/.exec(path)?.[1] ?? "", texts]));
+export const languages: ReadonlyMap<string, Texts> = new Map(
+  Object.entries(files).map(([path, texts]) => [/(\w+)\.json$/.exec(path)?.[1] ?? "", texts]),
+);
 
 // The first of the wanted languages that is there, "de-AT" as "de"; else English.
 export function chooseLanguage(wanted: readonly string[]): string {
@@ -16,10 +18,16 @@ export function chooseLanguage(wanted: readonly string[]): string {
 
 export function sayIn(language: string): Say {
   const texts = languages.get(language) ?? english;
-  return (word, values = {}) => (texts[word] ?? english[word]).replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return (word, values = {}) =>
+    (texts[word] ?? english[word]).replace(/\{(\w+)\}/g, (whole, name: string) =>
+      String(values[name] ?? whole),
+    );
 }
 
-export const LanguageContext = createContext<{ language: string; say: Say }>({ language: "en", say: sayIn("en") });
+export const LanguageContext = createContext<{ language: string; say: Say }>({
+  language: "en",
+  say: sayIn("en"),
+});
 export function useWords() {
   return useContext(LanguageContext);
 }

@@ -11,9 +11,15 @@ describe.skipIf(why !== "")("the board", () => {
   let stage: RealStage;
   beforeAll(async () => {
     stage = await RealStage.open(null, "booth_guide.rsel.xml", "booth_guide.cawl.xml");
-    for (const fact of ["rdf:type docent:Robot", "docent:status docent:Busy", "docent:localised true"]) stage.processes.tell(`expo:R07 ${fact}`);
+    for (const fact of ["rdf:type docent:Robot", "docent:status docent:Busy", "docent:localised true"])
+      stage.processes.tell(`expo:R07 ${fact}`);
     for (const visitor of ["John", "Guest1", "Guest2"])
-      for (const fact of ["rdf:type docent:Visitor", "docent:isAt expo:Entrance", "docent:chose expo:BoothGuideService"]) stage.processes.tell(`expo:${visitor} ${fact}`);
+      for (const fact of [
+        "rdf:type docent:Visitor",
+        "docent:isAt expo:Entrance",
+        "docent:chose expo:BoothGuideService",
+      ])
+        stage.processes.tell(`expo:${visitor} ${fact}`);
   });
   afterAll(() => stage?.close());
 
@@ -35,7 +41,10 @@ describe.skipIf(why !== "")("the board", () => {
     await dialog.locator('input[aria-label="Subject"]').fill("expo:R07");
     await page.keyboard.press("Tab");
     await dialog.getByRole("button", { name: "Simulate" }).click();
-    await dialog.getByText(/Move2User: waiting → running/).first().waitFor();
+    await dialog
+      .getByText(/Move2User: waiting → running/)
+      .first()
+      .waitFor();
     await stage.picture(page, "board-simulated");
     await dialog.getByRole("button", { name: "Tell it" }).click();
     await page.locator(".board-group", { hasText: "A robot is needed" }).first().waitFor();
@@ -52,7 +61,10 @@ describe.skipIf(why !== "")("the board", () => {
 
   for (const dark of [false, true])
     it(`no serious finding of axe, and it fits (${dark ? "dark" : "light"})`, async () => {
-      await stage.call("Workflows/Start", { workflow: "BoothGuide", variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }] });
+      await stage.call("Workflows/Start", {
+        workflow: "BoothGuide",
+        variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }],
+      });
       const page = await stage.page("/board", { dark });
       await page.locator(".board-group").first().waitFor();
       expect(await seriousFindings(page)).toEqual([]);

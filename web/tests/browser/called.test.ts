@@ -54,7 +54,13 @@ describe.skipIf(why !== "")("a workflow that is a step", () => {
     await draft(page, "Service").toContain('<subject type="docent:Visitor">expo:John</subject>');
     await slot("Verb").click();
     await page.locator(".combo-item").nth(1).waitFor();
-    expect((await page.locator(".combo-item .mono").allInnerTexts()).slice(0, 5)).toEqual(["a", "docent:isAt", "docent:isNear", "docent:selected", "docent:chose"]);
+    expect((await page.locator(".combo-item .mono").allInnerTexts()).slice(0, 5)).toEqual([
+      "a",
+      "docent:isAt",
+      "docent:isNear",
+      "docent:selected",
+      "docent:chose",
+    ]);
     await stage.picture(page, "called-verbs");
     await slot("Verb").fill("comes");
     await page.locator(".combo-item", { hasText: "docent:isAt" }).click();
@@ -63,7 +69,11 @@ describe.skipIf(why !== "")("a workflow that is a step", () => {
     await draft(page, "Service").toContain("<object>expo:B05</object>");
     await page.locator(`${step("Booth guide")} .step-badge.wait`).waitFor();
     await page.locator(".findings-bar", { hasText: "1 to look at" }).waitFor();
-    await page.locator(".property-findings", { hasText: "The value user is never set before: Booth guide then takes any Visitor." }).waitFor();
+    await page
+      .locator(".property-findings", {
+        hasText: "The value user is never set before: Booth guide then takes any Visitor.",
+      })
+      .waitFor();
     await stage.picture(page, "called-unset");
     await page.click(step("Booth guide"));
     expect(await visitor().inputValue()).toBe("");
@@ -73,7 +83,9 @@ describe.skipIf(why !== "")("a workflow that is a step", () => {
   });
   it("the remedy lets the run begin with the visitor who is named, and this one is guided", async () => {
     await page.locator(".property-findings").getByRole("button", { name: "Set user to John" }).click();
-    await draft(page, "Service").toMatch(/<variable name="user" type="docent:Visitor">\s*<initialize>\s*<from expression="expo:John"\/>/);
+    await draft(page, "Service").toMatch(
+      /<variable name="user" type="docent:Visitor">\s*<initialize>\s*<from expression="expo:John"\/>/,
+    );
     await page.getByText("The run begins with John").waitFor();
     await page.locator(".findings-bar", { hasText: "Nothing to mend" }).waitFor();
     await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
@@ -83,9 +95,12 @@ describe.skipIf(why !== "")("a workflow that is a step", () => {
     await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
     await page.locator(".toast.good", { hasText: "is deployed" }).waitFor();
     stage.processes.tell("expo:John docent:isAt expo:B05");
-    const runs = () => stage.call<{ runs: { id: string }[] }>("Workflows/ListRuns", {}).then((r) => r.runs ?? []);
+    const runs = () =>
+      stage.call<{ runs: { id: string }[] }>("Workflows/ListRuns", {}).then((r) => r.runs ?? []);
     await stage.until(async () => (await runs()).some((r) => r.id.startsWith("BoothGuide")));
-    const inner = await stage.call<unknown>("Workflows/Get", { run: (await runs()).find((r) => r.id.startsWith("BoothGuide"))?.id });
+    const inner = await stage.call<unknown>("Workflows/Get", {
+      run: (await runs()).find((r) => r.id.startsWith("BoothGuide"))?.id,
+    });
     expect(JSON.stringify(inner)).toContain(`${expo}John`);
     expect(JSON.stringify(inner)).not.toContain(`${expo}Mary`);
   });

@@ -49,7 +49,14 @@ it("a view that stops is opened again with its undo", async () => {
   await page.keyboard.press("Enter");
   await page.waitForSelector(step("Wave"));
   // The browser fails as soon as the name of the document changes.
-  await page.evaluate(() => Object.defineProperty(document, "title", { configurable: true, set: () => { throw new Error("a broken part"); } }));
+  await page.evaluate(() =>
+    Object.defineProperty(document, "title", {
+      configurable: true,
+      set: () => {
+        throw new Error("a broken part");
+      },
+    }),
+  );
   if (!(await page.locator(".cm-content").isVisible())) await page.keyboard.press("t");
   await page.locator(".cm-line", { hasText: '<CAWL name="Greeter"' }).click();
   await page.keyboard.press("Home");
@@ -122,6 +129,11 @@ it("a refused name does not stay in its field; the keys are listed also where no
   await page.locator(".react-flow__pane").click({ position: { x: 20, y: 20 } });
   await page.keyboard.press("?");
   const keys = page.locator(".keys-list");
-  for (const words of ["Open the flow that the step runs", "Back to the flow that it was opened from", "Set or remove a breakpoint"]) await keys.getByText(words).waitFor();
+  for (const words of [
+    "Open the flow that the step runs",
+    "Back to the flow that it was opened from",
+    "Set or remove a breakpoint",
+  ])
+    await keys.getByText(words).waitFor();
   expect(stage.faults.splice(0)).toEqual([]);
 });

@@ -85,7 +85,9 @@ describe("canvas and text", () => {
     const page = await newGreeter();
     await dragOnto(page, page.locator(".palette-item", { hasText: "Move to booth" }), "Begin → End");
     await page.waitForSelector(step("Move to booth"));
-    await draft(page, "Greeter").toContain('<link from="Begin" to="Move to booth"/>\n    <link from="Move to booth" to="End"/>');
+    await draft(page, "Greeter").toContain(
+      '<link from="Begin" to="Move to booth"/>\n    <link from="Move to booth" to="End"/>',
+    );
   });
   it("what is typed shows on the canvas, and comments stay", async () => {
     const page = await stage.page("/compose/BoothGuide");
@@ -138,11 +140,14 @@ describe("canvas and text", () => {
   });
   it("the address restores what was selected, and the text shows it", async () => {
     const page = await stage.page("/compose/BoothGuide?step=Move2Booth");
-    const seen = (name: string) => page.waitForFunction((text) => {
-      const box = document.querySelector(".cm-scroller")?.getBoundingClientRect();
-      const line = [...document.querySelectorAll(".cm-line")].find((l) => l.textContent?.includes(text))?.getBoundingClientRect();
-      return box && line && line.top >= box.top && line.bottom <= box.bottom;
-    }, `<node name="${name}"`);
+    const seen = (name: string) =>
+      page.waitForFunction((text) => {
+        const box = document.querySelector(".cm-scroller")?.getBoundingClientRect();
+        const line = [...document.querySelectorAll(".cm-line")]
+          .find((l) => l.textContent?.includes(text))
+          ?.getBoundingClientRect();
+        return box && line && line.top >= box.top && line.bottom <= box.bottom;
+      }, `<node name="${name}"`);
     await page.waitForSelector(`${step("Move2Booth")} .step.selected`);
     expect(await page.locator(".cm-content").isVisible()).toBe(false); // closed at first
     await openText(page);
@@ -205,9 +210,17 @@ describe("what is not usual", () => {
   });
   it("a text of 2,000 steps is open, and a key is answered at once", async () => {
     const page = await stage.page("/compose");
-    const nodes = Array.from({ length: 2000 }, (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`).join("\n");
-    const links = Array.from({ length: 1999 }, (_, i) => `    <link from="n${i}" to="n${i + 1}"/>`).join("\n");
-    await page.evaluate((text) => localStorage.setItem("docent.draft.Big", JSON.stringify({ text, base: "", savedMs: 1 })), `<CAWL name="Big">\n  <flow name="F">\n    <source name="s"/>\n${nodes}\n    <sink name="t"/>\n    <link from="s" to="n0"/>\n${links}\n    <link from="n1999" to="t"/>\n  </flow>\n</CAWL>`);
+    const nodes = Array.from(
+      { length: 2000 },
+      (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`,
+    ).join("\n");
+    const links = Array.from({ length: 1999 }, (_, i) => `    <link from="n${i}" to="n${i + 1}"/>`).join(
+      "\n",
+    );
+    await page.evaluate(
+      (text) => localStorage.setItem("docent.draft.Big", JSON.stringify({ text, base: "", savedMs: 1 })),
+      `<CAWL name="Big">\n  <flow name="F">\n    <source name="s"/>\n${nodes}\n    <sink name="t"/>\n    <link from="s" to="n0"/>\n${links}\n    <link from="n1999" to="t"/>\n  </flow>\n</CAWL>`,
+    );
     await page.goto(`${stage.url}/compose/Big`);
     await page.waitForSelector(".react-flow__node");
     await page.keyboard.press("/");
@@ -217,7 +230,10 @@ describe("what is not usual", () => {
 
 describe("for everybody", () => {
   for (const dark of [false, true])
-    for (const [name, path, wait] of [["workflows", "/compose", ".template"], ["compose", "/compose/BoothGuide?step=Move2Booth", ".constraint"]] as const)
+    for (const [name, path, wait] of [
+      ["workflows", "/compose", ".template"],
+      ["compose", "/compose/BoothGuide?step=Move2Booth", ".constraint"],
+    ] as const)
       it(`${name} has no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
         const page = await stage.page(path, { dark });
         await page.waitForSelector(wait);
@@ -248,11 +264,19 @@ it("a start by hand says what it needs and what it finds, and waits for what is 
 });
 
 describe("a browser that keeps nothing", () => {
-  const closed = 'Object.defineProperty(window, "localStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } }); Object.defineProperty(window, "sessionStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } });';
-  const full = 'Storage.prototype.setItem = function () { throw new DOMException("full", "QuotaExceededError"); };';
+  const closed =
+    'Object.defineProperty(window, "localStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } }); Object.defineProperty(window, "sessionStorage", { get() { throw new DOMException("Access is denied for this document.", "SecurityError"); } });';
+  const full =
+    'Storage.prototype.setItem = function () { throw new DOMException("full", "QuotaExceededError"); };';
   it("shows all views; composing says that drafts are not kept, and a new workflow is there as long as the page", async () => {
     const page = await stage.page("/hall", { script: closed });
-    for (const [path, words] of [["/hall", "Robots"], ["/runs", "Runs"], ["/board", "Waiting"], ["/desk", "Front desk"], ["/visit", "Docent"]] as const) {
+    for (const [path, words] of [
+      ["/hall", "Robots"],
+      ["/runs", "Runs"],
+      ["/board", "Waiting"],
+      ["/desk", "Front desk"],
+      ["/visit", "Docent"],
+    ] as const) {
       await page.goto(stage.url + path);
       await page.getByText(words).first().waitFor();
     }
@@ -275,7 +299,9 @@ describe("a browser that keeps nothing", () => {
     await page.locator(step("InfoBooth")).click();
     await page.keyboard.press("Delete");
     await page.locator(".stale", { hasText: "The browser’s storage is full" }).waitFor();
-    const asked = new Promise<string>((resolve) => page.on("dialog", (dialog) => (resolve(dialog.type()), void dialog.dismiss())));
+    const asked = new Promise<string>((resolve) =>
+      page.on("dialog", (dialog) => (resolve(dialog.type()), void dialog.dismiss())),
+    );
     void page.close({ runBeforeUnload: true });
     expect(await asked).toBe("beforeunload");
     await page.locator(".stale", { hasText: "The browser’s storage is full" }).waitFor();

@@ -12,17 +12,24 @@ describe.skipIf(why !== "")("the condition editor", () => {
   let stage: RealStage;
   beforeAll(async () => {
     stage = await RealStage.open(null, "booth_guide.rsel.xml", "booth_guide.cawl.xml");
-    for (const fact of ["rdf:type docent:Robot", "docent:status docent:Busy", "docent:localised true"]) stage.processes.tell(`expo:R07 ${fact}`);
+    for (const fact of ["rdf:type docent:Robot", "docent:status docent:Busy", "docent:localised true"])
+      stage.processes.tell(`expo:R07 ${fact}`);
   });
   afterAll(() => stage?.close());
-  const open = (options = {}) => stage.page("/compose/BoothGuide?step=Move2User", { height: 1000, ...options });
+  const open = (options = {}) =>
+    stage.page("/compose/BoothGuide?step=Move2User", { height: 1000, ...options });
 
   it("says of each row and the whole what is so now, and what lacks of the nearest", async () => {
     const page = await open();
-    const row = (verb: string) => page.locator(".constraint", { has: page.locator(`input[aria-label="Verb"][value="${verb}"]`) });
+    const row = (verb: string) =>
+      page.locator(".constraint", { has: page.locator(`input[aria-label="Verb"][value="${verb}"]`) });
     await row("docent:localised").locator(".constraint-state.some").waitFor();
-    expect(await row("docent:localised").locator(".constraint-state").innerText()).toBe("1 match: R07 localised true");
-    expect(await row("docent:status").locator(".constraint-state").innerText()).toBe("no match now: R07 status Busy");
+    expect(await row("docent:localised").locator(".constraint-state").innerText()).toBe(
+      "1 match: R07 localised true",
+    );
+    expect(await row("docent:status").locator(".constraint-state").innerText()).toBe(
+      "no match now: R07 status Busy",
+    );
     expect(await row("docent:isAt").locator(".constraint-state").innerText()).toMatch(/^no match now/);
     const lacks = page.locator(".situation-lacks");
     await lacks.getByText("Nearest: ").waitFor();
@@ -30,12 +37,16 @@ describe.skipIf(why !== "")("the condition editor", () => {
     expect(words).toContain("robot = R07");
     expect(words).toContain("missing: R07 status Standby, now Busy");
     expect(words).toMatch(/missing: John is at/);
-    expect(await page.locator(".dock-properties").evaluate((box) => box.scrollWidth - box.clientWidth)).toBe(0);
+    expect(await page.locator(".dock-properties").evaluate((box) => box.scrollWidth - box.clientWidth)).toBe(
+      0,
+    );
     await stage.picture(page, "condition-lacks");
     // The visitor comes: one thing lacks less.
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
     await row("docent:isAt").locator(".constraint-state.some").waitFor();
-    expect(await row("docent:isAt").locator(".constraint-state").innerText()).toBe("1 match: John is at Entrance");
+    expect(await row("docent:isAt").locator(".constraint-state").innerText()).toBe(
+      "1 match: John is at Entrance",
+    );
     await lacks.getByText(/missing: John/).waitFor({ state: "detached" });
     // What lacks is simulated, then told: the whole is true.
     await lacks.getByRole("button", { name: "Simulate or tell" }).click();

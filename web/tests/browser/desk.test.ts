@@ -13,12 +13,23 @@ describe.skipIf(why !== "")("the front desk", () => {
   beforeAll(async () => {
     stage = await RealStage.open(null, "booth_guide.rsel.xml", "booth_guide.cawl.xml");
     const docent = "https://w3id.org/docent#";
-    await stage.processes.startAdapter(`${expo}R01`, ["moveToUser:user", "moveToBooth:booth", "displayBoothInfo:booth", "briefBoothInfo:booth"], "--take-ms", "300", "--fact", `isAt=${expo}B05`, "--fact", `status=${docent}Standby`);
+    await stage.processes.startAdapter(
+      `${expo}R01`,
+      ["moveToUser:user", "moveToBooth:booth", "displayBoothInfo:booth", "briefBoothInfo:booth"],
+      "--take-ms",
+      "300",
+      "--fact",
+      `isAt=${expo}B05`,
+      "--fact",
+      `status=${docent}Standby`,
+    );
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
   });
   afterAll(() => stage?.close());
   const open = (path: string, options = {}) => stage.page(path, options);
-  const runs = async () => (await stage.call<{ runs?: { id: string; workflow: string; state: string }[] }>("Workflows/ListRuns")).runs ?? [];
+  const runs = async () =>
+    (await stage.call<{ runs?: { id: string; workflow: string; state: string }[] }>("Workflows/ListRuns"))
+      .runs ?? [];
 
   it("a favourite is added, asks for what it needs, and starts", async () => {
     const page = await open("/desk");
@@ -63,7 +74,9 @@ describe.skipIf(why !== "")("the front desk", () => {
     await page.getByRole("button", { name: "Copy the link" }).click();
     await page.locator(".toast.good", { hasText: "The link is copied" }).waitFor();
     const link = await page.evaluate(() => navigator.clipboard.readText());
-    expect(new URL(link).search).toBe("?f=service%3AbriefInformation%3Btitle%3DTell+about+B05%3B%24booth%3Dexpo%3AB05");
+    expect(new URL(link).search).toBe(
+      "?f=service%3AbriefInformation%3Btitle%3DTell+about+B05%3B%24booth%3Dexpo%3AB05",
+    );
     const other = await open(new URL(link).pathname + new URL(link).search);
     await other.getByText("These favourites come by a link").waitFor();
     await stage.picture(other, "desk-linked");
@@ -81,7 +94,10 @@ describe.skipIf(why !== "")("the front desk", () => {
     await page.locator(".desk-start", { hasText: "starts at once" }).click();
     await page.locator(".desk-runs li", { hasText: "Move2User waits" }).waitFor();
     await stage.picture(page, "desk-running");
-    await page.locator(".desk-runs li", { hasText: "Move2User waits" }).getByRole("button", { name: "Cancel" }).click();
+    await page
+      .locator(".desk-runs li", { hasText: "Move2User waits" })
+      .getByRole("button", { name: "Cancel" })
+      .click();
     await page.getByRole("button", { name: "Cancel the run" }).click();
     await page.locator(".desk-runs li", { hasText: "cancelled" }).waitFor();
   });
@@ -101,20 +117,32 @@ describe.skipIf(why !== "")("the front desk", () => {
     await page.locator(".stale").waitFor();
     await stage.processes.startServer();
     await page.locator(".stale").waitFor({ state: "detached" });
-    await expect.poll(async () => (await stage.call<{ robots?: { state?: string }[] }>("Fleet/List")).robots?.[0]?.state, { timeout: patienceMs }).toBe("standby");
+    await expect
+      .poll(
+        async () => (await stage.call<{ robots?: { state?: string }[] }>("Fleet/List")).robots?.[0]?.state,
+        { timeout: patienceMs },
+      )
+      .toBe("standby");
     await page.locator(".desk-start").click();
     await page.locator(".toast.good", { hasText: "has begun" }).waitFor();
   });
 
   for (const dark of [false, true])
     it(`no serious finding of axe, and it fits (${dark ? "dark" : "light"})`, async () => {
-      const page = await open("/desk?f=workflow:BoothGuide&f=service:moveToBooth&f=service:briefInformation;title=Tell+about+B05;$booth=expo:B05&f=workflow:Gone", { dark });
+      const page = await open(
+        "/desk?f=workflow:BoothGuide&f=service:moveToBooth&f=service:briefInformation;title=Tell+about+B05;$booth=expo:B05&f=workflow:Gone",
+        { dark },
+      );
       await page.locator(".desk-start", { hasText: "starts at once" }).waitFor();
       await page.locator(".desk-runs li").first().waitFor();
       await page.getByRole("button", { name: "Change" }).click();
       await stage.picture(page, `desk-${dark ? "dark" : "light"}`);
       expect(await seriousFindings(page)).toEqual([]);
-      const small = await open("/desk?f=workflow:BoothGuide&f=service:moveToBooth", { dark, width: 390, height: 780 });
+      const small = await open("/desk?f=workflow:BoothGuide&f=service:moveToBooth", {
+        dark,
+        width: 390,
+        height: 780,
+      });
       await small.locator(".desk-start").first().waitFor();
       await stage.picture(small, `desk-small-${dark ? "dark" : "light"}`);
       await fitsTheWindow(small);

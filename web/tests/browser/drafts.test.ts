@@ -14,8 +14,16 @@ describe.skipIf(why !== "")("drafts on the server", () => {
   beforeAll(async () => void (stage = await RealStage.open(null)));
   afterAll(() => stage?.close());
   const onServer = async (name: string) => {
-    const answer = await fetch(`${stage.processes.url}/sparql`, { method: "POST", headers: { Accept: "application/sparql-results+json" }, body: new URLSearchParams({ query: `SELECT ?text { GRAPH <urn:docent:drafts> { <${draftIri(name)}> <https://w3id.org/docent#draftText> ?text } }` }) });
-    return ((await answer.json()) as { results: { bindings: { text: { value: string } }[] } }).results.bindings.map((b) => b.text.value);
+    const answer = await fetch(`${stage.processes.url}/sparql`, {
+      method: "POST",
+      headers: { Accept: "application/sparql-results+json" },
+      body: new URLSearchParams({
+        query: `SELECT ?text { GRAPH <urn:docent:drafts> { <${draftIri(name)}> <https://w3id.org/docent#draftText> ?text } }`,
+      }),
+    });
+    return (
+      (await answer.json()) as { results: { bindings: { text: { value: string } }[] } }
+    ).results.bindings.map((b) => b.text.value);
   };
   const save = async (page: Page) => {
     await page.keyboard.press("Control+Shift+S");
@@ -33,10 +41,10 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     const one = await stage.page("/compose");
     await one.waitForSelector(".template");
     await one.keyboard.press("n");
-    await one.keyboard.type("Greeter's \"round\"");
+    await one.keyboard.type('Greeter\'s "round"');
     await one.keyboard.press("Enter");
     await one.waitForSelector(".first-steps");
-    const name = "Greeter's \"round\"";
+    const name = 'Greeter\'s "round"';
     await add(one, "Wave");
     await draft(one, name).toContain('name="Wave"');
     await save(one);
@@ -80,7 +88,9 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     expect(await seriousFindings(one)).toEqual([]);
     await one.getByRole("button", { name: "Keep mine" }).click();
     await one.keyboard.press("Control+Shift+S");
-    await expect.poll(async () => (await onServer(name))[0], { timeout: patienceMs }).toContain('name="Sing"');
+    await expect
+      .poll(async () => (await onServer(name))[0], { timeout: patienceMs })
+      .toContain('name="Sing"');
     await two.locator(".stale", { hasText: "Another browser" }).waitFor();
     expect(await draftNow(two, name)).toContain('name="Dance"');
   });
@@ -132,14 +142,21 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     await page.locator('.react-flow__node[data-id="Hum"]').waitFor();
     await describeStep(page, "Bow", "mine");
     await deploy(round("1.2", "theirs", "two"));
-    await page.locator(".stale", { hasText: /Version 1\.2 was deployed at \d\d:\d\d after you began\. Deploying this text takes it back\./ }).waitFor();
+    await page
+      .locator(".stale", {
+        hasText:
+          /Version 1\.2 was deployed at \d\d:\d\d after you began\. Deploying this text takes it back\./,
+      })
+      .waitFor();
     await page.reload();
     await page.locator(".stale", { hasText: "Version 1.2 was deployed" }).waitFor();
     await stage.picture(page, "drafts-behind");
     await page.getByRole("button", { name: "Deploy" }).first().click();
     const dialog = page.locator("dialog");
     await dialog.locator(".deploy-behind", { hasText: "Deploying takes it back." }).waitFor();
-    expect(await dialog.locator(".deploy-diff .gone").allInnerTexts()).toContainEqual(expect.stringContaining("theirs"));
+    expect(await dialog.locator(".deploy-diff .gone").allInnerTexts()).toContainEqual(
+      expect.stringContaining("theirs"),
+    );
     expect(await dialog.locator('input[aria-label="Version"]').inputValue()).toBe("1.3");
     expect(await dialog.locator(".sheet-foot .primary").isDisabled()).toBe(true);
     await stage.picture(page, "drafts-behind-deploy");
@@ -148,13 +165,21 @@ describe.skipIf(why !== "")("drafts on the server", () => {
     await dialog.locator(".deploy-behind").waitFor({ state: "detached" });
     await dialog.locator(".sheet-foot .primary").click();
     await page.locator(".toast.good", { hasText: "Round is deployed" }).waitFor();
-    const live = async () => (await stage.call<{ versions: { version: string; text: string; live?: boolean }[] }>("Workflows/ListVersions", { workflow: "Round", withTexts: true })).versions.find((v) => v.live)?.text;
+    const live = async () =>
+      (
+        await stage.call<{ versions: { version: string; text: string; live?: boolean }[] }>(
+          "Workflows/ListVersions",
+          { workflow: "Round", withTexts: true },
+        )
+      ).versions.find((v) => v.live)?.text;
     expect(await live()).toBe(round("1.3", "theirs", "mine"));
     // At one place: the deployed text, or one's own in its place.
     await describeStep(page, "Wave", "once more mine");
     await deploy(round("1.4", "once more theirs", "mine"));
     await page.locator(".stale", { hasText: "Version 1.4" }).waitFor();
-    expect(await page.locator(".stale").getByRole("button").allInnerTexts()).toEqual(["Take the deployed text"]);
+    expect(await page.locator(".stale").getByRole("button").allInnerTexts()).toEqual([
+      "Take the deployed text",
+    ]);
     await page.getByRole("button", { name: "Deploy" }).first().click();
     await dialog.getByLabel("Deploy this text in its place").check();
     await dialog.locator(".sheet-foot .primary").click();
@@ -166,7 +191,12 @@ describe.skipIf(why !== "")("drafts on the server", () => {
   it("comes back byte for byte, and is written only over what was seen", async () => {
     const text = 'a\r\n"b" \\ \\n \t\b\f \'c\' """d""" \u{1F600} 한국어 } { # <urn:x> \u0001';
     const name = "<odd> %name/\u{1F600}' )";
-    const write = async (content: string, saved: string, seen: string) => (await stage.call<{ added?: string }>("Context/Update", { update: writeUpdate({ name, text: content, saved }, seen) })).added ?? "0";
+    const write = async (content: string, saved: string, seen: string) =>
+      (
+        await stage.call<{ added?: string }>("Context/Update", {
+          update: writeUpdate({ name, text: content, saved }, seen),
+        })
+      ).added ?? "0";
     expect(await write(text, "2026-01-01T00:00:00.001Z", "")).not.toBe("0");
     expect(await onServer(name)).toEqual([text]);
     expect(await write("other", "2026-01-01T00:00:00.002Z", "")).toBe("0");

@@ -21,7 +21,19 @@ const open = async (path: string, options = {}): Promise<Page> => {
 
 it("a text with a mistake leaves the cards as they are", async () => {
   const page = await open("/compose/BoothGuide");
-  const looks = () => page.locator(".step.node").evaluateAll((cards) => cards.map((card) => [getComputedStyle(card).display, Math.round(card.getBoundingClientRect().width / (card.parentElement?.getBoundingClientRect().width ?? 1))].join(" ")));
+  const looks = () =>
+    page
+      .locator(".step.node")
+      .evaluateAll((cards) =>
+        cards.map((card) =>
+          [
+            getComputedStyle(card).display,
+            Math.round(
+              card.getBoundingClientRect().width / (card.parentElement?.getBoundingClientRect().width ?? 1),
+            ),
+          ].join(" "),
+        ),
+      );
   const before = await looks();
   await page.keyboard.press("t");
   await page.locator(".cm-content").click();
@@ -75,7 +87,9 @@ it("a run can be started with what is still being typed", async () => {
   await page.locator('dialog input[aria-label="user"]').fill("<https://w3id.org/docent/expo#John>");
   await start.click();
   await page.waitForURL(/\/runs\/BoothGuide-7/);
-  expect(JSON.stringify(stage.calls.findLast((c) => c.method === "Workflows/Start")?.request)).toContain("https://w3id.org/docent/expo#John");
+  expect(JSON.stringify(stage.calls.findLast((c) => c.method === "Workflows/Start")?.request)).toContain(
+    "https://w3id.org/docent/expo#John",
+  );
 });
 
 it("a selected step has an outline in forced colours", async () => {
@@ -84,16 +98,30 @@ it("a selected step has an outline in forced colours", async () => {
   await page.click(step("InfoBooth"));
   await page.locator(".step.selected").waitFor();
   await stage.picture(page, "forced-selected");
-  expect(await page.locator(".step.selected").evaluate((card) => getComputedStyle(card).outlineStyle)).toBe("solid");
-  expect(await page.locator(`${step("Move2User")} .step`).evaluate((card) => getComputedStyle(card).outlineStyle)).toBe("none");
+  expect(await page.locator(".step.selected").evaluate((card) => getComputedStyle(card).outlineStyle)).toBe(
+    "solid",
+  );
+  expect(
+    await page.locator(`${step("Move2User")} .step`).evaluate((card) => getComputedStyle(card).outlineStyle),
+  ).toBe("none");
 });
 
 it("the step of the address is in view in a low window", async () => {
   const page = await open("/compose/BoothGuide?step=InfoBooth", { width: 720, height: 450 });
-  await expect.poll(async () => {
-    const [card, canvas] = [await page.locator(step("InfoBooth")).boundingBox(), await page.locator(".canvas").boundingBox()];
-    return card && canvas ? card.y >= canvas.y && card.y + card.height <= canvas.y + canvas.height : false;
-  }, { timeout: patienceMs }).toBe(true);
+  await expect
+    .poll(
+      async () => {
+        const [card, canvas] = [
+          await page.locator(step("InfoBooth")).boundingBox(),
+          await page.locator(".canvas").boundingBox(),
+        ];
+        return card && canvas
+          ? card.y >= canvas.y && card.y + card.height <= canvas.y + canvas.height
+          : false;
+      },
+      { timeout: patienceMs },
+    )
+    .toBe(true);
   await stage.picture(page, "step-low-window");
 });
 
@@ -107,8 +135,15 @@ it("a window of 320 pixels has all buttons of the head, and messages leave those
   await stage.picture(page, "compose-320");
   const deploy = (await page.getByRole("button", { name: "Deploy" }).boundingBox())!;
   expect(320 - deploy.x - deploy.width).toBeGreaterThanOrEqual(8);
-  const [message, controls] = [(await toast.boundingBox())!, (await page.locator(".react-flow__controls").boundingBox())!];
-  expect(message.x + message.width <= controls.x || message.y >= controls.y + controls.height || message.y + message.height <= controls.y).toBe(true);
+  const [message, controls] = [
+    (await toast.boundingBox())!,
+    (await page.locator(".react-flow__controls").boundingBox())!,
+  ];
+  expect(
+    message.x + message.width <= controls.x ||
+      message.y >= controls.y + controls.height ||
+      message.y + message.height <= controls.y,
+  ).toBe(true);
 });
 
 it("a draft that was never deployed asks for no versions, and its headings follow each other", async () => {
@@ -123,8 +158,16 @@ it("a draft that was never deployed asks for no versions, and its headings follo
   await page.keyboard.type("Bow");
   await page.keyboard.press("Enter");
   await page.waitForSelector(step("Bow"));
-  await expect.poll(() => stage.calls.slice(from).filter((c) => c.method === "Workflows/List").length, { timeout: patienceMs }).toBeGreaterThan(3);
-  expect(stage.calls.filter((c) => c.method === "Workflows/ListVersions" && c.request["workflow"] === "Greeter")).toEqual([]);
-  const levels = await page.evaluate(() => [...document.querySelectorAll("h1, h2, h3, h4")].map((h) => Number(h.tagName[1])));
+  await expect
+    .poll(() => stage.calls.slice(from).filter((c) => c.method === "Workflows/List").length, {
+      timeout: patienceMs,
+    })
+    .toBeGreaterThan(3);
+  expect(
+    stage.calls.filter((c) => c.method === "Workflows/ListVersions" && c.request["workflow"] === "Greeter"),
+  ).toEqual([]);
+  const levels = await page.evaluate(() =>
+    [...document.querySelectorAll("h1, h2, h3, h4")].map((h) => Number(h.tagName[1])),
+  );
   expect(levels.filter((level, i) => level > (levels[i - 1] ?? 0) + 1)).toEqual([]);
 });

@@ -44,7 +44,10 @@ describe.skipIf(why !== "")("the hall", () => {
   it("shows the way of a robot that drives, and how sure it is of its place", async () => {
     page = await stage.page("/hall?at=expo:R01", { kept: true });
     await page.locator(".hall-robot").waitFor();
-    await stage.call("Workflows/Start", { workflow: "BoothGuide", variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }] });
+    await stage.call("Workflows/Start", {
+      workflow: "BoothGuide",
+      variables: [{ name: "user", value: { iri: "https://w3id.org/docent/expo#John" } }],
+    });
     stage.processes.tell("--reading", "expo:DoorSensor=tag-17");
     await page.locator(".hall-way polyline").waitFor();
     expect(Number(await page.locator(".hall-deviation").getAttribute("r"))).toBeGreaterThan(0);
@@ -55,7 +58,11 @@ describe.skipIf(why !== "")("the hall", () => {
   });
   for (const dark of [false, true])
     it(`no serious finding of axe (${dark ? "dark" : "light"})`, async () => {
-      await stage.call("Fleet/Reserve", { robots: ["https://w3id.org/docent/expo#R01"], keptFor: "BoothGuide", lastingMs: "60000" });
+      await stage.call("Fleet/Reserve", {
+        robots: ["https://w3id.org/docent/expo#R01"],
+        keptFor: "BoothGuide",
+        lastingMs: "60000",
+      });
       page = await stage.page("/hall?at=expo:R01", { dark, kept: true });
       await page.locator(".reservation").first().waitFor();
       await stage.picture(page, `robot-${dark ? "dark" : "light"}`);
@@ -85,7 +92,10 @@ describe.skipIf(why !== "")("the hall", () => {
     expect(await seriousFindings(page)).toEqual([]);
   });
   it("what is chosen in the list comes into view; names are as large however near the hall is, and can be read on a phone", async () => {
-    for (const options of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
+    for (const options of [
+      { width: 1280, height: 800 },
+      { width: 390, height: 844 },
+    ]) {
       page = await stage.page("/hall", { ...options, kept: true });
       const robot = page.locator(".hall-robot");
       await robot.waitFor();
@@ -95,14 +105,23 @@ describe.skipIf(why !== "")("the hall", () => {
       expect(await page.getByRole("heading", { level: 1 }).innerText()).toBe("Hall");
       await stage.picture(page, `hall-names-${options.width}`);
       for (let i = 0; i < 7; i++) await page.getByRole("button", { name: "Nearer" }).click();
-      await expect.poll(() => name.evaluate((text) => text.getBoundingClientRect().height)).toBeCloseTo(far, -1);
+      await expect
+        .poll(() => name.evaluate((text) => text.getBoundingClientRect().height))
+        .toBeCloseTo(far, -1);
       await stage.picture(page, `hall-near-${options.width}`);
       await page.locator(".hall-row", { hasText: "R01" }).click();
       const map = (await page.locator(".hall-svg").boundingBox())!;
-      await expect.poll(async () => {
-        const box = (await robot.locator(".hall-body").boundingBox())!;
-        return box.x > map.x && box.y > map.y && box.x + box.width < map.x + map.width && box.y + box.height < map.y + map.height;
-      }).toBe(true);
+      await expect
+        .poll(async () => {
+          const box = (await robot.locator(".hall-body").boundingBox())!;
+          return (
+            box.x > map.x &&
+            box.y > map.y &&
+            box.x + box.width < map.x + map.width &&
+            box.y + box.height < map.y + map.height
+          );
+        })
+        .toBe(true);
     }
   });
   it("no page has thrown", () => stage.noFaults());

@@ -33,7 +33,11 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     await page.locator('.head button[aria-label="Undo"]').click();
     await draft(page, "Greeter").not.toContain("ext:input");
     await page.locator('.head button[aria-label="Redo"]').click();
-    await page.waitForFunction(() => document.querySelector<HTMLInputElement>('input[aria-label="Text to say"]')?.value === "Good morning, John");
+    await page.waitForFunction(
+      () =>
+        document.querySelector<HTMLInputElement>('input[aria-label="Text to say"]')?.value ===
+        "Good morning, John",
+    );
   });
   it("two steps say two things", async () => {
     await dragOnto(page, page.locator(".palette-item", { hasText: /^Say/ }), "Say → End");
@@ -47,10 +51,14 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
     await page.locator(".toast.good", { hasText: "is deployed" }).waitFor();
     await stage.call("Workflows/Start", { workflow: "Greeter" });
-    await stage.until(async () => (await stage.call<{ state: string }>("Workflows/Get", { run: "Greeter-1" })).state === "done");
+    await stage.until(
+      async () =>
+        (await stage.call<{ state: string }>("Workflows/Get", { run: "Greeter-1" })).state === "done",
+    );
     const run = await stage.page("/runs/Greeter-1");
     await run.getByRole("tab", { name: "History" }).click();
-    for (const words of ["Good morning, John", "Goodbye"]) await run.locator(".timeline li", { hasText: `say(text="${words}")` }).waitFor(); // what the robot got
+    for (const words of ["Good morning, John", "Goodbye"])
+      await run.locator(".timeline li", { hasText: `say(text="${words}")` }).waitFor(); // what the robot got
   });
   it("a step that drives is offered booths, and no walls", async () => {
     await dragOnto(page, page.locator(".palette-item", { hasText: /^Move to booth/ }), "Begin → Say");
@@ -70,8 +78,16 @@ describe.skipIf(why !== "")("inputs of a step", () => {
     await page.locator(".situation").getByRole("button", { name: "Simulate or tell" }).waitFor();
     await stage.picture(page, "starts-by-itself");
     await page.evaluate(() => {
-      const text = (JSON.parse(localStorage.getItem("docent.draft.Greeter") ?? "{}") as { text: string }).text;
-      localStorage.setItem("docent.draft.Nameless", JSON.stringify({ text: text.replace(' name="OnStart"', "").replace('name="Greeter"', 'name="Nameless"'), base: "", savedMs: 1 }));
+      const text = (JSON.parse(localStorage.getItem("docent.draft.Greeter") ?? "{}") as { text: string })
+        .text;
+      localStorage.setItem(
+        "docent.draft.Nameless",
+        JSON.stringify({
+          text: text.replace(' name="OnStart"', "").replace('name="Greeter"', 'name="Nameless"'),
+          base: "",
+          savedMs: 1,
+        }),
+      );
     });
     await page.goto(page.url().replace(/\/compose\/.*/, "/compose/Nameless"));
     await page.locator(".situation .tag", { hasText: "not now" }).waitFor();

@@ -15,7 +15,15 @@ describe("much", () => {
   afterAll(() => stage.close());
 
   it("10,000 robots: the hall lists some, says how many there are, and finds the others", async () => {
-    const robots = Array.from({ length: 10_000 }, (_, i) => ({ robot: `urn:robot:${i}`, label: `Robot ${i}`, state: i % 3 ? "standby" : "busy", operations: ["driveTo"], hasPose: true, xM: (i % 100) / 3, yM: Math.floor(i / 100) / 5 }));
+    const robots = Array.from({ length: 10_000 }, (_, i) => ({
+      robot: `urn:robot:${i}`,
+      label: `Robot ${i}`,
+      state: i % 3 ? "standby" : "busy",
+      operations: ["driveTo"],
+      hasPose: true,
+      xM: (i % 100) / 3,
+      yM: Math.floor(i / 100) / 5,
+    }));
     stage.answers = { ...usualAnswers(), "Fleet/List": () => ({ robots }) };
     const page = await stage.page("/hall");
     await page.getByText("and 9900 more").waitFor();
@@ -32,9 +40,17 @@ describe("much", () => {
   it("5,000 steps: the canvas is drawn, and a step is found by name", async () => {
     stage.answers = usualAnswers();
     const page = await stage.page("/compose");
-    const nodes = Array.from({ length: 5000 }, (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`).join("\n");
-    const links = Array.from({ length: 4999 }, (_, i) => `    <link from="n${i}" to="n${i + 1}"/>`).join("\n");
-    await page.evaluate((text) => localStorage.setItem("docent.draft.Big", JSON.stringify({ text, base: "", savedMs: 1 })), `<CAWL name="Big">\n  <flow name="F">\n    <source name="s"/>\n${nodes}\n    <sink name="t"/>\n    <link from="s" to="n0"/>\n${links}\n    <link from="n4999" to="t"/>\n  </flow>\n</CAWL>`);
+    const nodes = Array.from(
+      { length: 5000 },
+      (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`,
+    ).join("\n");
+    const links = Array.from({ length: 4999 }, (_, i) => `    <link from="n${i}" to="n${i + 1}"/>`).join(
+      "\n",
+    );
+    await page.evaluate(
+      (text) => localStorage.setItem("docent.draft.Big", JSON.stringify({ text, base: "", savedMs: 1 })),
+      `<CAWL name="Big">\n  <flow name="F">\n    <source name="s"/>\n${nodes}\n    <sink name="t"/>\n    <link from="s" to="n0"/>\n${links}\n    <link from="n4999" to="t"/>\n  </flow>\n</CAWL>`,
+    );
     await page.goto(`${stage.url}/compose/Big`);
     await page.locator(".react-flow__node").first().waitFor();
     await page.keyboard.press("Control+k");
@@ -56,9 +72,16 @@ describe.skipIf(why !== "")("a service description of 10 MB", () => {
   afterAll(() => stage?.close());
   it("becomes steps, or is refused with its reason, and the view goes on", async () => {
     const description = (name: string, bytes: number) => {
-      const operations = Array.from({ length: 1000 }, (_, i) => `<operation name="op${i}"><documentation>${"x".repeat(bytes / 1000 - 100)}</documentation></operation>`).join("\n");
+      const operations = Array.from(
+        { length: 1000 },
+        (_, i) =>
+          `<operation name="op${i}"><documentation>${"x".repeat(bytes / 1000 - 100)}</documentation></operation>`,
+      ).join("\n");
       const path = join(stage.processes.folder, name);
-      writeFileSync(path, `<definitions xmlns="http://schemas.xmlsoap.org/wsdl/" name="Large" targetNamespace="urn:large"><portType name="P">${operations}</portType></definitions>`);
+      writeFileSync(
+        path,
+        `<definitions xmlns="http://schemas.xmlsoap.org/wsdl/" name="Large" targetNamespace="urn:large"><portType name="P">${operations}</portType></definitions>`,
+      );
       return path;
     };
     const page = await stage.page("/compose/New");
@@ -73,7 +96,9 @@ describe.skipIf(why !== "")("a service description of 10 MB", () => {
     };
     await read("Choose a file", description("larger.wsdl", 10_500_000));
     await page.locator("dialog .notice.bad").waitFor();
-    expect(await page.locator("dialog").evaluate((d) => d.scrollWidth - d.clientWidth)).toBeLessThanOrEqual(0);
+    expect(await page.locator("dialog").evaluate((d) => d.scrollWidth - d.clientWidth)).toBeLessThanOrEqual(
+      0,
+    );
     await stage.picture(page, "larger-wsdl");
     await read("larger.wsdl", description("large.wsdl", 9_500_000));
     await page.getByRole("button", { name: "Add 1000 to the palette" }).waitFor();

@@ -26,8 +26,18 @@ describe("modules", () => {
     const usual = usualAnswers();
     stage.answers = {
       ...usual,
-      "Workflows/List": () => ({ workflows: [{ name: "BoothGuide", version: "1.0", flows: ["BoothGuide"] }, { name: "John's Service", flows: ["Visit", "Goodbye"] }] }),
-      "Workflows/ListVersions": ({ workflow }) => (workflow === "BoothGuide" ? { versions: [{ number: 1, live: true, text: guide }] } : workflow === "John's Service" ? { versions: [{ number: 1, live: true, text: johns }] } : new Error("not_found")),
+      "Workflows/List": () => ({
+        workflows: [
+          { name: "BoothGuide", version: "1.0", flows: ["BoothGuide"] },
+          { name: "John's Service", flows: ["Visit", "Goodbye"] },
+        ],
+      }),
+      "Workflows/ListVersions": ({ workflow }) =>
+        workflow === "BoothGuide"
+          ? { versions: [{ number: 1, live: true, text: guide }] }
+          : workflow === "John's Service"
+            ? { versions: [{ number: 1, live: true, text: johns }] }
+            : new Error("not_found"),
     };
   });
   afterAll(() => stage.close());

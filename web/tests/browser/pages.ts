@@ -27,17 +27,30 @@ export class Pages {
   }
   async page(url: string, options: PageOptions = {}): Promise<Page> {
     const context = await this.browser.newContext({
-      viewport: { width: options.width ?? 1280, height: options.height ?? 800 }, colorScheme: options.dark ? "dark" : "light", reducedMotion: "reduce", locale: options.language ?? "en-GB",
+      viewport: { width: options.width ?? 1280, height: options.height ?? 800 },
+      colorScheme: options.dark ? "dark" : "light",
+      reducedMotion: "reduce",
+      locale: options.language ?? "en-GB",
       permissions: ["clipboard-read", "clipboard-write"],
     });
     context.setDefaultTimeout(patienceMs);
     if (options.script) await context.addInitScript(options.script);
     const page = await context.newPage();
     page.on("pageerror", (error) => this.faults.push(error.message));
-    page.on("console", (message) => message.type() === "error" && !/Failed to load resource|WebSocket connection/.test(message.text()) && this.faults.push(message.text()));
+    page.on(
+      "console",
+      (message) =>
+        message.type() === "error" &&
+        !/Failed to load resource|WebSocket connection/.test(message.text()) &&
+        this.faults.push(message.text()),
+    );
     onTestFinished(async ({ task }) => {
       // What a test saw that failed.
-      if (task.result?.state === "fail") await picture(page, `failed-${task.name.replace(/\W+/g, "-").slice(0, 60)}-${context.pages().indexOf(page)}`).catch(() => undefined);
+      if (task.result?.state === "fail")
+        await picture(
+          page,
+          `failed-${task.name.replace(/\W+/g, "-").slice(0, 60)}-${context.pages().indexOf(page)}`,
+        ).catch(() => undefined);
       if (!options.kept) await context.close();
     });
     await page.goto(url);
@@ -62,7 +75,10 @@ export async function picture(page: Page, name: string) {
 export async function settled(page: Page) {
   await page.evaluate(async () => {
     await document.fonts.ready;
-    const moves = () => document.getAnimations().filter((a) => a.playState === "running" && a.effect?.getComputedTiming().iterations !== Infinity);
+    const moves = () =>
+      document
+        .getAnimations()
+        .filter((a) => a.playState === "running" && a.effect?.getComputedTiming().iterations !== Infinity);
     while (moves().length > 0) await Promise.allSettled(moves().map((a) => a.finished));
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
   });
@@ -73,7 +89,7 @@ export async function still(thing: Locator) {
   await thing.waitFor();
   await thing.evaluate(async (element) => {
     let last = "";
-    for (let frames = 0; frames < 20; ) {
+    for (let frames = 0; frames < 20;) {
       await new Promise((done) => requestAnimationFrame(done));
       const { x, y } = element.getBoundingClientRect();
       frames = `${x} ${y}` === last ? frames + 1 : 0;
@@ -92,17 +108,24 @@ export async function dragOnto(page: Page, item: Locator, link: string) {
 // Serious and critical findings of axe, in words.
 export async function seriousFindings(page: Page): Promise<string[]> {
   await settled(page);
-  return page.evaluate(`${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`);
+  return page.evaluate(
+    `${axe}; axe.run(document, { resultTypes: ["violations"] }).then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id + ": " + v.nodes.slice(0, 6).map((n) => n.target + " " + (n.any[0]?.message ?? "")).join(" | ")))`,
+  );
 }
 
 export async function fitsTheWindow(page: Page) {
   await settled(page);
-  expect(await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth)).toBeLessThanOrEqual(0);
+  expect(
+    await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth),
+  ).toBeLessThanOrEqual(0);
 }
 
 // What is kept in this browser under a key of a draft; it is kept a moment after an edit.
 export function draftNow(page: Page, name: string): Promise<string> {
-  return page.evaluate((key) => (JSON.parse(localStorage.getItem(key) ?? '{"text":""}') as { text: string }).text, `docent.draft.${name}`);
+  return page.evaluate(
+    (key) => (JSON.parse(localStorage.getItem(key) ?? '{"text":""}') as { text: string }).text,
+    `docent.draft.${name}`,
+  );
 }
 // To be followed by toBe, toContain or another of expect's: asked until it is so.
 export function draft(page: Page, name: string) {

@@ -9,8 +9,11 @@ const binaries = process.env["DOCENT_BINARIES"] ?? join(tree, "build/dev/bin");
 
 // Why the whole way can't be tested here; empty: it can.
 export function lacking(): string {
-  for (const program of ["docent", "docent-robot", "docent-scripted-adapter"]) if (!existsSync(join(binaries, program))) return `${join(binaries, program)} is not built`;
-  return execFileSync(join(binaries, "docent"), ["serve", "--help"], { encoding: "utf8" }).includes("--web") ? "" : "this docent serves no app";
+  for (const program of ["docent", "docent-robot", "docent-scripted-adapter"])
+    if (!existsSync(join(binaries, program))) return `${join(binaries, program)} is not built`;
+  return execFileSync(join(binaries, "docent"), ["serve", "--help"], { encoding: "utf8" }).includes("--web")
+    ? ""
+    : "this docent serves no app";
 }
 
 export class Processes {
@@ -22,7 +25,21 @@ export class Processes {
   http = "127.0.0.1:0";
 
   async startServer() {
-    this.server = spawn(join(binaries, "docent"), ["serve", "--data", join(this.folder, "data"), "--grpc", this.grpc, "--http", this.http, "--web", join(tree, "web/dist")], { stdio: ["ignore", "pipe", "inherit"] });
+    this.server = spawn(
+      join(binaries, "docent"),
+      [
+        "serve",
+        "--data",
+        join(this.folder, "data"),
+        "--grpc",
+        this.grpc,
+        "--http",
+        this.http,
+        "--web",
+        join(tree, "web/dist"),
+      ],
+      { stdio: ["ignore", "pipe", "inherit"] },
+    );
     const line = await firstLine(this.server);
     this.grpc = /grpc=(\S+)/.exec(line)?.[1] ?? "";
     this.http = /http=(\S+)/.exec(line)?.[1] ?? "";
@@ -30,21 +47,39 @@ export class Processes {
   // `screen` is its address from then on.
   screen: Promise<string> = Promise.resolve("");
   startRobot(speed: number) {
-    this.robot = spawn(join(binaries, "docent-robot"), ["--server", this.grpc, "--out", join(this.folder, "robot"), "--speed", String(speed)], { stdio: ["ignore", "pipe", "ignore"] });
-    this.screen = firstLine(this.robot).then((line) => /screen=(\S+)/.exec(line)?.[1] ?? "", () => "");
+    this.robot = spawn(
+      join(binaries, "docent-robot"),
+      ["--server", this.grpc, "--out", join(this.folder, "robot"), "--speed", String(speed)],
+      { stdio: ["ignore", "pipe", "ignore"] },
+    );
+    this.screen = firstLine(this.robot).then(
+      (line) => /screen=(\S+)/.exec(line)?.[1] ?? "",
+      () => "",
+    );
   }
   // Robots whose operations take their time and do nothing; `options` as of docent-scripted-adapter. Resolves when it listens.
   async startAdapter(robot: string, operations: readonly string[], ...options: string[]): Promise<string> {
-    const adapter = spawn(join(binaries, "docent-scripted-adapter"), ["--server", this.grpc, "--robot", robot, ...operations.flatMap((o) => ["--operation", o]), ...options], { stdio: ["ignore", "pipe", "ignore"] });
+    const adapter = spawn(
+      join(binaries, "docent-scripted-adapter"),
+      ["--server", this.grpc, "--robot", robot, ...operations.flatMap((o) => ["--operation", o]), ...options],
+      { stdio: ["ignore", "pipe", "ignore"] },
+    );
     this.adapters.push(adapter);
     return /grpc=(\S+)/.exec(await firstLine(adapter))?.[1] ?? "";
   }
   docent(command: string, ...rest: string[]): string {
-    return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+    return execFileSync(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], {
+      cwd: tree,
+      encoding: "utf8",
+      stdio: ["ignore", "pipe", "pipe"],
+    });
   }
   // The same beside the test; resolves with its exit code.
   aside(command: string, ...rest: string[]): Promise<number | null> {
-    const process = spawn(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], { cwd: tree, stdio: "ignore" });
+    const process = spawn(join(binaries, "docent"), [command, "--server", this.grpc, ...rest], {
+      cwd: tree,
+      stdio: "ignore",
+    });
     return new Promise((done) => process.once("exit", done));
   }
   // A command that needs no server.

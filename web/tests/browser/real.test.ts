@@ -91,8 +91,12 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     const page = await open("/compose/BoothGuide");
     await page.locator(".template, .react-flow__node").first().waitFor();
     if ((await page.locator(".template").count()) > 0) await page.locator(".template").nth(1).click();
-    await page.locator(".react-flow__node", { hasText: /Lead|Move to booth/ }).first().click();
-    if ((await page.locator(".constraint").count()) === 0) await page.getByRole("button", { name: "Wait for a situation" }).click();
+    await page
+      .locator(".react-flow__node", { hasText: /Lead|Move to booth/ })
+      .first()
+      .click();
+    if ((await page.locator(".constraint").count()) === 0)
+      await page.getByRole("button", { name: "Wait for a situation" }).click();
     await page.locator('input[aria-label="Subject"]').first().fill("expo:John");
     await page.keyboard.press("Tab");
     await page.locator('input[aria-label="Verb"]').first().fill("docent:selected");
@@ -112,7 +116,8 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     const page = await open("/hall");
     await page.waitForSelector(".hall-robot");
     await page.getByRole("button", { name: "New tour" }).click();
-    for (const booth of ["B03", "B05", "B07", "B10", "B09", "B01"]) await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
+    for (const booth of ["B03", "B05", "B07", "B10", "B09", "B01"])
+      await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
     expect(await page.locator(".tour-stops li").count()).toBe(6);
     await picture(page, "tour");
     await page.getByRole("button", { name: "Make the workflow" }).click();
@@ -126,7 +131,9 @@ describe.skipIf(why !== "")("with a real server and robot", () => {
     await stage.processes.killServer();
     await page.waitForSelector(".stale");
     expect(await page.locator(".hall-robot").count()).toBe(1);
-    const connected = new Promise((done) => page.on("websocket", (socket) => socket.once("framereceived", done)));
+    const connected = new Promise((done) =>
+      page.on("websocket", (socket) => socket.once("framereceived", done)),
+    );
     await stage.processes.startServer();
     await page.waitForSelector(".stale", { state: "detached" });
     await page.waitForSelector(".hall-robot.standby");

@@ -14,8 +14,18 @@ export class RealStage {
     const stage = new RealStage();
     try {
       await stage.processes.startServer();
-      stage.processes.load("--as", "ontology", ...["docent", "place", "robot", "run", "sensor", "service", "time"].map((name) => `ontology/${name}.ttl`));
-      stage.processes.load(...["hall.ttl", "world.ttl", "guide.rules", ...files].map((name) => `scenarios/s01_booth_guide/${name}`));
+      stage.processes.load(
+        "--as",
+        "ontology",
+        ...["docent", "place", "robot", "run", "sensor", "service", "time"].map(
+          (name) => `ontology/${name}.ttl`,
+        ),
+      );
+      stage.processes.load(
+        ...["hall.ttl", "world.ttl", "guide.rules", ...files].map(
+          (name) => `scenarios/s01_booth_guide/${name}`,
+        ),
+      );
       if (robot) stage.processes.startRobot(robot.speed);
       stage.pages = await Pages.open();
     } catch (error) {
@@ -40,8 +50,12 @@ export class RealStage {
   }
   // John is guided to a booth, from his choice to the end of the run BoothGuide-1. Needs a robot, the services and the workflow.
   async guideJohn(booth: string) {
-    const run = () => this.call<{ state: string; nodes: { name: string; state: string }[] }>("Workflows/Get", { run: "BoothGuide-1" }).catch(() => ({ state: "", nodes: [] }));
-    const waits = (node: string) => this.until(async () => (await run()).nodes.some((n) => n.name === node && n.state === "waiting"));
+    const run = () =>
+      this.call<{ state: string; nodes: { name: string; state: string }[] }>("Workflows/Get", {
+        run: "BoothGuide-1",
+      }).catch(() => ({ state: "", nodes: [] }));
+    const waits = (node: string) =>
+      this.until(async () => (await run()).nodes.some((n) => n.name === node && n.state === "waiting"));
     this.processes.tell("--reading", "expo:DoorSensor=tag-17");
     this.processes.tell("expo:John docent:chose expo:BoothGuideService");
     await waits("Move2Booth");
@@ -52,7 +66,11 @@ export class RealStage {
   }
   // A call of the API, as a script makes it.
   async call<T>(method: string, request: object = {}): Promise<T> {
-    const answer = await fetch(`${this.processes.url}/docent.v1.${method}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(request) });
+    const answer = await fetch(`${this.processes.url}/docent.v1.${method}`, {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(request),
+    });
     const body = (await answer.json()) as T & { message?: string };
     if (!answer.ok) throw new Error(`${method}: ${body.message}`);
     return body;

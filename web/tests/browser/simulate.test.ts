@@ -10,7 +10,10 @@ import { expo, RealStage } from "./real_stage";
 
 const why = lacking();
 if (why) console.log(`skipped: ${why}`);
-const text = readFileSync(join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"), "utf8");
+const text = readFileSync(
+  join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
+  "utf8",
+);
 // What a robot has left in the graph: it is away, and what it can do is known.
 const leftByRobot = `
 @prefix docent: <https://w3id.org/docent#> .
@@ -38,13 +41,18 @@ describe.skipIf(why !== "")("simulation", () => {
   // The workflow as a draft of this browser, which the server does not have.
   const open = async (options = {}) => {
     page = await stage.page("/compose", { ...options, kept: true });
-    await page.evaluate((cawl) => localStorage.setItem("docent.draft.BoothGuide", JSON.stringify({ text: cawl, base: "", savedMs: 1 })), text);
+    await page.evaluate(
+      (cawl) =>
+        localStorage.setItem("docent.draft.BoothGuide", JSON.stringify({ text: cawl, base: "", savedMs: 1 })),
+      text,
+    );
     await page.goto(`${stage.processes.url}/compose/BoothGuide`);
     await page.locator(".findings-bar", { hasText: "Nothing to mend" }).waitFor();
   };
   const panel = () => page.getByRole("region", { name: "Simulate" });
   const list = () => page.locator(".simulate-events");
-  const happened = (words: string | RegExp) => page.locator(".simulate-events li:not(.to-come)", { hasText: words }).first();
+  const happened = (words: string | RegExp) =>
+    page.locator(".simulate-events li:not(.to-come)", { hasText: words }).first();
   const step = (name: string) => page.locator(`.react-flow__node[data-id="${name}"]`);
   const clock = async () => Number((await page.getByRole("timer").innerText()).slice(3, 5));
   const simulate = async (user = "expo:John") => {
@@ -67,7 +75,13 @@ describe.skipIf(why !== "")("simulation", () => {
     await form.locator("form button").click();
   };
   const toEnd = () => page.getByRole("slider", { name: "Simulated time" }).press("End");
-  const known = async (pattern: string) => (await stage.call<{ holds?: boolean }>("Context/Explain", { whyNot: `ASK { ${pattern} }`, prefixes: { expo, docent: "https://w3id.org/docent#" } })).holds ?? false;
+  const known = async (pattern: string) =>
+    (
+      await stage.call<{ holds?: boolean }>("Context/Explain", {
+        whyNot: `ASK { ${pattern} }`,
+        prefixes: { expo, docent: "https://w3id.org/docent#" },
+      })
+    ).holds ?? false;
 
   it("an undeployed draft runs to where it waits for a fact, without any robot", async () => {
     await open();
@@ -106,7 +120,10 @@ describe.skipIf(why !== "")("simulation", () => {
     await panel().getByRole("button", { name: "Take back: told: expo:John docent:isAt expo:B03" }).click();
     await panel().getByText("InfoBooth waits for").waitFor();
     expect((await page.getByRole("timer").innerText()).slice(0, 5)).toBe(before.slice(0, 5));
-    await panel().locator(".simulate-lack", { hasText: "expo:John docent:isAt expo:B03" }).getByRole("button", { name: /Tell it at/ }).click();
+    await panel()
+      .locator(".simulate-lack", { hasText: "expo:John docent:isAt expo:B03" })
+      .getByRole("button", { name: /Tell it at/ })
+      .click();
     await list().getByText("the run is done").waitFor();
   });
   it("it plays ten times as fast, and each step shows its state at that moment", async () => {

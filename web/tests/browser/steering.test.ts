@@ -37,7 +37,14 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
   beforeAll(async () => {
     stage = await RealStage.open(null);
     const standby = ["--fact", "status=https://w3id.org/docent#Standby"];
-    adapter = await stage.processes.startAdapter(`${expo}R10`, ["fetch"], "--take-ms", "200", "--fail", ...standby);
+    adapter = await stage.processes.startAdapter(
+      `${expo}R10`,
+      ["fetch"],
+      "--take-ms",
+      "200",
+      "--fail",
+      ...standby,
+    );
     await stage.processes.startAdapter(`${expo}R11`, ["bring"], "--take-ms", "15000", ...standby);
     const file = join(stage.processes.folder, "errand.cawl.xml");
     writeFileSync(file, errand);
@@ -72,7 +79,8 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await page.getByRole("button", { name: "Go on" }).click();
     await state(page, "done").waitFor();
     await page.getByRole("tab", { name: "History" }).click();
-    for (const words of ["needs you", "paused", "done"]) await page.locator(".timeline li", { hasText: words }).first().waitFor();
+    for (const words of ["needs you", "paused", "done"])
+      await page.locator(".timeline li", { hasText: words }).first().waitFor();
     await stage.picture(page, "steering-history");
   });
 
@@ -83,7 +91,9 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await page.getByRole("button", { name: "Pause", exact: true }).click();
     await page.locator("dialog").getByRole("button", { name: "Stop it now" }).click();
     // It must not be repeated unasked: somebody decides.
-    await page.getByText("bring was cancelled since its run was paused, and it must not be repeated unasked").waitFor();
+    await page
+      .getByText("bring was cancelled since its run was paused, and it must not be repeated unasked")
+      .waitFor();
     await page.getByRole("button", { name: "Go on" }).waitFor();
     await page.locator(".stale", { hasText: "still does" }).waitFor({ state: "detached" });
     await stage.picture(page, "steering-stopped");
@@ -93,9 +103,17 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
   });
 
   it("before a deployment it is said how many runs would start at once", async () => {
-    const text = errand.replaceAll("Errand", "Greeting").replace('  <flow name', '  <activator name="OnWish"><activate flow="Greeting"/><condition><context name="Wish"><rule name="wish"><constraint name="wish"><subject>?user</subject><verb>docent:chose</verb><object>?service</object></constraint></rule></context></condition></activator>\n  <flow name').replace("xmlns:ext", 'xmlns:docent="https://w3id.org/docent#" xmlns:ext');
+    const text = errand
+      .replaceAll("Errand", "Greeting")
+      .replace(
+        "  <flow name",
+        '  <activator name="OnWish"><activate flow="Greeting"/><condition><context name="Wish"><rule name="wish"><constraint name="wish"><subject>?user</subject><verb>docent:chose</verb><object>?service</object></constraint></rule></context></condition></activator>\n  <flow name',
+      )
+      .replace("xmlns:ext", 'xmlns:docent="https://w3id.org/docent#" xmlns:ext');
     for (const who of ["Ann", "Ben", "Cai"]) stage.processes.tell(`expo:${who} docent:chose expo:Greeting`);
-    const page = await stage.page("/compose/Greeting", { script: `if (!localStorage.getItem("docent.draft.Greeting")) localStorage.setItem("docent.draft.Greeting", ${JSON.stringify(JSON.stringify({ text, savedMs: 1, base: "" }))})` });
+    const page = await stage.page("/compose/Greeting", {
+      script: `if (!localStorage.getItem("docent.draft.Greeting")) localStorage.setItem("docent.draft.Greeting", ${JSON.stringify(JSON.stringify({ text, savedMs: 1, base: "" }))})`,
+    });
     await page.getByRole("button", { name: "Deploy" }).first().click();
     await page.locator("dialog .notice", { hasText: "3 fit now: Deploy starts 3 runs at once." }).waitFor();
     await stage.picture(page, "steering-starts-now");
@@ -135,10 +153,20 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     const dialog = page.locator("dialog");
     await dialog.locator(".deploy-steps .new", { hasText: "Errand / Deliver" }).waitFor();
     await dialog.locator(".deploy-steps .gone", { hasText: "Errand / Bring" }).waitFor();
-    await dialog.locator('.deploy-flow .react-flow__node', { hasText: "Deliver" }).locator(".state-chip.diff-new").waitFor();
-    await dialog.locator('.deploy-flow .react-flow__node', { hasText: "Bring" }).locator(".state-chip.diff-gone").waitFor();
+    await dialog
+      .locator(".deploy-flow .react-flow__node", { hasText: "Deliver" })
+      .locator(".state-chip.diff-new")
+      .waitFor();
+    await dialog
+      .locator(".deploy-flow .react-flow__node", { hasText: "Bring" })
+      .locator(".state-chip.diff-gone")
+      .waitFor();
     expect(await dialog.locator(".deploy-flow .state-chip").count()).toBe(2);
-    expect(await dialog.locator(".deploy-diff .new").allInnerTexts()).toEqual([expect.stringContaining('<node name="Deliver">'), expect.stringContaining('<link from="Fetch" to="Deliver"/>'), expect.stringContaining('<link from="Deliver" to="End"/>')]);
+    expect(await dialog.locator(".deploy-diff .new").allInnerTexts()).toEqual([
+      expect.stringContaining('<node name="Deliver">'),
+      expect.stringContaining('<link from="Fetch" to="Deliver"/>'),
+      expect.stringContaining('<link from="Deliver" to="End"/>'),
+    ]);
     const height = (await dialog.boundingBox())?.height;
     expect(await dialog.locator('input[aria-label="Version"]').inputValue()).toBe("1.1"); // one higher is proposed
     await dialog.locator('input[aria-label="Version"]').fill("2.0");
@@ -147,10 +175,17 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await stage.picture(page, "steering-deploy");
     await dialog.getByRole("button", { name: "Deploy" }).click();
     await page.locator(".toast.good", { hasText: "Errand is deployed" }).waitFor();
-    const { versions } = await stage.call<{ versions: { number: number; version: string; live?: boolean; text?: string }[] }>("Workflows/ListVersions", { workflow: "Errand", withTexts: true });
-    expect(versions.map((v) => [v.number, v.version, v.live ?? false])).toEqual([[1, "1.0", false], [2, "2.0", true]]);
+    const { versions } = await stage.call<{
+      versions: { number: number; version: string; live?: boolean; text?: string }[];
+    }>("Workflows/ListVersions", { workflow: "Errand", withTexts: true });
+    expect(versions.map((v) => [v.number, v.version, v.live ?? false])).toEqual([
+      [1, "1.0", false],
+      [2, "2.0", true],
+    ]);
     expect(versions[0]?.text).toBe(errand);
-    expect(versions[1]?.text).toBe(errand.replace(/"Bring"/g, '"Deliver"').replace('version="1.0" xmlns', 'version="2.0" xmlns'));
+    expect(versions[1]?.text).toBe(
+      errand.replace(/"Bring"/g, '"Deliver"').replace('version="1.0" xmlns', 'version="2.0" xmlns'),
+    );
     await old.reload();
     await old.locator('.react-flow__node[data-id="Bring"]').waitFor(); // its own text, not the newest one
     await old.getByRole("button", { name: "Count as done" }).click();
@@ -177,12 +212,21 @@ describe.skipIf(why !== "")("steering, with a real server and robots", () => {
     await imports();
     const chooser = page.waitForEvent("filechooser");
     await dialog.getByRole("button", { name: "Choose a file" }).click();
-    await (await chooser).setFiles({ name: "shop.wsdl", mimeType: "text/xml", buffer: Buffer.from(wsdl.replaceAll("askPrice", "sellThing")) });
+    await (
+      await chooser
+    ).setFiles({
+      name: "shop.wsdl",
+      mimeType: "text/xml",
+      buffer: Buffer.from(wsdl.replaceAll("askPrice", "sellThing")),
+    });
     await dialog.getByRole("button", { name: "shop.wsdl" }).waitFor();
     await dialog.getByRole("button", { name: "Read it" }).click();
     await dialog.getByRole("button", { name: "Add 1 to the palette" }).click();
     await page.locator(".palette-item", { hasText: "Sell thing" }).waitFor();
-    for (const [from, address, finds] of [["gRPC server", stage.processes.grpc, /Add \d+ to the palette/], ["adapter", adapter, /Add 1 to the palette/]] as const) {
+    for (const [from, address, finds] of [
+      ["gRPC server", stage.processes.grpc, /Add \d+ to the palette/],
+      ["adapter", adapter, /Add 1 to the palette/],
+    ] as const) {
       await imports();
       await dialog.getByRole("radio", { name: new RegExp(from, "i") }).click();
       await dialog.getByLabel("Address").fill("127.0.0.1:1");

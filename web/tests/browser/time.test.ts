@@ -26,7 +26,8 @@ describe.skipIf(why !== "")("the time bar", () => {
     }
     expect(await words()).toContain(what);
   };
-  const chip = (node: string, state: string) => page.locator(`.react-flow__node[data-id="${node}"] .state-chip.${state}`);
+  const chip = (node: string, state: string) =>
+    page.locator(`.react-flow__node[data-id="${node}"] .state-chip.${state}`);
 
   it("a run is seen as it was, step for step, and what it lacked then", async () => {
     page = await stage.page("/runs/BoothGuide-1", { kept: true });
@@ -56,7 +57,10 @@ describe.skipIf(why !== "")("the time bar", () => {
     await page.locator(".hall-row", { hasText: "John" }).click();
     await page.locator(".hall-details").getByText("expo:Entrance").waitFor();
     expect(await page.locator(".hall-details").getByText("docent:selected").count()).toBe(0);
-    await page.locator(".hall-details .fact", { hasText: "expo:Entrance" }).getByRole("button", { name: "Why?" }).click();
+    await page
+      .locator(".hall-details .fact", { hasText: "expo:Entrance" })
+      .getByRole("button", { name: "Why?" })
+      .click();
     await page.locator(".hall-details .proof", { hasText: "reading of" }).waitFor(); // as of then: John is elsewhere now
     await stage.picture(page, "time-hall");
     // The next event is asked for before the events are known: the time stays.
@@ -107,14 +111,21 @@ describe.skipIf(why !== "")("the time bar", () => {
   });
   for (const dark of [false, true])
     it(`no serious finding of axe, and it fits (${dark ? "dark" : "light"})`, async () => {
-      const { nodes } = await stage.call<{ nodes: { sinceUs: string }[] }>("Workflows/Get", { run: "BoothGuide-1" });
+      const { nodes } = await stage.call<{ nodes: { sinceUs: string }[] }>("Workflows/Get", {
+        run: "BoothGuide-1",
+      });
       const path = `/runs/BoothGuide-1?t=${new Date(Number(nodes[0]?.sinceUs) / 1000 + 1).toISOString()}`;
       page = await stage.page(path, { dark, kept: true });
       await page.locator(".state-chip").first().waitFor();
       await page.locator(".time-words .faint").waitFor();
       await stage.picture(page, `time-${dark ? "dark" : "light"}`);
       expect(await seriousFindings(page)).toEqual([]);
-      page = await stage.page(path.replace("/runs/BoothGuide-1", "/hall"), { dark, width: 390, height: 780, kept: true });
+      page = await stage.page(path.replace("/runs/BoothGuide-1", "/hall"), {
+        dark,
+        width: 390,
+        height: 780,
+        kept: true,
+      });
       await page.locator(".hall-robot").waitFor();
       await stage.picture(page, `time-small-${dark ? "dark" : "light"}`);
       await fitsTheWindow(page);

@@ -14,7 +14,10 @@ describe.skipIf(why !== "")("a tour", () => {
   let page: Page;
   beforeAll(async () => {
     stage = await RealStage.open({ speed }, "booth_guide.rsel.xml");
-    await stage.until(async () => (await stage.call<{ robots?: { state: string }[] }>("Fleet/List")).robots?.[0]?.state === "standby");
+    await stage.until(
+      async () =>
+        (await stage.call<{ robots?: { state: string }[] }>("Fleet/List")).robots?.[0]?.state === "standby",
+    );
   });
   afterAll(() => stage?.close());
   let estimate = 0; // minutes
@@ -23,7 +26,8 @@ describe.skipIf(why !== "")("a tour", () => {
     page = await stage.page("/hall", { kept: true });
     await page.waitForSelector(".hall-robot");
     await page.keyboard.press("t");
-    for (const booth of ["B10", "B09", "B03"]) await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
+    for (const booth of ["B10", "B09", "B03"])
+      await page.locator(`.shape.booth[aria-label^="${booth},"]`).click();
     await page.locator(".tour-stop", { hasText: "B09" }).click();
     await page.getByRole("textbox", { name: "Say here" }).fill("It's the nets' booth");
     await page.locator(".tour-own").getByLabel("Display information").uncheck();
@@ -37,7 +41,10 @@ describe.skipIf(why !== "")("a tour", () => {
     await page.reload();
     await page.locator(".tour-stop", { hasText: "It's the nets' booth" }).click();
     await page.getByRole("button", { name: "Close", exact: true }).click();
-    await page.locator(".toast", { hasText: "The tour is left" }).getByRole("button", { name: "Undo" }).click();
+    await page
+      .locator(".toast", { hasText: "The tour is left" })
+      .getByRole("button", { name: "Undo" })
+      .click();
     await page.locator(".tour-stop", { hasText: "B09" }).click();
     await page.getByLabel("Wait until the visitor is there").uncheck();
     estimate = Number(/About (\d+) min/.exec(await page.locator(".hall-details").innerText())?.[1]);
@@ -52,11 +59,18 @@ describe.skipIf(why !== "")("a tour", () => {
     await page.keyboard.press("Control+Enter");
     await page.locator("dialog").getByRole("button", { name: "Deploy" }).click();
     await page.locator(".toast.good", { hasText: "is deployed" }).waitFor();
-    const { run } = await stage.call<{ run: string }>("Workflows/Start", { workflow: "Tour", variables: [{ name: "user", value: { iri: `${expo}John` } }] });
+    const { run } = await stage.call<{ run: string }>("Workflows/Start", {
+      workflow: "Tour",
+      variables: [{ name: "user", value: { iri: `${expo}John` } }],
+    });
     page = await stage.page(`/runs/${run}`, { kept: true });
     await page.locator(".head .tag", { hasText: "done" }).waitFor();
-    const { startedUs, endedUs } = await stage.call<{ startedUs: string; endedUs: string }>("Workflows/Get", { run });
-    console.log(`estimated ${estimate} min; the simulated robot took ${(((Number(endedUs) - Number(startedUs)) / 1e6) * speed / 60).toFixed(1)} min`);
+    const { startedUs, endedUs } = await stage.call<{ startedUs: string; endedUs: string }>("Workflows/Get", {
+      run,
+    });
+    console.log(
+      `estimated ${estimate} min; the simulated robot took ${((((Number(endedUs) - Number(startedUs)) / 1e6) * speed) / 60).toFixed(1)} min`,
+    );
     await stage.picture(page, "tour-done");
   });
   it("no page has thrown", () => stage.noFaults());

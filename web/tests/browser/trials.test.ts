@@ -70,13 +70,26 @@ describe.skipIf(why !== "")("trials", () => {
     await page.locator('.react-flow__node[data-id="Move2Booth"]').click();
     await page.getByRole("button", { name: "Try without a robot" }).click();
     await page.locator(".try-step").first().waitFor();
-    await page.locator(".try-step", { hasText: /It would (open|wait)/ }).first().waitFor();
-    await page.getByRole("combobox", { name: "On which facts the step is tried" }).selectOption("BoothGuide-1");
+    await page
+      .locator(".try-step", { hasText: /It would (open|wait)/ })
+      .first()
+      .waitFor();
+    await page
+      .getByRole("combobox", { name: "On which facts the step is tried" })
+      .selectOption("BoothGuide-1");
     await page.getByRole("button", { name: "Try this step" }).click();
-    await page.locator(".try-step", { hasText: "R01 would get moveToBooth(booth = expo:B03)" }).first().waitFor();
-    await page.locator(".try-step", { hasText: "It opens on the facts of turn" }).first().scrollIntoViewIfNeeded();
+    await page
+      .locator(".try-step", { hasText: "R01 would get moveToBooth(booth = expo:B03)" })
+      .first()
+      .waitFor();
+    await page
+      .locator(".try-step", { hasText: "It opens on the facts of turn" })
+      .first()
+      .scrollIntoViewIfNeeded();
     await stage.picture(page, "trial-step");
-    expect((await stage.call<{ runs: unknown[] }>("Workflows/ListRuns")).runs.length).toBe(before.runs.length);
+    expect((await stage.call<{ runs: unknown[] }>("Workflows/ListRuns")).runs.length).toBe(
+      before.runs.length,
+    );
     const { robots } = await stage.call<{ robots: { state: string }[] }>("Fleet/List");
     expect(robots[0]?.state).toBe("standby");
   });

@@ -13,16 +13,33 @@ const phone = { width: 390, height: 780 };
 
 describe.skipIf(why !== "")("a visitor's phone", () => {
   let stage: RealStage;
-  beforeAll(async () => void (stage = await RealStage.open({ speed: 4 }, "languages.ttl", "booth_guide.rsel.xml", "booth_guide.cawl.xml")));
+  beforeAll(
+    async () =>
+      void (stage = await RealStage.open(
+        { speed: 4 },
+        "languages.ttl",
+        "booth_guide.rsel.xml",
+        "booth_guide.cawl.xml",
+      )),
+  );
   afterAll(() => stage?.close());
   const open = (path: string, options = {}) => stage.page(path, { ...phone, ...options });
   const rows = async (select: string) => {
-    const answer = await fetch(`${stage.processes.url}/sparql`, { method: "POST", headers: { Accept: "application/sparql-results+json" }, body: new URLSearchParams({ query: `PREFIX docent: <https://w3id.org/docent#> ${select}` }) });
-    return ((await answer.json()) as { results: { bindings: Record<string, { value: string }>[] } }).results.bindings;
+    const answer = await fetch(`${stage.processes.url}/sparql`, {
+      method: "POST",
+      headers: { Accept: "application/sparql-results+json" },
+      body: new URLSearchParams({ query: `PREFIX docent: <https://w3id.org/docent#> ${select}` }),
+    });
+    return ((await answer.json()) as { results: { bindings: Record<string, { value: string }>[] } }).results
+      .bindings;
   };
   // The robot works for the visitor. How far it has come when the page hears of it is the robot's own time.
-  const underWay = (page: Page) => page.locator(".visit-status:is(.coming, .here, .guiding, .ahead)").waitFor();
-  const visitorOf = (page: Page) => page.evaluate(() => (JSON.parse(localStorage.getItem("docent.visit") ?? "{}") as { id?: string }).id ?? "");
+  const underWay = (page: Page) =>
+    page.locator(".visit-status:is(.coming, .here, .guiding, .ahead)").waitFor();
+  const visitorOf = (page: Page) =>
+    page.evaluate(
+      () => (JSON.parse(localStorage.getItem("docent.visit") ?? "{}") as { id?: string }).id ?? "",
+    );
   const call = async (page: Page, booth: string) => {
     await page.getByRole("button", { name: /Booth guide/ }).click();
     await page.getByRole("searchbox").fill(booth);
@@ -37,17 +54,28 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
       const image = new Image();
       image.src = `data:image/svg+xml;base64,${btoa(text)}`;
       await image.decode();
-      const canvas = Object.assign(document.createElement("canvas"), { width: 160, height: Math.round((160 * image.height) / image.width) });
+      const canvas = Object.assign(document.createElement("canvas"), {
+        width: 160,
+        height: Math.round((160 * image.height) / image.width),
+      });
       const context = canvas.getContext("2d");
       context?.drawImage(image, 0, 0, canvas.width, canvas.height);
-      return { data: [...(context?.getImageData(0, 0, canvas.width, canvas.height).data ?? [])], width: canvas.width, height: canvas.height };
+      return {
+        data: [...(context?.getImageData(0, 0, canvas.width, canvas.height).data ?? [])],
+        width: canvas.width,
+        height: canvas.height,
+      };
     }, svg);
     await page.close();
     return jsQR(new Uint8ClampedArray(data), width, height)?.data ?? "";
   };
 
   it("the codes of the command line and of the server lead to the page", async () => {
-    expect(await scan(stage.processes.docentAlone("visit", "qr", "--booth", "expo:B07", "--url", stage.processes.url))).toBe(`${stage.processes.url}/visit?at=expo:B07`);
+    expect(
+      await scan(
+        stage.processes.docentAlone("visit", "qr", "--booth", "expo:B07", "--url", stage.processes.url),
+      ),
+    ).toBe(`${stage.processes.url}/visit?at=expo:B07`);
     const hall = await stage.page("/hall?at=expo:B05");
     const address = await hall.getByRole("link", { name: "Code for visitors" }).getAttribute("href");
     const code = await fetch(stage.processes.url + address);
@@ -56,7 +84,13 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
   });
 
   it("from the code at a booth to the robot's arrival, the tour and the feedback", async () => {
-    const page = await open(new URL(await scan(stage.processes.docentAlone("visit", "qr", "--booth", "B07", "--url", stage.processes.url))).pathname + "?at=B07");
+    const page = await open(
+      new URL(
+        await scan(
+          stage.processes.docentAlone("visit", "qr", "--booth", "B07", "--url", stage.processes.url),
+        ),
+      ).pathname + "?at=B07",
+    );
     await page.getByText("You are at B07").waitFor();
     await stage.picture(page, "visit-services");
     await page.getByRole("button", { name: /Booth guide/ }).click();
@@ -67,7 +101,9 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await page.getByRole("button", { name: "Call the robot" }).click();
     await page.locator(".visit-status.coming").waitFor();
     await page.locator(".visit-eta").waitFor();
-    expect(await page.locator(".visit-eta").innerText()).toMatch(/There in (about \d+ min|less than a minute) · \d+ m to go/);
+    expect(await page.locator(".visit-eta").innerText()).toMatch(
+      /There in (about \d+ min|less than a minute) · \d+ m to go/,
+    );
     await stage.picture(page, "visit-coming");
     await page.locator(".visit-status.guiding").waitFor();
     await stage.picture(page, "visit-guiding");
@@ -91,15 +127,29 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await stage.picture(page, "visit-presenting");
     await page.locator(".visit-status.done").waitFor();
     // It is over: the wish is no longer told, whatever the visitor does with the page.
-    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs }).toEqual([]);
+    await expect
+      .poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs })
+      .toEqual([]);
     await page.getByLabel("4 of 5").check({ force: true });
     await page.getByLabel("What should we know").fill('It spoke "clearly", <b>but fast</b>.');
     await stage.picture(page, "visit-feedback");
     await page.getByRole("button", { name: "Send" }).click();
     await page.locator(".visit-thanks").waitFor();
-    await expect.poll(() => rows(`SELECT ?stars ?text ?run { ?f a docent:Feedback ; docent:rating ?stars ; docent:comment ?text ; docent:feedbackOn ?run ; docent:givenBy <${id}> }`), { timeout: patienceMs }).toEqual([
-      { stars: expect.objectContaining({ value: "4" }), text: expect.objectContaining({ value: 'It spoke "clearly", <b>but fast</b>.' }), run: expect.objectContaining({ value: expect.stringMatching(/^urn:docent:run:BoothGuide-/) }) },
-    ]);
+    await expect
+      .poll(
+        () =>
+          rows(
+            `SELECT ?stars ?text ?run { ?f a docent:Feedback ; docent:rating ?stars ; docent:comment ?text ; docent:feedbackOn ?run ; docent:givenBy <${id}> }`,
+          ),
+        { timeout: patienceMs },
+      )
+      .toEqual([
+        {
+          stars: expect.objectContaining({ value: "4" }),
+          text: expect.objectContaining({ value: 'It spoke "clearly", <b>but fast</b>.' }),
+          run: expect.objectContaining({ value: expect.stringMatching(/^urn:docent:run:BoothGuide-/) }),
+        },
+      ]);
     await page.getByRole("button", { name: "Choose something else" }).click();
     await page.getByRole("button", { name: /Booth guide/ }).waitFor();
   });
@@ -107,17 +157,26 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
   it("a wish lasts as long as its page: a page that was left withdraws it when it is opened again and the run has ended; a second touch ends nothing", async () => {
     const page = await open("/visit?at=B07");
     const told: { lifetimeMs?: string; add?: { predicate: { iri: string } }[] }[] = [];
-    page.on("request", (request) => void (request.url().endsWith("Context/Assert") && told.push(request.postDataJSON())));
+    page.on(
+      "request",
+      (request) => void (request.url().endsWith("Context/Assert") && told.push(request.postDataJSON())),
+    );
     await page.getByRole("button", { name: /Booth guide/ }).click();
     await page.locator(".visit-card", { hasText: "B05" }).first().click();
     await page.getByRole("button", { name: "Call the robot" }).dblclick();
     await underWay(page);
     expect(await page.locator(".visit-ask").count()).toBe(0);
-    expect(told.filter((t) => t.add?.some((q) => q.predicate.iri.endsWith("#chose"))).map((t) => t.lifetimeMs)).toEqual(["1800000"]);
+    expect(
+      told.filter((t) => t.add?.some((q) => q.predicate.iri.endsWith("#chose"))).map((t) => t.lifetimeMs),
+    ).toEqual(["1800000"]);
     const id = await visitorOf(page);
     // A page that is loaded again without a network says what it knew.
     await page.evaluate(() => navigator.serviceWorker.ready);
-    await expect.poll(() => page.evaluate(() => localStorage.getItem("docent.visit.last") ?? ""), { timeout: patienceMs }).toContain("running");
+    await expect
+      .poll(() => page.evaluate(() => localStorage.getItem("docent.visit.last") ?? ""), {
+        timeout: patienceMs,
+      })
+      .toContain("running");
     await page.context().setOffline(true);
     await page.reload();
     await page.locator(".visit-away").waitFor();
@@ -130,7 +189,9 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     expect(await rows(`SELECT ?x { <${id}> docent:chose ?x }`)).toHaveLength(1); // until its time is over
     await page.goto(`${stage.processes.url}/visit`);
     await page.locator(".visit-status.cancelled").waitFor();
-    await expect.poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs }).toEqual([]);
+    await expect
+      .poll(() => rows(`SELECT ?x { <${id}> docent:chose|docent:selected ?x }`), { timeout: patienceMs })
+      .toEqual([]);
     await page.getByRole("button", { name: "Choose something else" }).click();
     await page.getByRole("button", { name: /Booth guide/ }).waitFor();
   });
@@ -158,7 +219,11 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await first.getByRole("button", { name: "End the service" }).click();
     await first.getByRole("button", { name: "End it" }).click();
     await first.getByRole("button", { name: /Booth guide/ }).waitFor();
-    await expect.poll(() => stage.call<{ runs?: object[] }>("Workflows/ListRuns", { liveOnly: true }), { timeout: patienceMs }).toEqual({});
+    await expect
+      .poll(() => stage.call<{ runs?: object[] }>("Workflows/ListRuns", { liveOnly: true }), {
+        timeout: patienceMs,
+      })
+      .toEqual({});
   });
 
   it("opens without a network from what is kept, says so, and sends the wish when it is back", async () => {
@@ -166,7 +231,12 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await page.getByText("현재 위치: B07").waitFor();
     await stage.picture(page, "visit-korean");
     await page.evaluate(() => navigator.serviceWorker.ready);
-    await expect.poll(() => page.evaluate(async () => (await caches.keys()).some((name) => name.startsWith("visit-"))), { timeout: patienceMs }).toBe(true);
+    await expect
+      .poll(
+        () => page.evaluate(async () => (await caches.keys()).some((name) => name.startsWith("visit-"))),
+        { timeout: patienceMs },
+      )
+      .toBe(true);
     await page.getByRole("button", { name: /부스 안내/ }).waitFor();
     await page.context().setOffline(true);
     await page.reload();
@@ -180,7 +250,9 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     await underWay(page);
     await page.locator(".visit-away").waitFor({ state: "detached" });
     const id = await visitorOf(page);
-    expect(await rows(`SELECT ?run { ?run docent:hasVariable/docent:variableValue <${id}> ; a docent:Run }`)).toHaveLength(1);
+    expect(
+      await rows(`SELECT ?run { ?run docent:hasVariable/docent:variableValue <${id}> ; a docent:Run }`),
+    ).toHaveLength(1);
     await page.getByRole("button", { name: "서비스 끝내기" }).click();
     await page.getByRole("button", { name: "끝내기", exact: true }).click();
     await page.getByRole("button", { name: /부스 안내/ }).waitFor();
@@ -211,15 +283,18 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     const page = await open("/visit?at=B07");
     const service = page.getByRole("button", { name: /Booth guide/ });
     await service.waitFor();
-    for (let i = 0; i < 12 && !(await service.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    for (let i = 0; i < 12 && !(await service.evaluate((e) => e === document.activeElement)); i++)
+      await page.keyboard.press("Tab");
     await page.keyboard.press("Enter");
     const map = page.getByRole("button", { name: "Map" });
     await map.waitFor();
-    for (let i = 0; i < 12 && !(await map.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    for (let i = 0; i < 12 && !(await map.evaluate((e) => e === document.activeElement)); i++)
+      await page.keyboard.press("Tab");
     await page.keyboard.press("Enter");
     const booth = page.locator('.visit-shape.booth[aria-label^="B02,"]');
     await booth.waitFor();
-    for (let i = 0; i < 40 && !(await booth.evaluate((e) => e === document.activeElement)); i++) await page.keyboard.press("Tab");
+    for (let i = 0; i < 40 && !(await booth.evaluate((e) => e === document.activeElement)); i++)
+      await page.keyboard.press("Tab");
     await page.keyboard.press("Enter");
     await page.getByRole("button", { name: "Call the robot" }).waitFor();
     await page.goBack();

@@ -8,7 +8,10 @@ it("the id of a run is encoded once in its address, and comes back whole", () =>
   expect(paths.run("John's%20Service-6", "Greet")).toBe("/runs/John's%20Service-6?node=Greet");
   for (const id of ["John's%20Service-6", "BoothGuide-1", "a%2Fb%23c-2", "Führung-3", "service%20say-4"]) {
     expect(parseRoute(new URL(paths.run(id), "http://x"))).toMatchObject({ view: "run", run: id });
-    expect(parseRoute(new URL(`/runs/${encodeURIComponent(id)}`, "http://x"))).toMatchObject({ view: "run", run: id }); // as older links have it
+    expect(parseRoute(new URL(`/runs/${encodeURIComponent(id)}`, "http://x"))).toMatchObject({
+      view: "run",
+      run: id,
+    }); // as older links have it
   }
 });
 it("a long id without a label is shortened", () => {
@@ -18,12 +21,19 @@ it("a long id without a label is shortened", () => {
   expect(shortName("B04")).toBe("B04");
 });
 it("a pattern is a sentence in the property's own words", () => {
-  const prefixes = new Map([["expo", "https://w3id.org/docent/expo#"], ["docent", "https://w3id.org/docent#"]]);
+  const prefixes = new Map([
+    ["expo", "https://w3id.org/docent/expo#"],
+    ["docent", "https://w3id.org/docent#"],
+  ]);
   expect(patternWords("expo:John docent:isAt expo:B10", prefixes)).toBe("John is at B10");
   expect(termName("$user", prefixes)).toBe("user");
 });
 it("a key that is a plus has one label", async () => {
   vi.stubGlobal("navigator", { platform: "Linux" });
   const { keyLabels } = await import("../../src/app/commands");
-  expect([keyLabels("+|="), keyLabels("Mod+K"), keyLabels("G R")]).toEqual([["+"], ["Ctrl", "K"], ["G", "R"]]);
+  expect([keyLabels("+|="), keyLabels("Mod+K"), keyLabels("G R")]).toEqual([
+    ["+"],
+    ["Ctrl", "K"],
+    ["G", "R"],
+  ]);
 });

@@ -6,7 +6,10 @@ import { type CawlDocument, type Flow, partAt, readCawl } from "../../src/cawl/d
 import { EditRefused, Edits } from "../../src/cawl/edits";
 import { applyChanges } from "../../src/cawl/layout_of_text";
 
-const guide = readFileSync(join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"), "utf8");
+const guide = readFileSync(
+  join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
+  "utf8",
+);
 
 function edited(text: string, make: (edits: Edits, flow: Flow, document: CawlDocument) => void): string {
   const document = readCawl(text);
@@ -23,49 +26,91 @@ function difference(before: string, after: string): string[] {
   while (head < Math.min(a.length, b.length) && a[head] === b[head]) head++;
   let tail = 0;
   while (tail < Math.min(a.length, b.length) - head && a.at(-1 - tail) === b.at(-1 - tail)) tail++;
-  return [...a.slice(head, a.length - tail).map((l) => `-${l}`), ...b.slice(head, b.length - tail).map((l) => `+${l}`)];
+  return [
+    ...a.slice(head, a.length - tail).map((l) => `-${l}`),
+    ...b.slice(head, b.length - tail).map((l) => `+${l}`),
+  ];
 }
 const step = (flow: Flow, name: string) => flow.steps.find((s) => s.name === name)!;
 
 describe("the booth guide", () => {
   const document = readCawl(guide);
   it("is read", () => {
-    expect(document).toMatchObject({ name: "BoothGuide", version: "1.0", problems: [], activator: { flow: "BoothGuide", name: "OnChoice" } });
-    expect(document.flows[0]?.steps.map((s) => s.name)).toEqual(["Arrived", "Move2User", "Move2Booth", "InfoBooth", "Presented"]);
+    expect(document).toMatchObject({
+      name: "BoothGuide",
+      version: "1.0",
+      problems: [],
+      activator: { flow: "BoothGuide", name: "OnChoice" },
+    });
+    expect(document.flows[0]?.steps.map((s) => s.name)).toEqual([
+      "Arrived",
+      "Move2User",
+      "Move2Booth",
+      "InfoBooth",
+      "Presented",
+    ]);
     expect(document.flows[0]?.links).toHaveLength(4);
-    expect(step(document.flows[0]!, "InfoBooth").invokes.map((i) => i.target)).toEqual(["displayInformation", "briefInformation"]);
-    expect(step(document.flows[0]!, "Move2Booth").condition?.contexts[0]?.rules[1]?.constraints[0]?.object).toMatchObject({ text: "?booth", type: "docent:Booth" });
+    expect(step(document.flows[0]!, "InfoBooth").invokes.map((i) => i.target)).toEqual([
+      "displayInformation",
+      "briefInformation",
+    ]);
+    expect(
+      step(document.flows[0]!, "Move2Booth").condition?.contexts[0]?.rules[1]?.constraints[0]?.object,
+    ).toMatchObject({ text: "?booth", type: "docent:Booth" });
     expect(partAt(document, guide.indexOf("knowsItsPlace"))?.step?.name).toBe("Move2User");
   });
   it("gets an attribute by one word", () => {
     const after = edited(guide, (e, flow) => e.setExt(step(flow, "Move2User").element, "timeout", "5min"));
-    expect(difference(guide, after)).toEqual(['-    <node name="Move2User" state="deActivate">', '+    <node name="Move2User" state="deActivate" ext:timeout="5min">']);
+    expect(difference(guide, after)).toEqual([
+      '-    <node name="Move2User" state="deActivate">',
+      '+    <node name="Move2User" state="deActivate" ext:timeout="5min">',
+    ]);
   });
   it("gets a step in the author's layout", () => {
-    const after = edited(guide, (e, flow) => e.addStep(flow, { name: "Goodbye", invoke: { kind: "operation", target: "say" } }));
-    expect(difference(guide, after)).toEqual(['+    <node name="Goodbye">', '+      <invoke operation="say"/>', "+    </node>", "+"]);
+    const after = edited(guide, (e, flow) =>
+      e.addStep(flow, { name: "Goodbye", invoke: { kind: "operation", target: "say" } }),
+    );
+    expect(difference(guide, after)).toEqual([
+      '+    <node name="Goodbye">',
+      '+      <invoke operation="say"/>',
+      "+    </node>",
+      "+",
+    ]);
   });
   it("loses a step and its links, and is joined up", () => {
     const after = edited(guide, (e, flow) => e.removeSteps(flow, [step(flow, "Move2Booth")], true));
     const flow = readCawl(after).flows[0]!;
-    expect(flow.links.map((l) => `${l.from}>${l.to}`)).toEqual(["Arrived>Move2User", "Move2User>InfoBooth", "InfoBooth>Presented"]);
+    expect(flow.links.map((l) => `${l.from}>${l.to}`)).toEqual([
+      "Arrived>Move2User",
+      "Move2User>InfoBooth",
+      "InfoBooth>Presented",
+    ]);
     expect(after).not.toMatch(/\n\s*\n\s*\n/);
   });
   it("is moved by attributes of the canvas alone", () => {
     const after = edited(guide, (e, flow) => e.moveSteps([{ step: step(flow, "Arrived"), x: 10.2, y: 20 }]));
     expect(after).toContain('<source name="Arrived" view:x="10" view:y="20"/>');
-    expect(after).toContain('      xmlns:ext="https://w3id.org/docent/cawl-ext#"\n      xmlns:view="urn:cawl-view">');
-    expect(edited(after, (e, flow) => e.moveSteps([{ step: step(flow, "Arrived"), x: 11, y: 20 }]))).toBe(after.replace('view:x="10"', 'view:x="11"'));
+    expect(after).toContain(
+      '      xmlns:ext="https://w3id.org/docent/cawl-ext#"\n      xmlns:view="urn:cawl-view">',
+    );
+    expect(edited(after, (e, flow) => e.moveSteps([{ step: step(flow, "Arrived"), x: 11, y: 20 }]))).toBe(
+      after.replace('view:x="10"', 'view:x="11"'),
+    );
   });
   it("renames in links and joins", () => {
-    const joined = guide.replace('<node name="InfoBooth" state="deActivate">', `<node name="InfoBooth"><wait joinCondition="Move2Booth and not 'Move2User'"/>`);
+    const joined = guide.replace(
+      '<node name="InfoBooth" state="deActivate">',
+      `<node name="InfoBooth"><wait joinCondition="Move2Booth and not 'Move2User'"/>`,
+    );
     const after = edited(joined, (e, flow) => e.renameStep(flow, step(flow, "Move2Booth"), "To booth"));
     expect(after).toContain(`joinCondition="'To booth' and not 'Move2User'"`);
     expect(after).toContain('<link from="To booth" to="InfoBooth"/>');
   });
   it("changes a term and keeps the comment beside it", () => {
     const commented = guide.replace("<object>true</object>", "<object> true <!-- sure --></object>");
-    const after = edited(commented, (e, flow) => e.setSlot(step(flow, "Move2User").condition!.contexts[0]!.rules[0]!.constraints[1]!, "object", "< 3"));
+    const after = edited(commented, (e, flow) =>
+      e.setSlot(step(flow, "Move2User").condition!.contexts[0]!.rules[0]!.constraints[1]!, "object", "< 3"),
+    );
     expect(after).toContain("<object> &lt; 3 <!-- sure --></object>");
   });
   it("refuses what can't be, with words", () => {
@@ -78,22 +123,29 @@ describe("the booth guide", () => {
 
 describe("other layouts", () => {
   it("one line, CRLF and prefixes are kept", () => {
-    const line = '<c:CAWL name="A" xmlns:c="urn:x"><c:flow name="F"><c:source name="s"/><c:sink name="t"/></c:flow></c:CAWL>';
-    expect(edited(line, (e, f) => e.addStep(f, { name: "N" }))).toBe(line.replace('<c:sink', '<c:node name="N"/><c:sink'));
+    const line =
+      '<c:CAWL name="A" xmlns:c="urn:x"><c:flow name="F"><c:source name="s"/><c:sink name="t"/></c:flow></c:CAWL>';
+    expect(edited(line, (e, f) => e.addStep(f, { name: "N" }))).toBe(
+      line.replace("<c:sink", '<c:node name="N"/><c:sink'),
+    );
     const crlf = guide.replace(/\n/g, "\r\n");
     const after = edited(crlf, (e, f) => e.addStep(f, { name: "N" }));
     expect(after.replace(/\r\n/g, "")).not.toContain("\n");
-    expect(edited(crlf, (e, f) => e.removeSteps(f, [step(f, "Move2Booth")])).replace(/\r\n/g, "")).not.toMatch(/[\r\n]/);
+    expect(
+      edited(crlf, (e, f) => e.removeSteps(f, [step(f, "Move2Booth")])).replace(/\r\n/g, ""),
+    ).not.toMatch(/[\r\n]/);
   });
   it("an empty flow is opened", () => {
-    const after = edited('<CAWL name="A">\n\t<flow name="F" />\n</CAWL>', (e, f) => e.addEnd(f, "source", "Begin"));
+    const after = edited('<CAWL name="A">\n\t<flow name="F" />\n</CAWL>', (e, f) =>
+      e.addEnd(f, "source", "Begin"),
+    );
     expect(after).toBe('<CAWL name="A">\n\t<flow name="F">\n\t\t<source name="Begin"/>\n\t</flow>\n</CAWL>');
   });
 });
 
 describe("broken text", () => {
   it("keeps the good steps and marks the place", () => {
-    const broken = guide.replace('<invoke operation="moveToBooth"/>', '<invoke operation=>');
+    const broken = guide.replace('<invoke operation="moveToBooth"/>', "<invoke operation=>");
     const document = readCawl(broken);
     expect(document.flows[0]?.steps.map((s) => s.name)).toContain("InfoBooth");
     expect(document.problems.length).toBeGreaterThan(0);
@@ -109,7 +161,10 @@ describe("broken text", () => {
     }
   });
   it("of 5,000 steps is read again in the time of a key press", () => {
-    const steps = Array.from({ length: 5000 }, (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`).join("\n");
+    const steps = Array.from(
+      { length: 5000 },
+      (_, i) => `    <node name="n${i}"><invoke operation="say"/></node>`,
+    ).join("\n");
     const text = `<CAWL name="A">\n  <flow name="F">\n${steps}\n  </flow>\n</CAWL>`;
     expect(readCawl(text).flows[0]?.steps).toHaveLength(5000);
   });

@@ -32,9 +32,19 @@ const terms = ["?x", "$user", "docent:isAt", '"a < b & c"', "< 0.2", "<https://e
 type Shape = { steps: string[]; links: string[]; rows: string[] };
 function shape(document: CawlDocument): Shape[] {
   return document.flows.map((flow) => ({
-    steps: flow.steps.map((s) => `${s.kind} ${s.name} ${s.invokes.map((i) => `${i.kind} ${i.target}`).join()} ${JSON.stringify(s.position)}`),
+    steps: flow.steps.map(
+      (s) =>
+        `${s.kind} ${s.name} ${s.invokes.map((i) => `${i.kind} ${i.target}`).join()} ${JSON.stringify(s.position)}`,
+    ),
     links: flow.links.map((l) => `${l.from} > ${l.to} ${l.kind} ${l.whileText}`),
-    rows: flow.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.map((k) => `${k.subject.text} ${k.verb.text} ${k.object.text} ${k.object.type}`))) ?? []),
+    rows: flow.steps.flatMap(
+      (s) =>
+        s.condition?.contexts.flatMap((c) =>
+          c.rules.flatMap((r) =>
+            r.constraints.map((k) => `${k.subject.text} ${k.verb.text} ${k.object.text} ${k.object.type}`),
+          ),
+        ) ?? [],
+    ),
   }));
 }
 
@@ -45,15 +55,36 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
   const node = random.pick(nodes);
   const link = random.pick(flow.links);
   const name = random.pick(names) ?? "N";
-  const rows = flow.steps.flatMap((s) => s.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.map((constraint) => ({ condition: s.condition, context: c, rule: r, constraint, step: s })))) ?? []);
+  const rows = flow.steps.flatMap(
+    (s) =>
+      s.condition?.contexts.flatMap((c) =>
+        c.rules.flatMap((r) =>
+          r.constraints.map((constraint) => ({
+            condition: s.condition,
+            context: c,
+            rule: r,
+            constraint,
+            step: s,
+          })),
+        ),
+      ) ?? [],
+  );
   const row = random.pick(rows);
   const before = flow.steps.length;
   switch (random.below(14)) {
     case 0: {
-      const added = edits.addStep(flow, { name, invoke: { kind: "operation", target: name }, position: { x: 12.4, y: -7 } });
+      const added = edits.addStep(flow, {
+        name,
+        invoke: { kind: "operation", target: name },
+        position: { x: 12.4, y: -7 },
+      });
       return (after) => {
         const found = after.steps.find((s) => s.name === added);
-        expect(found).toMatchObject({ kind: "node", position: { x: 12, y: -7 }, invokes: [{ kind: "operation", target: name }] });
+        expect(found).toMatchObject({
+          kind: "node",
+          position: { x: 12, y: -7 },
+          invokes: [{ kind: "operation", target: name }],
+        });
         expect(after.steps.length).toBe(before + 1);
       };
     }
@@ -62,7 +93,8 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
       edits.removeSteps(flow, [node], random.below(2) === 0);
       return (after) => {
         expect(after.steps.length).toBe(before - 1);
-        if (!flow.steps.some((s) => s !== node && s.name === node.name)) expect(after.links.some((l) => l.from === node.name || l.to === node.name)).toBe(false);
+        if (!flow.steps.some((s) => s !== node && s.name === node.name))
+          expect(after.links.some((l) => l.from === node.name || l.to === node.name)).toBe(false);
       };
     case 2:
       if (!step) break;
@@ -70,7 +102,9 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
       return (after) => {
         expect(after.steps.some((s) => s.name === name)).toBe(true);
         expect(after.links.length).toBe(flow.links.length);
-        expect(after.links.filter((l) => l.from === name).length).toBe(flow.links.filter((l) => l.from === step.name || l.from === name).length);
+        expect(after.links.filter((l) => l.from === name).length).toBe(
+          flow.links.filter((l) => l.from === step.name || l.from === name).length,
+        );
       };
     case 3: {
       const to = random.pick(flow.steps);
@@ -85,7 +119,11 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
       return (after) => expect(after.links.length).toBe(flow.links.length - 1);
     case 5:
       if (!link) break;
-      edits.setLinkKind(link, random.pick(["plain", "while", "failure", "interrupt"] as const) ?? "plain", "$a b c");
+      edits.setLinkKind(
+        link,
+        random.pick(["plain", "while", "failure", "interrupt"] as const) ?? "plain",
+        "$a b c",
+      );
       return () => undefined;
     case 6:
       if (!link || !node) break;
@@ -101,7 +139,11 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
       const which = random.pick(["subject", "verb", "object"] as const) ?? "object";
       edits.setSlot(row.constraint, which, term);
       return (after) => {
-        const found = after.steps.find((s) => s.key === row.step.key)?.condition?.contexts.flatMap((c) => c.rules.flatMap((r) => r.constraints.map((k) => k[which].text)));
+        const found = after.steps
+          .find((s) => s.key === row.step.key)
+          ?.condition?.contexts.flatMap((c) =>
+            c.rules.flatMap((r) => r.constraints.map((k) => k[which].text)),
+          );
         expect(found).toContain(term);
       };
     }
@@ -111,28 +153,46 @@ function edit(edits: Edits, flow: Flow, random: Random): (after: Flow) => void {
       return () => undefined;
     case 10:
       if (!row?.condition) break;
-      if (random.below(2)) edits.addConstraint(row.context, row.rule, { subject: "?a", verb: "docent:isNear", object: "?b", subjectType: "docent:Robot" });
+      if (random.below(2))
+        edits.addConstraint(row.context, row.rule, {
+          subject: "?a",
+          verb: "docent:isNear",
+          object: "?b",
+          subjectType: "docent:Robot",
+        });
       else edits.addContext(row.condition, { subject: "?a", verb: "a", object: "docent:Robot" });
       return (after) => expect(shapeRows(after)).toBe(rows.length + 1);
     case 11:
       if (!node) break;
       edits.addInvoke(node, random.below(2) ? "operation" : "subflow", name);
-      return (after) => expect(after.steps.find((s) => s.key === node.key)?.invokes.at(-1)?.target).toBe(name);
+      return (after) =>
+        expect(after.steps.find((s) => s.key === node.key)?.invokes.at(-1)?.target).toBe(name);
     case 12:
       if (!step) break;
-      edits.setExt(step.element, random.pick(["timeout", "retry", "forEach"]) ?? "retry", random.pick(["30s", "2", "", null]) ?? null);
+      edits.setExt(
+        step.element,
+        random.pick(["timeout", "retry", "forEach"]) ?? "retry",
+        random.pick(["30s", "2", "", null]) ?? null,
+      );
       return () => undefined;
     case 13:
       if (!node) break;
       edits.setDocumentation(node, random.pick(["Text with <b> & more", "", "Comes to you."]) ?? "");
-      if (!node.condition) edits.addCondition(node, { subject: "?r", verb: "docent:status", object: "docent:Standby" });
+      if (!node.condition)
+        edits.addCondition(node, { subject: "?r", verb: "docent:status", object: "docent:Standby" });
       return () => undefined;
   }
   return () => undefined;
 }
 
 function shapeRows(flow: Flow): number {
-  return flow.steps.reduce((n, s) => n + (s.condition?.contexts.reduce((m, c) => m + c.rules.reduce((k, r) => k + r.constraints.length, 0), 0) ?? 0), 0);
+  return flow.steps.reduce(
+    (n, s) =>
+      n +
+      (s.condition?.contexts.reduce((m, c) => m + c.rules.reduce((k, r) => k + r.constraints.length, 0), 0) ??
+        0),
+    0,
+  );
 }
 
 // Comments and processing instructions, which an edit never touches unless they lie in what it removes.
@@ -167,15 +227,20 @@ describe("random edits", () => {
           const transaction = state.update({ changes: edits.changes.slice(), userEvent: `edit.${turn}` });
           expect(transaction.newDoc.toString()).toBe(text);
           const ranges: { fromA: number; toA: number; fromB: number; toB: number }[] = [];
-          transaction.changes.iterChangedRanges((fromA, toA, fromB, toB) => ranges.push({ fromA, toA, fromB, toB }));
+          transaction.changes.iterChangedRanges((fromA, toA, fromB, toB) =>
+            ranges.push({ fromA, toA, fromB, toB }),
+          );
           const after = readCawl(text, document, ranges);
           expect(after.problems).toEqual([]);
           expect(shape(after)).toEqual(shape(readCawl(text)));
           const afterFlow = after.flows.find((f) => f.key === flow.key);
           if (afterFlow) check(afterFlow);
-          expect(shape(after).filter((_, i) => after.flows[i]?.key !== flow.key)).toEqual(shape(document).filter((_, i) => document.flows[i]?.key !== flow.key));
+          expect(shape(after).filter((_, i) => after.flows[i]?.key !== flow.key)).toEqual(
+            shape(document).filter((_, i) => document.flows[i]?.key !== flow.key),
+          );
           const removed = edits.changes.map((c) => document.text.slice(c.from, c.to)).join("");
-          for (const comment of comments(document.text)) if (!removed.includes(comment)) expect(text).toContain(comment);
+          for (const comment of comments(document.text))
+            if (!removed.includes(comment)) expect(text).toContain(comment);
           state = transaction.state;
           document = after;
           versions.push(text);

@@ -16,8 +16,19 @@ class Browser {
   readonly tabs: Tab[] = [];
   install() {
     const kept = this.kept;
-    const storage = { getItem: (k: string) => kept.get(k) ?? null, setItem: (k: string, v: string) => this.write(k, v), removeItem: (k: string) => this.write(k, null) };
-    vi.stubGlobal("localStorage", new Proxy(storage, { ownKeys: () => [...kept.keys()], getOwnPropertyDescriptor: (_, k) => (kept.has(String(k)) ? { enumerable: true, configurable: true, value: "" } : undefined) }));
+    const storage = {
+      getItem: (k: string) => kept.get(k) ?? null,
+      setItem: (k: string, v: string) => this.write(k, v),
+      removeItem: (k: string) => this.write(k, null),
+    };
+    vi.stubGlobal(
+      "localStorage",
+      new Proxy(storage, {
+        ownKeys: () => [...kept.keys()],
+        getOwnPropertyDescriptor: (_, k) =>
+          kept.has(String(k)) ? { enumerable: true, configurable: true, value: "" } : undefined,
+      }),
+    );
   }
   full = false;
   private write(k: string, v: string | null) {
@@ -39,8 +50,15 @@ class Tab {
   constructor(browser: Browser, text: string, live: LiveVersion | null = null, base?: string | null) {
     this.written = text;
     vi.stubGlobal("window", {
-      addEventListener: (what: string, listener: (event?: unknown) => void) => void (what === "storage" ? (this.hear = listener) : what === "pagehide" ? (this.leave = listener) : (this.ask = listener)), removeEventListener: () => undefined,
-      setTimeout, clearTimeout,
+      addEventListener: (what: string, listener: (event?: unknown) => void) =>
+        void (what === "storage"
+          ? (this.hear = listener)
+          : what === "pagehide"
+            ? (this.leave = listener)
+            : (this.ask = listener)),
+      removeEventListener: () => undefined,
+      setTimeout,
+      clearTimeout,
     });
     this.sync = new DraftSync(name, this as unknown as Session, live, base);
     browser.tabs.push(this);
@@ -130,7 +148,11 @@ describe("drafts in two tabs", () => {
     rest();
     two.edit("a\nb\nTWO\nd\ne");
     two.close();
-    expect(listDrafts().map((d) => d.draft.text).sort()).toEqual(["a\nb\nONE\nd\ne", "a\nb\nTWO\nd\ne"]);
+    expect(
+      listDrafts()
+        .map((d) => d.draft.text)
+        .sort(),
+    ).toEqual(["a\nb\nONE\nd\ne", "a\nb\nTWO\nd\ne"]);
   });
   it("200 random edits in two tabs: all are in both, or a conflict is shown", () => {
     const random = new Random(11);
@@ -179,7 +201,12 @@ describe("a version that somebody else deploys meanwhile", () => {
     vi.unstubAllGlobals();
   });
   const base = "a\nb\nc\nd\ne";
-  const live = (number: number, text: string): LiveVersion => ({ number, version: `1.${number}`, timeUs: BigInt(number), text });
+  const live = (number: number, text: string): LiveVersion => ({
+    number,
+    version: `1.${number}`,
+    timeUs: BigInt(number),
+    text,
+  });
 
   it("is followed where nothing was changed here, and nothing is kept as a draft", () => {
     const tab = new Tab(browser, base, live(1, base));
@@ -204,7 +231,11 @@ describe("a version that somebody else deploys meanwhile", () => {
     const again = new Tab(browser, kept.text, live(2, "THEIRS\nb\nc\nd\ne"), kept.base);
     expect(again.sync.behind).toBe(true);
     again.sync.putTogether();
-    expect([again.written, again.sync.behind, loadDraft(name)?.base]).toEqual(["THEIRS\nb\nc\nd\nMINE\nmore", false, "THEIRS\nb\nc\nd\ne"]);
+    expect([again.written, again.sync.behind, loadDraft(name)?.base]).toEqual([
+      "THEIRS\nb\nc\nd\nMINE\nmore",
+      false,
+      "THEIRS\nb\nc\nd\ne",
+    ]);
   });
   it("at the same place is taken, or written over on purpose", () => {
     const tab = new Tab(browser, base, live(1, base));
@@ -259,7 +290,11 @@ describe("a browser whose storage is full or closed", () => {
     browser.full = true;
     tab.edit("b"); // just now: it was not tried yet
     expect(tab.asks()).toBe(true);
-    expect([tab.sync.isKept, loadDraft(name)?.text, listDrafts().map((d) => d.name)]).toEqual([false, "b", [name]]);
+    expect([tab.sync.isKept, loadDraft(name)?.text, listDrafts().map((d) => d.name)]).toEqual([
+      false,
+      "b",
+      [name],
+    ]);
     browser.full = false;
     tab.edit("c");
     rest();
@@ -269,7 +304,13 @@ describe("a browser whose storage is full or closed", () => {
     const closed = keptIn(() => {
       throw new DOMException("Access is denied for this document.", "SecurityError");
     });
-    expect([closed.open(), closed.getItem("a"), closed.setItem("a", "1"), closed.getItem("a"), closed.keys()]).toEqual([false, null, false, "1", ["a"]]);
+    expect([
+      closed.open(),
+      closed.getItem("a"),
+      closed.setItem("a", "1"),
+      closed.getItem("a"),
+      closed.keys(),
+    ]).toEqual([false, null, false, "1", ["a"]]);
     closed.removeItem("a");
     expect(closed.getItem("a")).toBe(null);
   });

@@ -28,7 +28,14 @@ let live: LiveConnection;
 let told: unknown[];
 let ends: (Failure | undefined)[];
 const socket = () => sockets.at(-1) as ScriptedSocket;
-const follow = () => live.follow({ call: "docent.v1.Context/Subscribe", request: { query: "ASK {}" }, everyMs: undefined, onMessage: (m) => told.push(m), onEnd: (e) => ends.push(e) });
+const follow = () =>
+  live.follow({
+    call: "docent.v1.Context/Subscribe",
+    request: { query: "ASK {}" },
+    everyMs: undefined,
+    onMessage: (m) => told.push(m),
+    onEnd: (e) => ends.push(e),
+  });
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -61,7 +68,9 @@ describe("parts of a change", () => {
     socket().lose();
     vi.advanceTimersByTime(liveTimes.longestMs);
     socket().say({ hello: {} });
-    expect(socket().sent).toEqual([{ id: 1, call: "docent.v1.Context/Subscribe", request: { query: "ASK {}" }, resume: "a" }]);
+    expect(socket().sent).toEqual([
+      { id: 1, call: "docent.v1.Context/Subscribe", request: { query: "ASK {}" }, resume: "a" },
+    ]);
     socket().say({ id: 1, message: { part: 1 } });
     socket().say({ id: 1, message: { part: 2 }, resume: "b" });
     expect(told).toEqual([{ whole: 1 }, { part: 1 }, { part: 2 }]);
@@ -85,7 +94,13 @@ describe("parts of a change", () => {
     expect(ends).toEqual([undefined]);
   });
   it("nothing comes after the tab has ended it, not even the rest of a change", () => {
-    const stop = live.follow({ call: "x/y", request: {}, everyMs: undefined, onMessage: (m) => (told.push(m), stop()), onEnd: () => undefined });
+    const stop = live.follow({
+      call: "x/y",
+      request: {},
+      everyMs: undefined,
+      onMessage: (m) => (told.push(m), stop()),
+      onEnd: () => undefined,
+    });
     socket().say({ hello: {} });
     socket().say({ id: 1, message: { part: 1 } });
     socket().say({ id: 1, message: { part: 2 }, resume: "a" });

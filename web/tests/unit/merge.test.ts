@@ -20,7 +20,8 @@ describe("merging", () => {
     expect(mergeLines("a\nc", "a\nx\nc", "a\ny\nc")).toBe(null);
   });
   it("leaves it to somebody where what comes out is no XML", () => {
-    const flow = (...lines: string[]) => ['<CAWL name="x">', '<flow name="f">', ...lines, "</flow>", "</CAWL>"].join("\n");
+    const flow = (...lines: string[]) =>
+      ['<CAWL name="x">', '<flow name="f">', ...lines, "</flow>", "</CAWL>"].join("\n");
     const base = flow('<node name="A">', "<x/>", "<y/>", "</node>");
     const renamed = flow('<step name="A">', "<x/>", "<y/>", "</step>");
     const split = flow('<node name="A">', "<x/>", "</node>", '<node name="B">', "<y/>", "</node>");

@@ -8,7 +8,8 @@ const begin = { afterS: 0, done: 0 };
 
 describe("playing", () => {
   let shown: Shown[];
-  const play = (stops: number[], from = begin, speed = 60) => playOn(from, { events, endS: 23, stops }, speed, (s) => shown.push(s));
+  const play = (stops: number[], from = begin, speed = 60) =>
+    playOn(from, { events, endS: 23, stops }, speed, (s) => shown.push(s));
   beforeEach(() => {
     shown = [];
     vi.useFakeTimers();

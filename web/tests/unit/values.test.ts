@@ -27,23 +27,39 @@ function edited(text: string, make: (edits: Edits, flow: Flow) => void): string 
   make(edits, document.flows[0]!);
   return applyChanges(text, edits.changes);
 }
-const say = (words: string, step: string) => (edits: Edits, flow: Flow) => edits.setInput(flow.steps.find((s) => s.name === step)!.invokes[0]!, "text", writtenValue(words, string));
+const say = (words: string, step: string) => (edits: Edits, flow: Flow) =>
+  edits.setInput(flow.steps.find((s) => s.name === step)!.invokes[0]!, "text", writtenValue(words, string));
 
 describe("a value of a step's own", () => {
   it("is written into what the step does, and all else keeps its bytes", () => {
     const after = edited(text, say('Say "hi" to John', "Bye"));
-    expect(after).toBe(text.replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">').replace('      <invoke operation="say"/>', `      <invoke operation="say">\n        <ext:input part="text" expression='"Say \\"hi\\" to John"'/>\n      </invoke>`));
-    expect(readCawl(after).flows[0]?.steps[2]?.invokes[0]!.inputs.map((i) => shownValue(i.expression))).toEqual(['Say "hi" to John']);
+    expect(after).toBe(
+      text
+        .replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">')
+        .replace(
+          '      <invoke operation="say"/>',
+          `      <invoke operation="say">\n        <ext:input part="text" expression='"Say \\"hi\\" to John"'/>\n      </invoke>`,
+        ),
+    );
+    expect(
+      readCawl(after).flows[0]?.steps[2]?.invokes[0]!.inputs.map((i) => shownValue(i.expression)),
+    ).toEqual(['Say "hi" to John']);
   });
   it("is changed and taken away again", () => {
     const hello = edited(text, say("Hello", "Hello"));
     const changed = edited(hello, say("Good morning", "Hello"));
     expect(changed).toBe(hello.replace("Hello\"'", "Good morning\"'"));
-    expect(edited(changed, say("", "Hello"))).toBe(text.replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">'));
+    expect(edited(changed, say("", "Hello"))).toBe(
+      text.replace('docent#">', 'docent#" xmlns:ext="https://w3id.org/docent/cawl-ext#">'),
+    );
   });
   it("keeps each step its own sentence", () => {
     const both = edited(edited(text, say("Hello", "Hello")), say("Goodbye", "Bye"));
-    expect(readCawl(both).flows[0]?.steps.map((s) => s.invokes.flatMap((i) => i.inputs.map((given) => shownValue(given.expression))).join())).toEqual(["", "Hello", "Goodbye", ""]);
+    expect(
+      readCawl(both).flows[0]?.steps.map((s) =>
+        s.invokes.flatMap((i) => i.inputs.map((given) => shownValue(given.expression))).join(),
+      ),
+    ).toEqual(["", "Hello", "Goodbye", ""]);
   });
 });
 
