@@ -43,7 +43,9 @@ export async function guide(address: string, booth: string, say: (line: string) 
       },
       onMessage: (event) => {
         say(`${event.run} ${event.node}: ${event.to}`);
-        if (event.kind === "run" && ["done", "failed", "cancelled"].includes(event.to)) (stop(), done());
+        if (event.kind !== "run" || !["done", "failed", "cancelled"].includes(event.to)) return;
+        stop();
+        done();
       },
     });
   });

@@ -20,7 +20,7 @@ export function useAsOf<T>(
   const latest = useRef({ key, atMs, ask });
   latest.current = { key, atMs, ask };
   const running = useRef<AbortController | null>(null);
-  const turn = useRef<() => Promise<void>>(async () => undefined);
+  const turn = useRef<() => Promise<void>>(() => Promise.resolve());
   turn.current = async () => {
     const wanted = latest.current;
     if (running.current || wanted.key === "" || wanted.atMs === null) return;

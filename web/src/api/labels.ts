@@ -56,8 +56,11 @@ export function shortName(name: string): string {
     ? `${/[0-9a-f]{8}(?=-[0-9a-f]{4}-)/.exec(name)?.[0] ?? name.slice(0, longest - 1)}…`
     : name;
 }
-export function nameOf(iri: string): string {
+export function nameIn(labels: ReadonlyMap<string, string>, iri: string): string {
   return labels.get(iri) || shortName(localName(iri));
+}
+export function nameOf(iri: string): string {
+  return nameIn(labels, iri);
 }
 export function valueWords(value: Value | undefined): string {
   if (!value) return "";

@@ -47,6 +47,7 @@ export function useFollow<D extends DescMessage>(
   },
 ): Polled<MessageShape<D>> {
   const state = useLiveState();
+  const none = state === "none";
   const latest = useRef(what);
   latest.current = what;
   const seen = useSeen();
@@ -54,7 +55,7 @@ export function useFollow<D extends DescMessage>(
     key,
   });
   useEffect(() => {
-    if (key === "" || state === "none") return;
+    if (key === "" || none) return;
     const { call, request, reply, everyMs } = latest.current;
     return live.follow({
       call,
@@ -66,10 +67,10 @@ export function useFollow<D extends DescMessage>(
         error &&
         setFollowed((before) => ({ ...(before.key === key ? before : { key }), error: plainOf(error) })),
     });
-  }, [key, state === "none", seen]);
+  }, [key, none, seen]);
   const mine = followed.key === key ? followed : undefined;
-  const polled = usePoll(state === "none" || mine?.error ? key : "", what.poll, Math.max(500, what.everyMs));
-  const data = state === "none" ? (polled.data ?? mine?.data) : (mine?.data ?? polled.data);
+  const polled = usePoll(none || mine?.error ? key : "", what.poll, Math.max(500, what.everyMs));
+  const data = none ? (polled.data ?? mine?.data) : (mine?.data ?? polled.data);
   return { data, error: polled.error ?? (polled.data ? undefined : mine?.error), again: polled.again };
 }
 

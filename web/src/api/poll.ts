@@ -42,7 +42,10 @@ export function usePoll<T>(
       }
       running = false;
       if (!abort.signal.aborted)
-        timer = window.setTimeout(turn, wanted ? 0 : document.hidden ? Math.max(everyMs, 5000) : everyMs);
+        timer = window.setTimeout(
+          () => void turn(),
+          wanted ? 0 : document.hidden ? Math.max(everyMs, 5000) : everyMs,
+        );
     };
     kick.current = () => void turn();
     const seen = () => !document.hidden && void turn();

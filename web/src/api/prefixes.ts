@@ -3,7 +3,7 @@ import { useMemo } from "react";
 import { ontologies } from "./client";
 import { replaceIris } from "./iris";
 import { usePoll } from "./poll";
-import { nameOf, useLabels } from "./labels";
+import { nameIn, useLabels } from "./labels";
 import { shorten } from "./sparql";
 import { wellKnownPrefixes } from "../cawl/document";
 
@@ -25,7 +25,7 @@ export function useNames(): Names {
     return {
       prefixes,
       short,
-      name: nameOf,
+      name: (iri: string) => nameIn(labels, iri),
       long: (text: string) => {
         const at = text.indexOf(":");
         const namespace = prefixes.get(text.slice(0, at));

@@ -87,7 +87,7 @@ function tidyPlaces(steps: readonly Step[], links: readonly Link[]): Map<string,
   dagre.layout(graph);
   return new Map(
     steps.map((step) => {
-      const node = graph.node(step.key);
+      const node = graph.node(step.key) as Place; // its middle
       return [
         step.key,
         { x: Math.round(node.x - stepWidth / 2), y: Math.round(node.y - stepHeight(step) / 2) },

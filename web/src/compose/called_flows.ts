@@ -3,6 +3,7 @@
 import { useMemo } from "react";
 import { usePoll } from "../api/poll";
 import { shorten } from "../api/sparql";
+import { useStable } from "../api/stable";
 import { type Called, calledFlow, type Gives, unsetInputs, type Unset } from "../cawl/called";
 import { type CawlDocument, prefixesOf, readCawl } from "../cawl/document";
 import { Edits } from "../cawl/edits";
@@ -19,38 +20,46 @@ const againMs = 60_000;
 export type CalledFlows = ReadonlyMap<string, Called>;
 
 export function useCalledFlows(document: CawlDocument, palette: readonly PaletteEntry[]): CalledFlows {
-  const own = new Set(document.flows.map((f) => f.name));
-  const targets = [
-    ...new Set(
-      document.flows.flatMap((f) =>
-        f.steps.flatMap((s) => s.invokes.filter((i) => i.kind === "subflow").map((i) => i.target)),
+  const own = useStable(new Set(document.flows.map((f) => f.name)));
+  const targets = useStable(
+    [
+      ...new Set(
+        document.flows.flatMap((f) =>
+          f.steps.flatMap((s) => s.invokes.filter((i) => i.kind === "subflow").map((i) => i.target)),
+        ),
       ),
-    ),
-  ].sort();
-  const deployed = new Map(palette.filter((e) => e.kind === "workflow").map((e) => [e.id, e.deployed ?? 0]));
-  const wanted = [...new Set(targets.filter((t) => !own.has(t)).map(workflowOf))].filter((name) =>
-    deployed.has(name),
+    ].sort(),
   );
-  const key = wanted.map((name) => `${name} ${deployed.get(name)}`).join("\n");
+  const deployed = new Map(palette.filter((e) => e.kind === "workflow").map((e) => [e.id, e.deployed ?? 0]));
+  const versions = targets
+    .filter((target) => !own.has(target) && deployed.has(workflowOf(target)))
+    .map((target): [string, string] => [
+      workflowOf(target),
+      `${workflowOf(target)} ${deployed.get(workflowOf(target))}`,
+    ]);
+  const wanted = new Map(versions);
+  const key = [...wanted.values()].join("\n");
   const polled = usePoll(
     key && `called flows\n${key}`,
     async (signal) => {
-      for (const name of wanted) {
-        const version = `${name} ${deployed.get(name)}`;
+      const found = new Map<string, string>();
+      for (const [name, version] of wanted) {
         const text = texts.get(version) ?? (await liveText(name, signal).catch(() => undefined));
-        if (text) texts.set(version, text);
+        if (!text) continue;
+        texts.set(version, text);
+        found.set(name, text);
       }
-      return true;
+      return found;
     },
     againMs,
   );
-  const names = targets.join("\n");
+  const textOf = polled.data;
   return useMemo(() => {
     const gives = givesOf(palette);
     const called = new Map<string, Called>();
     for (const target of targets) {
       const local = own.has(target);
-      const text = local ? "" : texts.get(`${workflowOf(target)} ${deployed.get(workflowOf(target))}`);
+      const text = local ? "" : textOf?.get(workflowOf(target));
       const found = local
         ? calledFlow(document, target, gives)
         : text
@@ -59,7 +68,7 @@ export function useCalledFlows(document: CawlDocument, palette: readonly Palette
       if (found) called.set(target, found);
     }
     return called;
-  }, [document, palette, names, key, polled.data]);
+  }, [document, palette, own, targets, textOf]);
 }
 
 function workflowOf(target: string): string {

@@ -108,7 +108,7 @@ function useNodes(props: CanvasProps): StepNode[] {
 }
 
 function Flow(props: CanvasProps) {
-  const { shown, actions } = props;
+  const { shown, actions, selectedLinks, onQuickAdd } = props;
   const flow = useReactFlow<StepNode, LinkEdgeType>();
   const fromModel = useNodes(props);
   const [nodes, setNodes] = useState(fromModel);
@@ -224,14 +224,14 @@ function Flow(props: CanvasProps) {
         else selection.delete(change.id);
       }
     }
-    if (selection) props.onSelect([...selection], [...props.selectedLinks]);
+    if (selection) props.onSelect([...selection], [...selectedLinks]);
     if (byKeys) {
       window.clearTimeout(timer.current);
       timer.current = window.setTimeout(commit, 350); // arrows that follow each other are one move
     }
   };
   const onEdgesChange = (changes: EdgeChange<LinkEdgeType>[]) => {
-    const links = new Set(props.selectedLinks);
+    const links = new Set(selectedLinks);
     let any = false;
     for (const change of changes)
       if (change.type === "select") {
@@ -260,15 +260,15 @@ function Flow(props: CanvasProps) {
             source,
             target,
             type: "link",
-            selected: props.selectedLinks.has(link.key),
+            selected: selectedLinks.has(link.key),
             ariaLabel: `Link from ${link.from} to ${link.to}`,
             className: `${link.kind}${link.stale ? " unmended" : ""}${bad ? " bad" : ""}${hovered === link.key ? " target" : ""}`,
-            data: { link, onInsert: (key: string) => props.onQuickAdd({ link: key }) },
+            data: { link, onInsert: (key: string) => onQuickAdd({ link: key }) },
             markerEnd: { type: MarkerType.ArrowClosed, width: 15, height: 15, color: "context-stroke" },
           },
         ];
       }),
-    [shown, byName, badLinks, props.selectedLinks, props.onQuickAdd, hovered],
+    [shown, byName, badLinks, selectedLinks, onQuickAdd, hovered],
   );
 
   const linkAt = (x: number, y: number): string | null => {
@@ -296,7 +296,7 @@ function Flow(props: CanvasProps) {
     const point = "changedTouches" in event ? event.changedTouches[0] : event;
     if (!point) return;
     const at = flow.screenToFlowPosition({ x: point.clientX, y: point.clientY });
-    props.onQuickAdd({ after: state.fromNode.id, position: { x: at.x - stepWidth / 2, y: at.y } });
+    onQuickAdd({ after: state.fromNode.id, position: { x: at.x - stepWidth / 2, y: at.y } });
   };
   const dragStop = (event: MouseEvent | TouchEvent | React.MouseEvent, node: StepNode, all: StepNode[]) => {
     const point = "changedTouches" in event ? event.changedTouches[0] : event;

@@ -1,6 +1,6 @@
 // Before a workflow is deployed: what changes against the one that runs, and what the check says.
 import { CircleAlert, Copy, Rocket, X } from "lucide-react";
-import { useMemo, useState, useSyncExternalStore } from "react";
+import { useCallback, useMemo, useState, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { navigate, paths } from "../app/router";
@@ -58,8 +58,10 @@ export function DeployDialog(props: {
         )
         .slice(0, 3)
     : [];
-  const textOf = (side: "before" | "after", step: Step) =>
-    stepText(side === "before" && old ? old : document, step);
+  const textOf = useCallback(
+    (side: "before" | "after", step: Step) => stepText(side === "before" && old ? old : document, step),
+    [old, document],
+  );
   const steps = useMemo(() => (old === null ? null : stepDiff(old, document)), [old, document]);
   const deploy = async () => {
     setBusy(true);

@@ -9,7 +9,7 @@ import {
   useReactFlow,
 } from "@xyflow/react";
 import "@xyflow/react/dist/style.css";
-import { useEffect, useMemo, useRef } from "react";
+import { useEffect, useEffectEvent, useMemo, useRef } from "react";
 import type { Flow, Step } from "../cawl/document";
 import { bothFlows, type Change } from "../cawl/flow_diff";
 import { placeSteps, stepHeight, stepWidth } from "../cawl/placing";
@@ -41,10 +41,8 @@ interface DeployFlowProps {
 }
 
 function Drawing(props: DeployFlowProps) {
-  const { steps, changes, links } = useMemo(
-    () => bothFlows(props.before, props.after, props.textOf),
-    [props.before, props.after],
-  );
+  const { before, after, textOf } = props;
+  const { steps, changes, links } = useMemo(() => bothFlows(before, after, textOf), [before, after, textOf]);
   const places = useMemo(
     () =>
       placeSteps(
@@ -95,26 +93,27 @@ function Drawing(props: DeployFlowProps) {
         ];
   });
   // What changes in view, in a size that can be read, as soon as the dialog has its size.
+  const fit = useEffectEvent((box: HTMLElement) => {
+    const marked = nodes.filter((n) => n.data.state);
+    const shown = marked.length > 0 ? marked : nodes;
+    const left = Math.min(...shown.map((n) => n.position.x));
+    const top = Math.min(...shown.map((n) => n.position.y));
+    const bounds = {
+      x: left,
+      y: top,
+      width: Math.max(...shown.map((n) => n.position.x + stepWidth)) - left,
+      height: Math.max(...shown.map((n) => n.position.y + (n.height ?? 0))) - top,
+    };
+    const fitting = getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.12);
+    if (box.clientWidth > 0)
+      void view.setViewport(
+        fitting.zoom >= readable ? fitting : beginning(bounds, box.clientWidth, readable, smallest),
+      );
+  });
   useEffect(() => {
     const box = pane.current;
     if (!box) return;
-    const observer = new ResizeObserver(() => {
-      const marked = nodes.filter((n) => n.data.state);
-      const shown = marked.length > 0 ? marked : nodes;
-      const left = Math.min(...shown.map((n) => n.position.x));
-      const top = Math.min(...shown.map((n) => n.position.y));
-      const bounds = {
-        x: left,
-        y: top,
-        width: Math.max(...shown.map((n) => n.position.x + stepWidth)) - left,
-        height: Math.max(...shown.map((n) => n.position.y + (n.height ?? 0))) - top,
-      };
-      const fitting = getViewportForBounds(bounds, box.clientWidth, box.clientHeight, 0.1, 0.9, 0.12);
-      if (box.clientWidth > 0)
-        void view.setViewport(
-          fitting.zoom >= readable ? fitting : beginning(bounds, box.clientWidth, readable, smallest),
-        );
-    });
+    const observer = new ResizeObserver(() => fit(box));
     observer.observe(box);
     return () => observer.disconnect();
   }, [view, places]);

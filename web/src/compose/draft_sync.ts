@@ -186,8 +186,10 @@ export class DraftSync {
   private write() {
     const text = this.session.written;
     const before = this.isKept;
-    if (text === this.shownLive?.text) (dropDraft(this.name), (this.base = text));
-    else saveDraft(this.name, text, this.base ?? "");
+    if (text === this.shownLive?.text) {
+      dropDraft(this.name);
+      this.base = text;
+    } else saveDraft(this.name, text, this.base ?? "");
     this.shared = text;
     if (this.isKept !== before) this.told();
   }

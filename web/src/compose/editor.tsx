@@ -23,8 +23,17 @@ import {
   WandSparkles,
   Workflow,
 } from "lucide-react";
-import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
+import {
+  useCallback,
+  useEffect,
+  useEffectEvent,
+  useMemo,
+  useRef,
+  useState,
+  useSyncExternalStore,
+} from "react";
 import { useNames } from "../api/prefixes";
+import { useStable } from "../api/stable";
 import { kept } from "../api/storage";
 import { useCommands, type Command } from "../app/commands";
 import { Guard } from "../app/guard";
@@ -119,13 +128,11 @@ function useSession(
 
 function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const { session, sync, name } = props;
-  const version = useSyncExternalStore(session.subscribe, session.getVersion);
+  useSyncExternalStore(session.subscribe, session.getVersion);
   const document = session.shown;
   const { live, deployed } = useLiveVersion(document.name || name, sync); // a text that was renamed takes the place of what has its new name
-  const shown = useMemo(
-    () => shownFlow(session.shown, session.good, props.flow),
-    [session, version, props.flow],
-  );
+  const { good } = session;
+  const shown = useMemo(() => shownFlow(document, good, props.flow), [document, good, props.flow]);
   const flowKey = shown?.flow.key ?? "";
   const [steps, setSteps] = useState<ReadonlySet<string>>(() => new Set(props.step ? [props.step] : []));
   const [links, setLinks] = useState<ReadonlySet<string>>(() => new Set());
@@ -143,20 +150,19 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const [tried, setTried] = useState(props.trial); // the run whose trial the canvas shows
   const wanted = useRef(props.trial); // of the address: tried once, when it is in the list
   const ready = wanted.current !== "" && trials.list.some((t) => t.run === wanted.current);
-  useEffect(() => {
-    if (!ready) return;
+  const attemptWanted = useEffectEvent(() => {
     void trials.attempt(wanted.current);
     wanted.current = "";
+  });
+  useEffect(() => {
+    if (ready) attemptWanted();
   }, [ready]);
   const reply = trials.list.find((t) => t.run === tried)?.reply ?? null;
   const trial = useMemo(() => (reply && panel === "trials" ? stepTrials(reply) : null), [reply, panel]);
   const [simulated, setSimulated] = useState<ReadonlyMap<string, StepTrial> | null>(null); // steps at the moment of the simulation that is shown
   const breakpoints = useBreakpoints(name, shown?.flow.name ?? "");
-  const prefixes = useMemo(() => prefixesOf(document), [document]);
-  const prefixKey = JSON.stringify([...prefixes]);
-  const vocabulary = useVocabulary(
-    useMemo(() => new Map(JSON.parse(prefixKey) as [string, string][]), [prefixKey]),
-  );
+  const prefixes = useStable(prefixesOf(document));
+  const vocabulary = useVocabulary(prefixes);
   const called = useCalledFlows(document, palette.entries);
   const unset = useMemo(
     () => unsetFindings(document, called, palette.entries, vocabulary),
@@ -166,24 +172,24 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
     () => (unset.length > 0 ? { ...checked, list: [...checked.list, ...unset] } : checked),
     [checked, unset],
   );
-  const serviceKey = palette.entries
-    .filter((e) => e.kind === "service")
-    .map((e) => e.id)
-    .join("\n");
-  const serviceNames = useMemo(() => new Set(serviceKey.split("\n")), [serviceKey]);
+  const serviceNames = useStable(
+    new Set(palette.entries.filter((e) => e.kind === "service").map((e) => e.id)),
+  );
 
-  useEffect(() => {
+  const revealStep = useEffectEvent(() => {
     const step = session.document.flows.flatMap((f) => f.steps).find((s) => s.key === props.step);
     if (step) session.reveal(step.element.from, step.element.openTo);
-  }, [session]); // the step of the address, once
+  });
+  useEffect(() => revealStep(), [session]); // the step of the address, once
   useEffect(() => {
     const { from, to } = session.view.state.selection.main;
     if (panels.text) session.reveal(from, to);
   }, [session, panels.text]); // a text that was hidden has no place yet
-  useEffect(() => {
+  const selectStep = useEffectEvent(() => {
     setSteps(new Set(props.step ? [props.step] : []));
     setLinks(new Set());
-  }, [props.flow]); // another flow of the document
+  });
+  useEffect(() => selectStep(), [props.flow]); // another flow of the document
   useEffect(() => {
     window.document.title = `${document.name || name} – Docent`;
   }, [document.name, name]);

@@ -152,8 +152,8 @@ export function useFindings(session: Session): Findings {
           }));
       }
     };
-    const timer = window.setTimeout(ask, 200);
-    const again = window.setInterval(ask, 15_000); // what a document may name changes with robots and ontologies
+    const timer = window.setTimeout(() => void ask(), 200);
+    const again = window.setInterval(() => void ask(), 15_000); // what a document may name changes with robots and ontologies
     return () => {
       window.clearTimeout(timer);
       window.clearInterval(again);

@@ -3,7 +3,8 @@ import { live } from "../api/live";
 import { usePoll } from "../api/poll";
 import { valueWords } from "../api/labels";
 import { query } from "../api/sparql";
-import { useEffect, useRef } from "react";
+import { useStable } from "../api/stable";
+import { useEffect, useEffectEvent } from "react";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
 import { type NearestMiss, nearestMiss } from "./nearest_miss";
 
@@ -97,22 +98,21 @@ export function useLive(
 
 // Tells at once when one of the conditions begins or ceases to hold, where the server has /live.
 function useTurns(asks: readonly string[], turned: () => void) {
-  const latest = useRef(turned);
-  latest.current = turned;
-  const key = JSON.stringify([...new Set(asks)]);
+  const onTurn = useEffectEvent(turned);
+  const followed = useStable([...new Set(asks)]);
   useEffect(() => {
     if (live.state === "none") return;
-    const stops = (JSON.parse(key) as string[]).map((ask) =>
+    const stops = followed.map((ask) =>
       live.follow({
         call: "docent.v1.Context/Subscribe",
         request: { query: ask },
         everyMs: undefined,
-        onMessage: () => latest.current(),
+        onMessage: () => onTurn(),
         onEnd: () => undefined,
       }),
     );
     return () => stops.forEach((stop) => stop());
-  }, [key]);
+  }, [followed]);
 }
 
 async function state(document: CawlDocument, ask: string, signal: AbortSignal): Promise<Live> {

@@ -87,7 +87,9 @@ export function Field(props: {
     onChange: (e: React.ChangeEvent<HTMLInputElement | HTMLTextAreaElement>) => setTyped(e.target.value),
     onKeyDown: (e: React.KeyboardEvent) => {
       if (e.key === "Enter" && (!props.lines || e.ctrlKey)) done();
-      if (e.key === "Escape") (e.stopPropagation(), setTyped(props.value));
+      if (e.key !== "Escape") return;
+      e.stopPropagation();
+      setTyped(props.value);
     },
   };
   return (
@@ -548,7 +550,9 @@ function FlowProperties(props: PropertiesProps) {
           className="variable"
           onSubmit={(e) => {
             e.preventDefault();
-            if (/^[A-Za-z]\w*$/.test(variable)) (edit((x) => x.addVariable(flow, variable)), setVariable(""));
+            if (!/^[A-Za-z]\w*$/.test(variable)) return;
+            edit((x) => x.addVariable(flow, variable));
+            setVariable("");
           }}
         >
           <input

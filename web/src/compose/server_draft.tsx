@@ -1,6 +1,6 @@
 // The draft on the server, beside the one that is open: saving it, and what to do where another browser has saved one.
 import { CloudCheck, CloudUpload } from "lucide-react";
-import { useEffect, useState } from "react";
+import { useCallback, useEffect, useState } from "react";
 import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { Time } from "../api/times";
@@ -19,24 +19,30 @@ export function useServerDraft(name: string, session: Session, sync: DraftSync) 
   const [busy, setBusy] = useState(false);
   const there = polled.data ?? null;
   const same = there !== null && there.text === session.written;
-  const see = (saved: string, text: string) => (keepSeen(name, saved, text), setSeen(saved));
+  const see = useCallback(
+    (saved: string, text: string) => {
+      keepSeen(name, saved, text);
+      setSeen(saved);
+    },
+    [name],
+  );
   // The same text, whoever has saved it: nothing to choose between.
   useEffect(() => {
-    if (same && there && there.saved !== seen) see(there.saved, there.text);
-  }, [same, there?.saved, seen]);
+    if (same && there.saved !== seen) see(there.saved, there.text);
+  }, [same, there, seen, see]);
   const save = async () => {
     setBusy(true);
     try {
       const text = session.written;
       const saved = await writeServerDraft(name, text, sync.base ?? "", seen);
-      if (saved)
-        (see(saved, text),
-          toast(
-            "good",
-            "The draft is saved on the server",
-            "It can be opened in any browser. Nothing is deployed.",
-          ));
-      else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
+      if (saved) {
+        see(saved, text);
+        toast(
+          "good",
+          "The draft is saved on the server",
+          "It can be opened in any browser. Nothing is deployed.",
+        );
+      } else toast("bad", "Somebody else has saved a draft", "Take its text, or keep yours and save again.");
       polled.again();
     } catch (error) {
       toast("bad", "The draft could not be saved on the server", sentence(error));

@@ -95,7 +95,7 @@ export function playerKeys(player: Player) {
       (!range && target?.matches("input, select, textarea"))
     )
       return;
-    if (event.key === " " && !target?.matches("button")) player.playing ? player.pause() : player.play();
+    if (event.key === " " && !target?.matches("button")) (player.playing ? player.pause : player.play)();
     else if (event.key === "ArrowRight" && !range) player.toEvent(player.head.done + 1);
     else if (event.key === "ArrowLeft" && !range) player.toEvent(player.head.done - 1);
     else return;

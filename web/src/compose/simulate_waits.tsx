@@ -1,6 +1,6 @@
 // What a simulation waits for at its end, and the form that tells a fact in it.
 import { ChevronRight, Hourglass, Megaphone } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import type { Names } from "../api/prefixes";
 import type { SimulatedWait, SimulateReply } from "../gen/docent/v1/replays_pb";
 import { FactFields, quadOfRow } from "../operate/tell";
@@ -120,7 +120,10 @@ export function TellForm({
   const [row, setRow] = useState(first);
   const [error, setError] = useState("");
   const form = useRef<HTMLFormElement>(null);
-  useEffect(() => void (focused && form.current?.querySelectorAll("input")[first.indexOf("")]?.focus()), []);
+  const focusGap = useEffectEvent(() => {
+    if (focused) form.current?.querySelectorAll("input")[first.indexOf("")]?.focus();
+  });
+  useEffect(() => focusGap(), []);
   const tell = () => {
     try {
       onTell({ afterS: atS, quad: quadOfRow(row, names.prefixes), remove });

@@ -1,6 +1,6 @@
 // The document that is open, tried on runs of the past: which steps would go otherwise. Robots get nothing, and nothing changes.
 // Runs that are kept as tests are tried again after each edit.
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { replays, workflows } from "../api/client";
 import { plain, sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
@@ -73,15 +73,16 @@ export function useTrials(workflow: string, text: string, findings: Findings) {
       else set(run, { busy: false, reply: null, text: tried.text, error: sentence(error) });
     }
   };
+  const attemptAll = useEffectEvent(async (kept: readonly string[], signal: AbortSignal) => {
+    for (const run of kept) if (!signal.aborted) await attempt(run, signal);
+  });
   const kept = tests.data ?? [];
   const keptKey = kept.slice(0, testsTried).join("\n");
   const good = findings.of === text && !findings.list.some((f) => f.error) && !findings.error;
   useEffect(() => {
     if (!good || keptKey === "") return;
     const abort = new AbortController();
-    const timer = window.setTimeout(async () => {
-      for (const run of keptKey.split("\n")) if (!abort.signal.aborted) await attempt(run, abort.signal);
-    }, restMs);
+    const timer = window.setTimeout(() => void attemptAll(keptKey.split("\n"), abort.signal), restMs);
     return () => {
       window.clearTimeout(timer);
       abort.abort();

@@ -128,7 +128,7 @@ function TrialRow(props: {
               ? "A test: it is tried after each edit"
               : "Keep it as a test, which is tried after each edit"
           }
-          onClick={() => trials.keep(trial.run, !trial.kept)}
+          onClick={() => void trials.keep(trial.run, !trial.kept)}
         >
           <Star size={14} fill={trial.kept ? "currentColor" : "none"} />
         </button>

@@ -3,6 +3,7 @@ import { Bot, Link as LinkIcon, Plus, Settings2, Star, Trash2, Workflow, Wrench 
 import { useEffect, useMemo, useRef, useState } from "react";
 import { plain } from "../api/errors";
 import { type Names, useNames } from "../api/prefixes";
+import { useStable } from "../api/stable";
 import { kept as storage } from "../api/storage";
 import { useCommands } from "../app/commands";
 import { navigate, paths } from "../app/router";
@@ -67,15 +68,13 @@ export default function Desk({ search }: { search: string }) {
   useCommands([
     { title: "Add a favourite", group: "Front desk", icon: Plus, keys: "A", run: () => setAdding(true) },
     { title: "Copy the link to these favourites", group: "Front desk", icon: LinkIcon, run: share },
-    ...shown
-      .slice(0, 9)
-      .map((f, i) => ({
-        title: `Start ${titleOf(f)}`,
-        group: "Front desk",
-        icon: Star,
-        keys: `${i + 1}`,
-        run: () => document.querySelectorAll<HTMLButtonElement>(".desk-start")[i]?.click(),
-      })),
+    ...shown.slice(0, 9).map((f, i) => ({
+      title: `Start ${titleOf(f)}`,
+      group: "Front desk",
+      icon: Star,
+      keys: `${i + 1}`,
+      run: () => document.querySelectorAll<HTMLButtonElement>(".desk-start")[i]?.click(),
+    })),
   ]);
   const offered = palette.entries.filter((e) => e.kind !== "operation");
   return (
@@ -224,16 +223,15 @@ function Tile(props: {
 }) {
   const { favourite, palette, names } = props;
   const vocabulary = useVocabulary(names.prefixes);
-  const entry = palette.entries.find((e) => e.kind === favourite.kind && e.id === favourite.name);
+  const entry = useStable(palette.entries.find((e) => e.kind === favourite.kind && e.id === favourite.name));
   const [inputs, setInputs] = useState<PaletteEntry["inputs"] | null>(null);
   const [busy, setBusy] = useState(false);
   const timer = useRef(0);
-  const entryKey = entry ? JSON.stringify(entry) : "";
   useEffect(() => {
     let there = true;
     if (entry) void withInputs(entry).then((whole) => there && setInputs(whole.inputs));
     return () => void (there = false);
-  }, [entryKey]);
+  }, [entry]);
   useEffect(() => () => window.clearTimeout(timer.current), []);
   const asked = (inputs ?? []).filter((i) => !i.optional && !favourite.values[i.name]);
   const label = (value: string) =>

@@ -35,6 +35,7 @@ import { useWaits } from "./use_waits";
 import { othersOf, othersWords, tellable, useWhyNot, waysOf } from "./why";
 import "./board.css";
 
+const noRuns: Run[] = [];
 const shownAtOnce = 12;
 const groupsCounted = 20; // whose other ways are asked for
 const othersMs = 10_000;
@@ -52,7 +53,7 @@ export default function Board() {
   const names = useNames();
   useTicks(1000);
   useEffect(() => void (document.title = "Waiting – Docent"), []);
-  const all = runs.data?.runs ?? [];
+  const all = runs.data?.runs ?? noRuns;
   const { waits, again, left } = useWaits(all);
   const robots = useFleet();
   const groups = useMemo(() => groupWaits(all, waits, names, clock, robots), [all, waits, names, robots]);

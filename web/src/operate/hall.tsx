@@ -85,7 +85,7 @@ export default function Hall({ picked }: { picked: string }) {
   };
   const trails = useTrails(robots.data?.robots, past);
   useEffect(() => void (document.title = "Hall – Docent"), []);
-  const list = robots.data?.robots ?? [];
+  const list = robots.data?.robots ?? noRobots;
   const drawn = useMemo(() => list.slice(0, drawnRobots), [list]);
   useCommands([
     { title: "Show the whole hall", group: "Hall", icon: LocateFixed, keys: "F", run: () => setCamera(null) },
@@ -112,25 +112,21 @@ export default function Hall({ picked }: { picked: string }) {
       words: "booths workflow",
       run: () => tour ?? setTour(newTour),
     },
-    ...list
-      .slice(0, drawnRobots)
-      .map((r) => ({
-        title: `Show robot ${r.label || names.name(r.robot)}`,
-        group: "Hall",
-        icon: Bot,
-        run: () => find(r.robot),
-      })),
+    ...list.slice(0, drawnRobots).map((r) => ({
+      title: `Show robot ${r.label || names.name(r.robot)}`,
+      group: "Hall",
+      icon: Bot,
+      run: () => find(r.robot),
+    })),
     ...(past
       ? []
-      : (people.data ?? [])
-          .slice(0, 100)
-          .map((p) => ({
-            title: `${p.name || names.name(p.iri)} is at…`,
-            group: "Hall",
-            icon: User,
-            words: "tell place where",
-            run: () => tellPlace(p.iri),
-          }))),
+      : (people.data ?? []).slice(0, 100).map((p) => ({
+          title: `${p.name || names.name(p.iri)} is at…`,
+          group: "Hall",
+          icon: User,
+          words: "tell place where",
+          run: () => tellPlace(p.iri),
+        }))),
     ...(layout.data?.shapes ?? [])
       .filter((s) => ["booth", "region"].includes(s.kind))
       .map((s) => ({
@@ -288,6 +284,7 @@ function zoomed(camera: Camera | null, layout: Layout | undefined, by: number): 
   return now && { ...now, scale: Math.max(0.08, Math.min(1.6, now.scale * by)) };
 }
 
+const noRobots: RobotStatus[] = [];
 const listedRobots = 100;
 const drawnRobots = 1000;
 const noWays: ReadonlyMap<string, Way> = new Map();

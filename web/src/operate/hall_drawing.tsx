@@ -109,16 +109,14 @@ export function HallDrawing(props: {
       .filter((r) => r.hasPose)
       .slice(0, labelsPlaced)
       .map((r) => ({ key: r.robot, x: r.xM, y: -r.yM, radius: size, text: r.label, size: letters.robot })),
-    ...people
-      .slice(0, labelsPlaced)
-      .map(({ person, at }) => ({
-        key: person.iri,
-        x: at.x,
-        y: -at.y,
-        radius: size * 0.42,
-        text: person.name,
-        size: letters.person,
-      })),
+    ...people.slice(0, labelsPlaced).map(({ person, at }) => ({
+      key: person.iri,
+      x: at.x,
+      y: -at.y,
+      radius: size * 0.42,
+      text: person.name,
+      size: letters.person,
+    })),
   ]);
   return (
     <svg

@@ -53,15 +53,13 @@ export default function Runs(props: { state: string; workflow: string }) {
   const ofWorkflow = all.filter((r) => props.workflow === "" || r.workflow === props.workflow);
   const runs = ofWorkflow.filter((r) => fits(r, props.state));
   useCommands(
-    runs
-      .slice(0, 30)
-      .map((r) => ({
-        title: `Open ${runWords(r.id)}`,
-        group: "Runs",
-        icon: ListChecks,
-        words: r.workflow,
-        run: () => navigate(paths.run(r.id)),
-      })),
+    runs.slice(0, 30).map((r) => ({
+      title: `Open ${runWords(r.id)}`,
+      group: "Runs",
+      icon: ListChecks,
+      words: r.workflow,
+      run: () => navigate(paths.run(r.id)),
+    })),
   );
   return (
     <main className="page view-page">

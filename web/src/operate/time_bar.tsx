@@ -1,6 +1,6 @@
 // The time that hall, runs and facts show: live, or any time that the log still has. Below the views that can show the past.
 import { CircleAlert, Pause, Play, Radio, SkipBack, SkipForward, Unplug } from "lucide-react";
-import { useEffect, useState } from "react";
+import { useEffect, useEffectEvent, useState } from "react";
 import { useAsOf } from "../api/as_of";
 import { useConnection } from "../api/connection";
 import { query } from "../api/sparql";
@@ -38,10 +38,9 @@ export default function TimeBar({ run }: { run: string }) {
       ? { from: marks[0].ms - 1000, to: ended === undefined ? now : ended + 1000 }
       : { from: now - span, to: now };
   // In the past the ends stand still, so that the slider does not run away below the finger.
-  useEffect(
-    () => setFrozen(at === null || !polled.data ? null : (before) => before ?? live),
-    [at === null, span, run, polled.data === undefined],
-  );
+  const still = at !== null && polled.data !== undefined;
+  const freeze = useEffectEvent(() => setFrozen(still ? (before) => before ?? live : null));
+  useEffect(() => freeze(), [still, span, run]);
   const range = frozen ?? live;
   const from = at !== null && at < range.from ? at : range.from;
   const to = Math.max(range.to, at ?? 0);
@@ -53,17 +52,20 @@ export default function TimeBar({ run }: { run: string }) {
   const jump = (direction: 1 | -1) => {
     const mark = nextMark(marks, at ?? now, direction);
     setPlaying(false);
-    if (mark) (go(mark.ms), announce(`${mark.words}, ${clock(micros(mark.ms))}`));
-    else if (direction > 0 && polled.data) go(null); // behind the last one; before they are known it stays
+    if (mark) {
+      go(mark.ms);
+      announce(`${mark.words}, ${clock(micros(mark.ms))}`);
+    } else if (direction > 0 && polled.data) go(null); // behind the last one; before they are known it stays
   };
+  const frame = useEffectEvent(() => {
+    const next = (at ?? from) + frameMs * speed;
+    if (next < now && (ended === undefined || next <= ended + 1000)) return showTime(next);
+    setPlaying(false);
+    if (next >= now) showTime(null);
+  });
   useEffect(() => {
     if (!playing) return;
-    const timer = window.setInterval(() => {
-      const next = (at ?? from) + frameMs * speed;
-      if (next >= now || (ended !== undefined && next > ended + 1000))
-        (setPlaying(false), next >= now && showTime(null));
-      else showTime(next);
-    }, frameMs);
+    const timer = window.setInterval(() => frame(), frameMs);
     return () => window.clearInterval(timer);
   }, [playing, at, speed]);
   const play = () => {

@@ -31,7 +31,10 @@ export function useChoice(): Choice {
 }
 export function choose(values: Partial<Choice>, replace = false) {
   const search = new URLSearchParams(window.location.search);
-  for (const [name, value] of Object.entries(values)) value ? search.set(name, value) : search.delete(name);
+  for (const [name, value] of Object.entries(values)) {
+    if (value) search.set(name, value);
+    else search.delete(name);
+  }
   const text = search.toString();
   window.history[replace ? "replaceState" : "pushState"](
     null,

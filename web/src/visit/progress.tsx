@@ -1,6 +1,6 @@
 // How far the visitor's service is: where the robot is and when it comes, why it has to wait, and what the visitor can do.
 import { Bot, CheckCircle2, CircleAlert, Hourglass, MapPin } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { localName } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { choose } from "./address";
@@ -51,8 +51,11 @@ export function Progress({ places, offers }: { places: Places; offers: readonly 
   }, [phase, mine.run, visitor.met]);
   const ended = phase === "done" || phase === "failed" || phase === "cancelled";
   const [over, setOver] = useState<{ journey: Journey; run: string } | null>(null);
+  const showEnd = useEffectEvent(() => {
+    if (journey && mine.run) setOver({ journey, run: mine.run.id });
+  });
   useEffect(() => {
-    if (ended && journey && mine.run) setOver({ journey, run: mine.run.id });
+    if (ended) showEnd();
   }, [ended]);
   const offer = offers.find((o) => o.iri === visitor.service);
   if (over) return <Over journey={over.journey} run={over.run} reason={mine.run?.reason ?? ""} />;

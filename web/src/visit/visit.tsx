@@ -1,6 +1,6 @@
 // The page of visitors' phones: where they are, what they would like, and then how far it is.
 import { Languages, MapPin, Unplug } from "lucide-react";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useEffectEvent, useMemo, useState } from "react";
 import { useConnection, serverAnswered, serverSilent } from "../api/connection";
 import { live } from "../api/live";
 import { clockMinutes } from "../api/times";
@@ -63,10 +63,14 @@ function Body() {
   const places = useKept(`places.${language}`, (signal) => readPlaces(language, signal), 60_000);
   const offers = useKept(`offers.${language}`, (signal) => readOffers(language, signal), 10_000);
   const scanned = places.data ? findPlace(places.data.list, choice.at) : undefined;
+  const scannedIri = scanned?.iri ?? "";
+  const arriveAt = useEffectEvent((iri: string) => {
+    if (iri !== visitor.at) arrive(iri);
+  });
   // A code that is scanned says where the visitor is now, also while the robot is on its way.
   useEffect(() => {
-    if (scanned && scanned.iri !== visitor.at) arrive(scanned.iri);
-  }, [scanned?.iri]);
+    if (scannedIri) arriveAt(scannedIri);
+  }, [scannedIri]);
   const at = places.data?.list.find((p) => p.iri === visitor.at);
   return (
     <main className="visit">

@@ -101,10 +101,10 @@ export class Stage {
 
   static async open(): Promise<Stage> {
     const pages = await Pages.open();
-    let stage: Stage | undefined;
-    const server = http.createServer((request, response) => stage?.answer(request, response));
+    const server = http.createServer();
     await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
-    stage = new Stage(pages, server, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
+    const stage = new Stage(pages, server, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
+    server.on("request", (request, response) => stage.answer(request, response));
     return stage;
   }
   async close() {

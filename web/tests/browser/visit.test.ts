@@ -159,7 +159,11 @@ describe.skipIf(why !== "")("a visitor's phone", () => {
     const told: { lifetimeMs?: string; add?: { predicate: { iri: string } }[] }[] = [];
     page.on(
       "request",
-      (request) => void (request.url().endsWith("Context/Assert") && told.push(request.postDataJSON())),
+      (request) =>
+        void (
+          request.url().endsWith("Context/Assert") &&
+          told.push(request.postDataJSON() as (typeof told)[number])
+        ),
     );
     await page.getByRole("button", { name: /Booth guide/ }).click();
     await page.locator(".visit-card", { hasText: "B05" }).first().click();
