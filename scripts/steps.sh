@@ -73,3 +73,25 @@ build() {
   say "build: $* (preset $preset, $(nproc) at a time)"
   ninja -C "build/$preset" "$@" 2>&1 | grep --line-buffered -v '^ninja: Entering' | show_ninja_progress || die "the build failed"
 }
+
+# Installs the packages of `$1`, a folder with a package.json, where they have changed, or `force` is 1.
+npm_ci() {
+  local folder=$1 log
+  [ "${force:-0}" -eq 1 ] || ! [ "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ] || return 0
+  log=$(mktemp "${TMPDIR:-/tmp}/docent-npm.XXXXXX")
+  say "web: installing the packages of $folder"
+  (cd "$folder" && node "$(readlink -f "$(command -v npm)")" ci --no-audit --no-fund) >"$log" 2>&1 || { tail -n 20 "$log" >&2; die "npm ci failed"; }
+  touch "$folder/node_modules/.package-lock.json"
+  rm -f "$log"
+}
+
+# The tools of the browser app need node 20.19 or 22.12; an older one, as Debian 12 has, installs the one that web/node pins.
+use_new_node() {
+  local pinned
+  ! node -e 'const [a, b] = process.versions.node.split(".").map(Number); process.exit(a > 22 || (a === 22 && b >= 12) || (a === 20 && b >= 19) ? 0 : 1)' 2>/dev/null || return 0
+  npm_ci web/node
+  pinned=(web/node/node_modules/node-linux-*/bin)
+  [ -x "${pinned[0]}/node" ] || die "web: web/node has no node for this machine; install node 22.12 or newer"
+  PATH=$PWD/${pinned[0]}:$PATH
+  say "web: node $(node --version) of web/node, as the system's own is too old"
+}
