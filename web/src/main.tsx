@@ -1,11 +1,11 @@
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./app/app";
-import { startKeys } from "./app/commands";
-import { startRouter } from "./app/router";
-import { startTheme } from "./app/theme";
-import "./app/base.css";
-import "./app/parts.css";
+import { startKeys } from "./ui/commands";
+import { startRouter } from "./ui/router";
+import { startTheme } from "./ui/theme";
+import "./ui/base.css";
+import "./ui/parts.css";
 
 startTheme();
 startRouter();

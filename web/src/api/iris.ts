@@ -17,3 +17,7 @@ export function splitFacts(text: string): string[] {
   }
   return facts.map((fact) => fact.trim()).filter(Boolean);
 }
+
+export const runIri = "urn:docent:run:";
+// The id of a run, by its IRI.
+export const runOf = (iri: string) => (iri.startsWith(runIri) ? iri.slice(runIri.length) : "");

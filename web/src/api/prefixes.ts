@@ -5,7 +5,7 @@ import { replaceIris } from "./iris";
 import { usePoll } from "./poll";
 import { nameIn, useLabels } from "./labels";
 import { shorten } from "./sparql";
-import { wellKnownPrefixes } from "../cawl/document";
+import { wellKnownPrefixes } from "./well_known";
 
 export interface Names {
   prefixes: ReadonlyMap<string, string>;

@@ -69,3 +69,17 @@ export function shorten(iri: string, prefixes: Iterable<readonly [string, string
 export function localName(iri: string): string {
   return /[^#/]+$/.exec(iri)?.[0] ?? iri;
 }
+
+// SPARQL 1.1, section 19.7: a string in quotes.
+export function sparqlString(text: string): string {
+  const escapes: Record<string, string> = {
+    "\\": "\\\\",
+    '"': '\\"',
+    "\n": "\\n",
+    "\r": "\\r",
+    "\t": "\\t",
+    "\b": "\\b",
+    "\f": "\\f",
+  };
+  return `"${text.replace(/[\\"\n\r\t\b\f]/g, (c) => escapes[c] ?? c)}"`;
+}

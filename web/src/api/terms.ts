@@ -58,3 +58,5 @@ export function quadOf(quad: Quad): Quad {
     ...(quad.object && { object: quad.object }),
   });
 }
+
+export const iriOf = (term: Term | undefined) => (term?.kind.case === "iri" ? term.kind.value : "");

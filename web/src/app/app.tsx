@@ -24,15 +24,15 @@ import { iriTerm } from "../api/terms";
 import { create } from "@bufbuild/protobuf";
 import { QuadSchema } from "../gen/docent/v1/term_pb";
 import { Toasts, toast } from "../ui/toasts";
-import { useCommands } from "./commands";
+import { useCommands } from "../ui/commands";
 import { CommandPalette } from "./command_palette";
-import { Guard } from "./guard";
+import { Guard } from "../ui/guard";
 import { KeysDialog } from "./keys_dialog";
-import { Link } from "./link";
+import { Link } from "../ui/link";
 import { usePast } from "../api/past";
-import { navigate, paths, useRoute, type Route } from "./router";
+import { navigate, paths, useRoute, type Route } from "../ui/router";
 import { Time } from "../api/times";
-import { themeShown, toggleTheme, useTheme } from "./theme";
+import { themeShown, toggleTheme, useTheme } from "../ui/theme";
 import "./shell.css";
 
 const Documents = lazy(() => import("../compose/documents"));
@@ -42,7 +42,7 @@ const RunPage = lazy(() => import("../operate/run_page"));
 const Hall = lazy(() => import("../operate/hall"));
 const Board = lazy(() => import("../operate/board"));
 const Desk = lazy(() => import("../desk/desk"));
-const TellDialog = lazy(() => import("../operate/tell").then((m) => ({ default: m.TellDialog })));
+const TellDialog = lazy(() => import("../facts/tell").then((m) => ({ default: m.TellDialog })));
 const WaitingCount = lazy(() =>
   import("../operate/waiting_count").then((m) => ({ default: m.WaitingCount })),
 );

@@ -2,7 +2,7 @@ import { ChevronRight } from "lucide-react";
 import { Dialog } from "../ui/dialog";
 import { Keys } from "../ui/keys";
 import { Picker } from "../ui/picker";
-import { allCommands, useCommandsVersion } from "./commands";
+import { allCommands, useCommandsVersion } from "../ui/commands";
 
 // Ctrl-K: everything that can be done here, found by typing.
 export function CommandPalette({ onClose }: { onClose: () => void }) {

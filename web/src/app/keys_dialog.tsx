@@ -1,7 +1,7 @@
 import { X } from "lucide-react";
 import { Dialog } from "../ui/dialog";
 import { Keys } from "../ui/keys";
-import { allCommands } from "./commands";
+import { allCommands } from "../ui/commands";
 
 const onCanvas: [string, string][] = [
   ["Go from step to step", "Tab"],

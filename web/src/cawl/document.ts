@@ -1,6 +1,7 @@
 // Model of a CAWL document, read from its text. The text is the only truth: a model is never changed, it is read again. Every
 // part knows its element, so that an edit (edits.ts) can say which characters it replaces.
 import type { ChangedRange } from "@lezer/common";
+import { wellKnownPrefixes } from "../api/well_known";
 import {
   attribute,
   attributeNs,
@@ -14,18 +15,6 @@ import {
 export const extNamespace = "https://w3id.org/docent/cawl-ext#";
 // Where the canvas keeps places of nodes: a namespace of an editor, in which the server looks at nothing.
 export const viewNamespace = "urn:cawl-view";
-// Prefixes that need no declaration in a document.
-export const wellKnownPrefixes: Readonly<Record<string, string>> = {
-  rdf: "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
-  rdfs: "http://www.w3.org/2000/01/rdf-schema#",
-  owl: "http://www.w3.org/2002/07/owl#",
-  xsd: "http://www.w3.org/2001/XMLSchema#",
-  prov: "http://www.w3.org/ns/prov#",
-  sosa: "http://www.w3.org/ns/sosa/",
-  geo: "http://www.opengis.net/ont/geosparql#",
-  schema: "https://schema.org/",
-  docent: "https://w3id.org/docent#",
-};
 
 export interface Part {
   element: XmlElement;

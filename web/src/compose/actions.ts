@@ -17,7 +17,7 @@ import { literally, uniqueName } from "../cawl/names";
 import { leadsTo } from "../cawl/shown";
 import { freePlace, placed, placeSteps, stepHeight } from "../cawl/placing";
 import { toast } from "../ui/toasts";
-import { type PaletteEntry, withInputs } from "./palette_data";
+import { type PaletteEntry, withInputs } from "../flow/palette_data";
 import type { Session } from "./session";
 
 export interface AddWhere {

@@ -9,9 +9,9 @@ import { type CawlDocument, prefixesOf, readCawl } from "../cawl/document";
 import { Edits } from "../cawl/edits";
 import { words } from "../cawl/names";
 import type { Finding } from "./findings";
-import { liveText, type PaletteEntry } from "./palette_data";
-import { termName } from "./term_name";
-import type { Vocabulary } from "./vocabulary";
+import { liveText, type PaletteEntry } from "../flow/palette_data";
+import { termName } from "../facts/term_name";
+import type { Vocabulary } from "../facts/vocabulary";
 
 const texts = new Map<string, string>(); // of deployed versions: "NAME 3"
 const againMs = 60_000;

@@ -22,13 +22,13 @@ import { inFlowOrder, type ShownFlow } from "../cawl/shown";
 import { placed, placeSteps, stepHeight, stepWidth } from "../cawl/placing";
 import type { Actions, AddWhere, NewKind } from "./actions";
 import type { Finding } from "./findings";
-import { LinkEdge, type LinkEdgeType } from "./link_edge";
-import { look } from "../operate/states";
+import { LinkEdge, type LinkEdgeType } from "../flow/link_edge";
+import { look } from "../ui/states";
 import { lessMotion } from "./playing";
-import { useRefit, withPiece } from "./refit";
-import { StepCard, stepWords, type StepNode } from "./step_card";
+import { useRefit, withPiece } from "../flow/refit";
+import { StepCard, stepWords, type StepNode } from "../flow/step_card";
 import type { StepTrial } from "./trials";
-import "./canvas.css";
+import "../flow/canvas.css";
 
 export interface CanvasProps {
   shown: ShownFlow;

@@ -1,10 +1,10 @@
 // Compose: the canvas and the text of one workflow side by side.
 import { ChevronRight, FileUp } from "lucide-react";
 import { useEffect, useState } from "react";
-import { Link } from "../app/link";
-import { paths } from "../app/router";
+import { Link } from "../ui/link";
+import { paths } from "../ui/router";
 import { templates } from "../cawl/templates";
-import { saveDraft } from "./drafts";
+import { saveDraft } from "../flow/drafts";
 import { Editor } from "./editor";
 import { loadDocument, type Loaded } from "./load_document";
 import { openFile } from "./files";

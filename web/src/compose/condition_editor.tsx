@@ -26,7 +26,7 @@ import {
   verbWordsToFind,
   type Vocabulary,
   type Word,
-} from "./vocabulary";
+} from "../facts/vocabulary";
 import "./condition.css";
 
 export interface ConditionProps {

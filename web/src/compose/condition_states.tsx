@@ -6,12 +6,12 @@ import { shorten } from "../api/sparql";
 import { type CawlDocument, type Constraint, prefixesOf } from "../cawl/document";
 import type { Sense } from "../cawl/expression";
 import { termWords, verbWords } from "../cawl/phrases";
-import { useFleet } from "../operate/offline";
-import { TellDialog } from "../operate/tell";
-import { tellable } from "../operate/why";
+import { useFleet } from "../facts/fleet";
+import { TellDialog } from "../facts/tell";
+import { tellable } from "../facts/tellable";
 import { matchesShown, type Live } from "./live";
 import type { Lack, NearestMiss } from "./nearest_miss";
-import { patternWords, termName, valuesWords } from "./term_name";
+import { patternWords, termName, valuesWords } from "../facts/term_name";
 
 export function count(matches: number): string {
   return matches >= matchesShown

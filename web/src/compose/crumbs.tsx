@@ -1,8 +1,8 @@
 // The way back out of a flow that was opened in place.
 import { ChevronRight, CornerLeftUp } from "lucide-react";
-import { useCommands } from "../app/commands";
-import { Link } from "../app/link";
-import { navigate, paths } from "../app/router";
+import { useCommands } from "../ui/commands";
+import { Link } from "../ui/link";
+import { navigate, paths } from "../ui/router";
 import { readVia, viaText } from "./via";
 
 export function Crumbs({ via }: { via: string }) {

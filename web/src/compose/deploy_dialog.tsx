@@ -3,7 +3,7 @@ import { CircleAlert, Copy, Rocket, X } from "lucide-react";
 import { useCallback, useMemo, useState, useSyncExternalStore } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { type CawlDocument, readCawl, type Flow, type Step } from "../cawl/document";
 import { Dialog } from "../ui/dialog";
 import { DeployFlow } from "./deploy_flow";

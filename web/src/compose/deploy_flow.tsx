@@ -13,10 +13,10 @@ import { useEffect, useEffectEvent, useMemo, useRef } from "react";
 import type { Flow, Step } from "../cawl/document";
 import { bothFlows, type Change } from "../cawl/flow_diff";
 import { placeSteps, stepHeight, stepWidth } from "../cawl/placing";
-import { beginning } from "./refit";
-import { LinkEdge, type LinkEdgeType } from "./link_edge";
-import { StepCard, stepWords, type StepNode } from "./step_card";
-import "./canvas.css";
+import { beginning } from "../flow/refit";
+import { LinkEdge, type LinkEdgeType } from "../flow/link_edge";
+import { StepCard, stepWords, type StepNode } from "../flow/step_card";
+import "../flow/canvas.css";
 import "./deploy.css";
 
 const nodeTypes = { step: StepCard };

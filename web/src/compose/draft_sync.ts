@@ -13,7 +13,7 @@ import {
   loadDraft,
   saveDraft,
   watchDraft,
-} from "./drafts";
+} from "../flow/drafts";
 import type { LiveVersion } from "./load_document";
 import { mergeTexts } from "./merge";
 import type { Session } from "./session";

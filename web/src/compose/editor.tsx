@@ -35,14 +35,14 @@ import {
 import { useNames } from "../api/prefixes";
 import { useStable } from "../api/stable";
 import { kept } from "../api/storage";
-import { useCommands, type Command } from "../app/commands";
-import { Guard } from "../app/guard";
-import { Link as AppLink } from "../app/link";
-import { navigate, paths } from "../app/router";
+import { useCommands, type Command } from "../ui/commands";
+import { Guard } from "../ui/guard";
+import { Link as AppLink } from "../ui/link";
+import { navigate, paths } from "../ui/router";
 import { partAt, prefixesOf } from "../cawl/document";
 import { shownFlow } from "../cawl/shown";
 import { startVariables } from "../cawl/start_values";
-import { StartDialog } from "../operate/start_dialog";
+import { StartDialog } from "../flow/start_dialog";
 import { Dialog } from "../ui/dialog";
 import { Picker, type PickerItem } from "../ui/picker";
 import { toast } from "../ui/toasts";
@@ -60,7 +60,7 @@ import { focusStep } from "./focus_step";
 import { ImportDialog } from "./import_dialog";
 import { BehindBar, UnkeptBar, useLiveVersion } from "./live_version";
 import type { LiveVersion } from "./load_document";
-import { keepImported, usePalette } from "./palette_data";
+import { keepImported, usePalette } from "../flow/palette_data";
 import { PalettePanel } from "./palette_panel";
 import { Properties } from "./properties";
 import { FirstSteps, QuickAdd, where } from "./quick_add";
@@ -74,7 +74,7 @@ import { SimulatePanel } from "./simulate_panel";
 import { stepTrials, type StepTrial, useTrials } from "./trials";
 import { TrialsPanel } from "./trials_panel";
 import { readVia, viaText } from "./via";
-import { useVocabulary } from "./vocabulary";
+import { useVocabulary } from "../facts/vocabulary";
 import "./editor.css";
 
 type Open =

@@ -6,7 +6,7 @@ import { plain, type PlainError } from "../api/errors";
 import type { NodeTemplate } from "../gen/docent/v1/robot_services_pb";
 import { words } from "../cawl/names";
 import { Dialog } from "../ui/dialog";
-import type { PaletteEntry } from "./palette_data";
+import type { PaletteEntry } from "../flow/palette_data";
 
 const largest = 10_000_000; // characters, as much as the server reads
 const sources = [

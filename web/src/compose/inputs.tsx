@@ -6,8 +6,8 @@ import { termWords } from "../cawl/phrases";
 import { isText, shownValue, writtenValue } from "../cawl/values";
 import { Combo, type Choice } from "../ui/combo";
 import { toast } from "../ui/toasts";
-import type { PaletteEntry } from "./palette_data";
-import { ofClass, type Vocabulary } from "./vocabulary";
+import type { PaletteEntry } from "../flow/palette_data";
+import { ofClass, type Vocabulary } from "../facts/vocabulary";
 
 type Input = PaletteEntry["inputs"][number];
 

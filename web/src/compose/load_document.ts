@@ -1,7 +1,7 @@
 // The text of a document by its name: the draft of this browser, else the one on the server, else what is deployed.
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
-import { loadDraft } from "./drafts";
+import { loadDraft } from "../flow/drafts";
 import { keepSeen, readServerDraft } from "./server_drafts";
 
 export interface LiveVersion {

@@ -4,8 +4,8 @@ import { useState } from "react";
 import { score } from "../ui/picker";
 import type { NewKind } from "./actions";
 import { dragged, dragType } from "./canvas";
-import type { PaletteData, PaletteEntry } from "./palette_data";
-import { KindIcon } from "./step_card";
+import type { PaletteData, PaletteEntry } from "../flow/palette_data";
+import { KindIcon } from "../flow/step_card";
 
 const groups = [
   {

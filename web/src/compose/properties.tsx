@@ -24,12 +24,12 @@ import { ConditionEditor } from "./condition_editor";
 import type { Finding } from "./findings";
 import { FindingRow } from "./findings_panel";
 import { Inputs } from "./inputs";
-import { type PaletteEntry, withInputs } from "./palette_data";
+import { type PaletteEntry, withInputs } from "../flow/palette_data";
 import type { Session } from "./session";
-import { KindIcon } from "./step_card";
+import { KindIcon } from "../flow/step_card";
 import type { Trial } from "./trials";
 import { TryStep } from "./try_step";
-import { ofClass, type Vocabulary } from "./vocabulary";
+import { ofClass, type Vocabulary } from "../facts/vocabulary";
 import "./properties.css";
 
 export interface PropertiesProps {

@@ -4,8 +4,8 @@ import type { ShownFlow } from "../cawl/shown";
 import { Dialog } from "../ui/dialog";
 import { Picker, type PickerItem } from "../ui/picker";
 import type { Actions, AddWhere, NewKind } from "./actions";
-import type { PaletteEntry } from "./palette_data";
-import { KindIcon } from "./step_card";
+import type { PaletteEntry } from "../flow/palette_data";
+import { KindIcon } from "../flow/step_card";
 
 // Where a step goes if nothing is selected: into the link that ends the flow, if there is one alone.
 export function where(shown: ShownFlow | null): AddWhere {

@@ -4,7 +4,7 @@ import { useCallback, useEffect, useState } from "react";
 import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
 import { Time } from "../api/times";
-import { useCommands } from "../app/commands";
+import { useCommands } from "../ui/commands";
 import { toast } from "../ui/toasts";
 import type { DraftSync } from "./draft_sync";
 import { mergeTexts } from "./merge";

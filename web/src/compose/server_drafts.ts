@@ -1,7 +1,7 @@
 // Drafts on the server: one a workflow, as facts in a graph of their own, so that another browser can go on with them. A draft is
 // written only over the one that the writer has seen.
 import { context } from "../api/client";
-import { query } from "../api/sparql";
+import { query, sparqlString } from "../api/sparql";
 import { kept } from "../api/storage";
 
 export interface ServerDraft {
@@ -16,19 +16,6 @@ const prologue =
 
 export function draftIri(name: string): string {
   return `urn:docent:draft:${encodeURIComponent(name).replace(/[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`)}`;
-}
-// SPARQL 1.1, section 19.7: a string in quotes.
-export function sparqlString(text: string): string {
-  const escapes: Record<string, string> = {
-    "\\": "\\\\",
-    '"': '\\"',
-    "\n": "\\n",
-    "\r": "\\r",
-    "\t": "\\t",
-    "\b": "\\b",
-    "\f": "\\f",
-  };
-  return `"${text.replace(/[\\"\n\r\t\b\f]/g, (c) => escapes[c] ?? c)}"`;
 }
 
 // `seen`: the state that the writer has seen; empty: there was none. Where the server has another one, nothing is written.

@@ -2,11 +2,11 @@
 import { create } from "@bufbuild/protobuf";
 import { RobotStatusSchema } from "../gen/docent/v1/fleet_pb";
 import type { SimulatedPose } from "../gen/docent/v1/replays_pb";
-import { HallDrawing } from "../operate/hall_drawing";
-import { useLayout } from "../operate/layout";
+import { HallDrawing } from "../hall/hall_drawing";
+import { useLayout } from "../hall/layout";
 import { placesAt } from "./simulation";
 import { robotName } from "./simulation_words";
-import "../operate/hall.css";
+import "../hall/hall.css";
 
 const none = new Map<string, never>();
 const nothing = () => undefined;

@@ -13,8 +13,8 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import type { Names } from "../api/prefixes";
 import { shorten } from "../api/sparql";
 import type { StartVariable } from "../cawl/start_values";
-import { StartFields } from "../operate/start_dialog";
-import { StateTag } from "../operate/states";
+import { StartFields } from "../flow/start_dialog";
+import { StateTag } from "../ui/states";
 import type { ShownFlow } from "../cawl/shown";
 import type { Findings } from "./findings";
 import { usePlayer } from "./playing";
@@ -35,8 +35,8 @@ import {
 import { activatorNode, commandWords, lacksOf, noteWords, plainIris } from "./simulation_words";
 import { type Simulations, useSimulation } from "./simulations";
 import type { StepTrial } from "./trials";
-import type { Vocabulary } from "./vocabulary";
-import "../operate/time_bar.css";
+import type { Vocabulary } from "../facts/vocabulary";
+import "../ui/time_bar.css";
 import "./simulate.css";
 
 export interface SimulatePanelProps {

@@ -3,7 +3,7 @@ import { ChevronRight, Hourglass, Megaphone } from "lucide-react";
 import { useEffect, useEffectEvent, useRef, useState } from "react";
 import type { Names } from "../api/prefixes";
 import type { SimulatedWait, SimulateReply } from "../gen/docent/v1/replays_pb";
-import { FactFields, quadOfRow } from "../operate/tell";
+import { FactFields, quadOfRow } from "../facts/tell";
 import type { Telling } from "./simulation";
 import { activatorNode, classesIn, clockWords, type Lack, lacksOf, plainIris } from "./simulation_words";
 

@@ -5,8 +5,8 @@ import { localName } from "../api/sparql";
 import { quadText, termText } from "../api/terms";
 import type { SimulatedStep } from "../gen/docent/v1/replays_pb";
 import type { Term } from "../gen/docent/v1/term_pb";
-import { look, runWords } from "../operate/states";
-import { factsOf } from "../operate/fact_words";
+import { look, runWords } from "../ui/states";
+import { factsOf } from "../facts/fact_words";
 import type { SimulationEvent } from "./simulation";
 
 export const activatorNode = "activator"; // the node under which a reply tells what starts the workflow

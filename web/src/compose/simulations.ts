@@ -6,7 +6,7 @@ import { replays } from "../api/client";
 import { plain, sentence } from "../api/errors";
 import { QuadSchema } from "../gen/docent/v1/term_pb";
 import type { SimulateReply } from "../gen/docent/v1/replays_pb";
-import { startArguments } from "../operate/start_dialog";
+import { startArguments } from "../flow/start_dialog";
 import type { Findings } from "./findings";
 import { inOrder, type Telling } from "./simulation";
 import { restMs } from "./trials";

@@ -8,7 +8,7 @@ import type { ReplayReply } from "../gen/docent/v1/replays_pb";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { toast } from "../ui/toasts";
 import type { Findings } from "./findings";
-import { dropTest, keepTest, listTests } from "./run_tests";
+import { dropTest, keepTest, listTests } from "../flow/run_tests";
 
 export interface Trial {
   run: string;

@@ -11,11 +11,11 @@ import type { CawlDocument, Invoke, Step } from "../cawl/document";
 import { words } from "../cawl/names";
 import type { TryNodeReply } from "../gen/docent/v1/replays_pb";
 import type { CompiledCondition } from "../gen/docent/v1/workflows_pb";
-import { clock } from "../operate/states";
-import { factsOf } from "../operate/fact_words";
+import { clock } from "../ui/states";
+import { factsOf } from "../facts/fact_words";
 import { rowsOf, situationAsks } from "./condition_editor";
 import { ofKinds, useLive, type Live } from "./live";
-import type { PaletteEntry } from "./palette_data";
+import type { PaletteEntry } from "../flow/palette_data";
 import type { Trial } from "./trials";
 import "./trials.css";
 

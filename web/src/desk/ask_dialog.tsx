@@ -7,15 +7,14 @@ import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
 import { localName, query } from "../api/sparql";
 import { termOf } from "../api/terms";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { words } from "../cawl/names";
-import type { PaletteEntry } from "../compose/palette_data";
+import type { PaletteEntry } from "../flow/palette_data";
 import { Combo, type Choice } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
-import { titleOf } from "./desk";
-import type { Favourite } from "./favourites";
-import { runWords } from "../operate/states";
+import { type Favourite, titleOf } from "./favourites";
+import { runWords } from "../ui/states";
 import { start } from "./start";
 
 export function AskDialog(props: {

@@ -5,11 +5,11 @@ import { plain } from "../api/errors";
 import { type Names, useNames } from "../api/prefixes";
 import { useStable } from "../api/stable";
 import { kept as storage } from "../api/storage";
-import { useCommands } from "../app/commands";
-import { navigate, paths } from "../app/router";
+import { useCommands } from "../ui/commands";
+import { navigate, paths } from "../ui/router";
 import { words } from "../cawl/names";
-import { type PaletteData, type PaletteEntry, usePalette, withInputs } from "../compose/palette_data";
-import { useVocabulary } from "../compose/vocabulary";
+import { type PaletteData, type PaletteEntry, usePalette, withInputs } from "../flow/palette_data";
+import { useVocabulary } from "../facts/vocabulary";
 import { Dialog } from "../ui/dialog";
 import { Picker } from "../ui/picker";
 import { toast } from "../ui/toasts";
@@ -21,10 +21,11 @@ import {
   keptFavourites,
   mostFavourites,
   readFavourites,
+  titleOf,
 } from "./favourites";
 import { AskDialog } from "./ask_dialog";
 import { RunningNow } from "./running_now";
-import { runWords } from "../operate/states";
+import { runWords } from "../ui/states";
 import { start } from "./start";
 import "./desk.css";
 
@@ -187,10 +188,6 @@ export default function Desk({ search }: { search: string }) {
       )}
     </main>
   );
-}
-
-export function titleOf(favourite: Favourite): string {
-  return favourite.title || words(favourite.name);
 }
 
 function keepAll(

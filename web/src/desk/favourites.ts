@@ -1,6 +1,7 @@
 // What the front desk starts by one touch: workflows and robot services, some with values that are given already. Kept in this
 // browser, and written into an address to hand them on.
 import type { Kept } from "../api/storage";
+import { words } from "../cawl/names";
 
 export interface Favourite {
   kind: "workflow" | "service";
@@ -79,4 +80,8 @@ export function keptFavourites(storage: Pick<Kept, "getItem">): Favourite[] {
 // False: this browser keeps nothing.
 export function keepFavourites(favourites: readonly Favourite[], storage: Pick<Kept, "setItem">): boolean {
   return storage.setItem(key, JSON.stringify(favourites.slice(0, mostFavourites).map(favouriteText)));
+}
+
+export function titleOf(favourite: Favourite): string {
+  return favourite.title || words(favourite.name);
 }

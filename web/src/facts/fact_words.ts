@@ -2,7 +2,7 @@
 import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import { literally, words } from "../cawl/names";
-import { patternWords } from "../compose/term_name";
+import { patternWords } from "./term_name";
 
 // "<s> <p> ?o . <s2> …" as patterns with prefixes, one a fact.
 export function factsOf(missing: string, names: Pick<Names, "short">): string[] {

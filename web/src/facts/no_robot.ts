@@ -1,5 +1,5 @@
 // Facts that robots tell of themselves, and why none of them is ready, for the staff. Pure functions.
-import { clock, runWords } from "./states";
+import { clock, runWords } from "../ui/states";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 
 const docent = "https://w3id.org/docent#";

@@ -1,9 +1,9 @@
 // Robots as they were: from a past version of the graph, in the form in which the fleet tells of them now.
 import { create } from "@bufbuild/protobuf";
+import { runOf } from "../api/iris";
 import { nameOf } from "../api/labels";
 import { localName, query, type Row } from "../api/sparql";
 import { ListRobotsReplySchema, type ListRobotsReply, RobotStatusSchema } from "../gen/docent/v1/fleet_pb";
-import { runOf } from "./past_runs";
 
 export const robotsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
 SELECT ?r (SAMPLE(?l) AS ?label) (SAMPLE(?px) AS ?x) (SAMPLE(?py) AS ?y) (SAMPLE(?ph) AS ?heading) (SAMPLE(?s) AS ?status) (SAMPLE(?at) AS ?region) (SAMPLE(?out) AS ?reason) (SAMPLE(?h) AS ?run) (SAMPLE(?o) AS ?operation) (SAMPLE(?n) AS ?node) {

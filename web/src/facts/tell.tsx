@@ -10,14 +10,14 @@ import { termOf, termText } from "../api/terms";
 import { create } from "@bufbuild/protobuf";
 import { type Quad, QuadSchema } from "../gen/docent/v1/term_pb";
 import type { WhatIfReply } from "../gen/docent/v1/context_pb";
-import { useVocabulary } from "../compose/vocabulary";
+import { useVocabulary } from "./vocabulary";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 import { factWords } from "./fact_words";
 import { isOwnFact } from "./no_robot";
-import { useFleet } from "./offline";
-import { look, runWords } from "./states";
+import { useFleet } from "./fleet";
+import { look, runWords } from "../ui/states";
 
 // What somebody wrote as subject, verb and object. Throws RangeError with what is wrong.
 export function quadOfRow(

@@ -13,12 +13,12 @@ import { useEffect, useMemo, useRef } from "react";
 import type { Flow } from "../cawl/document";
 import { placeSteps, stepHeight, stepWidth } from "../cawl/placing";
 import { inFlowOrder } from "../cawl/shown";
-import { LinkEdge, type LinkEdgeType } from "../compose/link_edge";
-import { useRefit } from "../compose/refit";
-import { StepCard, stepWords, type StepNode } from "../compose/step_card";
+import { LinkEdge, type LinkEdgeType } from "./link_edge";
+import { useRefit } from "./refit";
+import { StepCard, stepWords, type StepNode } from "./step_card";
 import type { Run } from "../gen/docent/v1/workflows_pb";
-import { look } from "./states";
-import "../compose/canvas.css";
+import { look } from "../ui/states";
+import "./canvas.css";
 import "./flow_view.css";
 
 const nodeTypes = { step: StepCard };

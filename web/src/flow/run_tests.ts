@@ -1,7 +1,6 @@
 // Runs that are kept as tests of a workflow: facts on the server, so that any browser lives them again after an edit.
 import { context } from "../api/client";
-import { query } from "../api/sparql";
-import { sparqlString } from "./server_drafts";
+import { query, sparqlString } from "../api/sparql";
 
 export const testsGraph = "urn:docent:run-tests";
 const prologue =

@@ -4,16 +4,16 @@ import { useState } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { randomUuid } from "../api/ids";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { words } from "../cawl/names";
 import type { StartVariable } from "../cawl/start_values";
-import { ofClass, type Vocabulary } from "../compose/vocabulary";
+import { ofClass, type Vocabulary } from "../facts/vocabulary";
 import { termOf } from "../api/terms";
 import { shownValue, writtenValue } from "../cawl/values";
 import { Combo } from "../ui/combo";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
-import { runWords } from "./states";
+import { runWords } from "../ui/states";
 
 // Throws RangeError with what is wrong.
 export function startArguments(

@@ -1,6 +1,6 @@
 // What a robot does, in words.
 import { words } from "../cawl/names";
-import { clock } from "./states";
+import { clock } from "../ui/states";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 
 export function taskWords(robot: RobotStatus): string {

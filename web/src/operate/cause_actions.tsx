@@ -5,16 +5,16 @@ import { fleet, workflows } from "../api/client";
 import { usePast } from "../api/past";
 import type { Names } from "../api/prefixes";
 import { iriTerm } from "../api/terms";
-import { Link } from "../app/link";
-import { paths } from "../app/router";
+import { Link } from "../ui/link";
+import { paths } from "../ui/router";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { type Node, type Run, SettleRequest_How } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { exchangeOf, fitFor } from "./exchange";
-import { whyNotReady } from "./no_robot";
-import { RobotTag } from "./robot_words";
+import { whyNotReady } from "../facts/no_robot";
+import { RobotTag } from "../hall/robot_words";
 import { attempt } from "./run_actions";
-import { runWords } from "./states";
+import { runWords } from "../ui/states";
 
 const robotsWithButtons = 4;
 

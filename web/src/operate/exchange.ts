@@ -1,9 +1,9 @@
 // Whether a run can be given another robot, and which. Pure functions.
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import type { Node, Run } from "../gen/docent/v1/workflows_pb";
-import { whyNotReady } from "./no_robot";
+import { whyNotReady } from "../facts/no_robot";
 import { underWay } from "./runs_within";
-import { isLive } from "./states";
+import { isLive } from "../ui/states";
 
 export interface Exchange {
   how: "retry" | "set"; // settle the node with another robot, or set the variables that name the robot

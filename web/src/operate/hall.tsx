@@ -5,20 +5,20 @@ import { useAsOf, useKept } from "../api/as_of";
 import { fleet } from "../api/client";
 import { useFollow } from "../api/live";
 import { useNames, type Names } from "../api/prefixes";
-import { useCommands } from "../app/commands";
+import { useCommands } from "../ui/commands";
 import { usePast } from "../api/past";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Details } from "./hall_details";
-import { broughtIntoView, HallDrawing, type Camera } from "./hall_drawing";
-import { type Layout, useLayout, usePeople } from "./layout";
-import { askRobots } from "./past_hall";
-import { RobotTag, taskWords } from "./robot_words";
+import { broughtIntoView, HallDrawing, type Camera } from "../hall/hall_drawing";
+import { type Layout, useLayout, usePeople } from "../hall/layout";
+import { askRobots } from "../facts/past_robots";
+import { RobotTag, taskWords } from "../hall/robot_words";
 import { TourPanel } from "./tour_panel";
-import { useWays, type Way } from "./ways";
+import { useWays, type Way } from "../hall/ways";
 import { toast } from "../ui/toasts";
 import { newTour, useTourDraft } from "./tour_draft";
-import "./hall.css";
+import "../hall/hall.css";
 
 export function useRobots() {
   const at = usePast();

@@ -5,14 +5,14 @@ import type { Names } from "../api/prefixes";
 import { query, type Row } from "../api/sparql";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { Lately } from "./lately";
-import type { Layout } from "./layout";
-import { tellsItself } from "./no_robot";
+import type { Layout } from "../hall/layout";
+import { tellsItself } from "../facts/no_robot";
 import { RobotPanel } from "./robot_panel";
 import { TellPlace } from "./tell_place";
 import { usePast } from "../api/past";
-import { RobotTag } from "./robot_words";
+import { RobotTag } from "../hall/robot_words";
 import { screenAddress } from "./screen_address";
-import type { Way } from "./ways";
+import type { Way } from "../hall/ways";
 import { Fact } from "./why";
 
 const nothingSaid = /^http:\/\/www\.w3\.org\/(2002\/07\/owl|2000\/01\/rdf-schema)#/;

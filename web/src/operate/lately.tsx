@@ -1,10 +1,10 @@
 // The newest runs that had to do with a robot, person or booth.
 import { useShown } from "../api/as_of";
 import { query, type Row } from "../api/sparql";
-import { Link } from "../app/link";
-import { paths } from "../app/router";
-import { runOf } from "./past_runs";
-import { runWords, StateTag, Time } from "./states";
+import { Link } from "../ui/link";
+import { paths } from "../ui/router";
+import { runOf } from "../api/iris";
+import { runWords, StateTag, Time } from "../ui/states";
 
 const shown = 6;
 export function latelyQuery(iri: string): string {

@@ -1,7 +1,7 @@
 // How long the ways of a tour are along the hall's routes, where the graph has connections of places.
 import { usePoll } from "../api/poll";
 import { query, type Row } from "../api/sparql";
-import type { Point } from "./layout";
+import type { Point } from "../hall/layout";
 
 const mostWays = 2000; // of a roadmap
 export const roadmapQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX geo: <http://www.opengis.net/ont/geosparql#>

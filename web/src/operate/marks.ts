@@ -2,8 +2,8 @@
 import { useState } from "react";
 import { usePoll } from "../api/poll";
 import { query, type Row } from "../api/sparql";
-import { runOf } from "./past_runs";
-import { runWords } from "./states";
+import { runOf } from "../api/iris";
+import { runWords } from "../ui/states";
 
 export interface Mark {
   ms: number; // just after it: the graph of this time has it

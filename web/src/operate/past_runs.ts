@@ -1,17 +1,14 @@
 // Runs as they were: the facts of the graph docent:runs, as the server tells of runs now.
 import { create } from "@bufbuild/protobuf";
+import { runIri, runOf } from "../api/iris";
 import { query, type Row, type Value } from "../api/sparql";
 import { type Term, TermSchema } from "../gen/docent/v1/term_pb";
 import { type ListRunsReply, ListRunsReplySchema, type Run, RunSchema } from "../gen/docent/v1/workflows_pb";
 
 const docent = "https://w3id.org/docent#";
 const prov = "http://www.w3.org/ns/prov#";
-const runIri = "urn:docent:run:";
 const prologue = `PREFIX docent: <${docent}>\n`;
 const mostRows = 60_000;
-
-// The id of a run, by its IRI.
-export const runOf = (iri: string) => (iri.startsWith(runIri) ? iri.slice(runIri.length) : "");
 
 // Of one run all; `id` as it is in IRIs.
 export function runQuery(id: string): string {

@@ -5,7 +5,7 @@ import { replays } from "../api/client";
 import type { Names } from "../api/prefixes";
 import { query } from "../api/sparql";
 import { usePast } from "../api/past";
-import { factsOf, factWords } from "./fact_words";
+import { factsOf, factWords } from "../facts/fact_words";
 
 export function PastWhyNot({ run, node, names }: { run: string; node: string; names: Names }) {
   const tried = useAsOf(`lacked ${run}/${node}`, usePast(), async (asOf, signal) => {

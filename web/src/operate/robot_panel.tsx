@@ -4,17 +4,17 @@ import { useState } from "react";
 import { fleet } from "../api/client";
 import type { Names } from "../api/prefixes";
 import { localName } from "../api/sparql";
-import { Link } from "../app/link";
+import { Link } from "../ui/link";
 import { usePast } from "../api/past";
-import { paths } from "../app/router";
+import { paths } from "../ui/router";
 import { words } from "../cawl/names";
 import type { RobotReservation, RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { ReserveDialog } from "./reserve_dialog";
-import { taskWords } from "./robot_words";
+import { taskWords } from "../hall/robot_words";
 import { attempt } from "./run_actions";
 import { ServiceDialog } from "./service_dialog";
-import { clock, runWords } from "./states";
-import type { Way } from "./ways";
+import { clock, runWords } from "../ui/states";
+import type { Way } from "../hall/ways";
 
 export function RobotPanel({
   robot,

@@ -4,14 +4,14 @@ import { useState } from "react";
 import { workflows } from "../api/client";
 import { sentence } from "../api/errors";
 import { nameOf } from "../api/labels";
-import { useCommands } from "../app/commands";
+import { useCommands } from "../ui/commands";
 import { words } from "../cawl/names";
 import { usePast } from "../api/past";
 import { SettleRequest_How, type Node, type Run } from "../gen/docent/v1/workflows_pb";
 import { Dialog } from "../ui/dialog";
 import { toast } from "../ui/toasts";
 import { type UnderWay, underWay } from "./runs_within";
-import { isLive, runWords } from "./states";
+import { isLive, runWords } from "../ui/states";
 
 export function attempt(what: string, call: () => Promise<unknown>, then: () => void) {
   call().then(

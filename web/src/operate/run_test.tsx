@@ -2,9 +2,9 @@
 import { History, Star } from "lucide-react";
 import { sentence } from "../api/errors";
 import { usePoll } from "../api/poll";
-import { Link } from "../app/link";
-import { paths } from "../app/router";
-import { dropTest, keepTest, listTests } from "../compose/run_tests";
+import { Link } from "../ui/link";
+import { paths } from "../ui/router";
+import { dropTest, keepTest, listTests } from "../flow/run_tests";
 import type { Run } from "../gen/docent/v1/workflows_pb";
 import { toast } from "../ui/toasts";
 

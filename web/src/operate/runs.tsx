@@ -5,15 +5,16 @@ import { useAsOf, useKept } from "../api/as_of";
 import { workflows } from "../api/client";
 import { useFollow } from "../api/live";
 import { nameOf } from "../api/labels";
-import { useCommands } from "../app/commands";
-import { Link } from "../app/link";
+import { useCommands } from "../ui/commands";
+import { Link } from "../ui/link";
 import { usePast } from "../api/past";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { ListRunsReplySchema, type Run } from "../gen/docent/v1/workflows_pb";
 import { askRuns } from "./past_runs";
-import { LostTag, useOfflineRobots } from "./offline";
+import { useOfflineRobots } from "../facts/fleet";
+import { LostTag } from "./offline";
 import { lostOf, stateOf, whereWords } from "./runs_within";
-import { duration, isLive, nowUs, runWords, StateTag, Time } from "./states";
+import { duration, isLive, nowUs, runWords, StateTag, Time } from "../ui/states";
 import "./runs.css";
 
 const filters = [

@@ -3,7 +3,7 @@ import type { Invocation, Run } from "../gen/docent/v1/workflows_pb";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { words } from "../cawl/names";
 import { reasonWords } from "./reason_words";
-import { clock, isLive } from "./states";
+import { clock, isLive } from "../ui/states";
 
 const deepest = 8;
 

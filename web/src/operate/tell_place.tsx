@@ -7,9 +7,9 @@ import { randomUuid } from "../api/ids";
 import type { Names } from "../api/prefixes";
 import { iriTerm } from "../api/terms";
 import { QuadSchema } from "../gen/docent/v1/term_pb";
-import type { Layout } from "./layout";
+import type { Layout } from "../hall/layout";
 import { attempt } from "./run_actions";
-import { TellDialog } from "./tell";
+import { TellDialog } from "../facts/tell";
 
 const isAt = "https://w3id.org/docent#isAt";
 

@@ -4,13 +4,13 @@ import { useEffect, useEffectEvent, useState } from "react";
 import { useAsOf } from "../api/as_of";
 import { useConnection } from "../api/connection";
 import { query } from "../api/sparql";
-import { useCommands } from "../app/commands";
+import { useCommands } from "../ui/commands";
 import { serverNow, showTime, usePast } from "../api/past";
 import { announce } from "../ui/toasts";
 import { nextMark, spans, useMarks, usualSpan } from "./marks";
 import { useTicks } from "./runs";
-import { clock, duration, timeTitle } from "./states";
-import "./time_bar.css";
+import { clock, duration, timeTitle } from "../ui/states";
+import "../ui/time_bar.css";
 
 const speeds = [1, 4, 16] as const;
 const frameMs = 200;

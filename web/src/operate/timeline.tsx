@@ -7,7 +7,7 @@ import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { live } from "../api/live";
 import type { Names } from "../api/prefixes";
 import { showTime, usePast } from "../api/past";
-import { clock, look, timeTitle } from "./states";
+import { clock, look, timeTitle } from "../ui/states";
 import { eventsInWords } from "./timeline_words";
 
 const kept = 2000;

@@ -5,7 +5,7 @@ import { verbWords } from "../cawl/phrases";
 import { words } from "../cawl/names";
 import type { RunEvent } from "../gen/docent/v1/workflows_pb";
 import { reasonWords } from "./reason_words";
-import { look } from "./states";
+import { look } from "../ui/states";
 
 export interface EventWords {
   words: string; // after the name of the step: "is done"

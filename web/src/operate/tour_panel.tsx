@@ -2,12 +2,12 @@
 import { ArrowDown, ArrowUp, ChevronDown, ChevronRight, Route, X } from "lucide-react";
 import { useState } from "react";
 import type { Names } from "../api/prefixes";
-import { navigate, paths } from "../app/router";
+import { navigate, paths } from "../ui/router";
 import { uniqueName } from "../cawl/names";
 import { useLegs } from "./legs";
 import { presentS, type Stop, tourChoices, tourSeconds, tourText } from "../cawl/tour";
-import { listDrafts, saveDraft } from "../compose/drafts";
-import { usePalette } from "../compose/palette_data";
+import { listDrafts, saveDraft } from "../flow/drafts";
+import { usePalette } from "../flow/palette_data";
 import type { TourDraft } from "./tour_draft";
 
 export function TourPanel(props: {

@@ -3,7 +3,7 @@ import { useEffect, useState } from "react";
 import { useShown } from "../api/as_of";
 import { workflows } from "../api/client";
 import type { Run, Wait } from "../gen/docent/v1/workflows_pb";
-import { isLive } from "./states";
+import { isLive } from "../ui/states";
 
 const asked = 60; // runs that are explained at a time, the oldest first
 

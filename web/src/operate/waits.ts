@@ -2,7 +2,7 @@
 import { replaceIris, splitFacts } from "../api/iris";
 import type { Names } from "../api/prefixes";
 import type { Node, Run, Wait } from "../gen/docent/v1/workflows_pb";
-import { asMeant, factsOf, factWords } from "./fact_words";
+import { asMeant, factsOf, factWords } from "../facts/fact_words";
 import {
   awayWords,
   type Cause,
@@ -13,10 +13,10 @@ import {
   type Known,
   noCause,
   tellsItself,
-} from "./no_robot";
+} from "../facts/no_robot";
 import { reasonWords } from "./reason_words";
 import { sinceWords } from "./runs_within";
-import { isLive, runWords } from "./states";
+import { isLive, runWords } from "../ui/states";
 
 export type WaitKind = "operator" | "lost" | "fact" | "robot" | "time" | "resume";
 export interface Waiting {

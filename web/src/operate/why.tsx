@@ -7,16 +7,17 @@ import { replaceIris } from "../api/iris";
 import { usePoll } from "../api/poll";
 import type { Names } from "../api/prefixes";
 import { timeText, usePast } from "../api/past";
-import { quadOf, quadText, termOf } from "../api/terms";
-import { patternWords } from "../compose/term_name";
+import { iriOf, quadText, termOf } from "../api/terms";
+import { patternWords } from "../facts/term_name";
 import type { ExplainReply, MissingSet, Proof } from "../gen/docent/v1/context_pb";
 import { create } from "@bufbuild/protobuf";
-import { type Quad, QuadSchema, type Term } from "../gen/docent/v1/term_pb";
-import { asMeant, factWords } from "./fact_words";
-import { type Cause, causeOf, isOfRobot, isOwnFact, type Known, noCause } from "./no_robot";
-import { useFleet } from "./offline";
-import { clock } from "./states";
-import { TellDialog } from "./tell";
+import { type Quad, QuadSchema } from "../gen/docent/v1/term_pb";
+import { asMeant, factWords } from "../facts/fact_words";
+import { type Cause, causeOf, isOfRobot, type Known, noCause } from "../facts/no_robot";
+import { useFleet } from "../facts/fleet";
+import { tellable } from "../facts/tellable";
+import { clock } from "../ui/states";
+import { TellDialog } from "../facts/tell";
 import { alternativesOf } from "./waits";
 import "./why.css";
 
@@ -245,13 +246,6 @@ interface Way {
   missing: string[]; // patterns with prefixes
   cause: Cause;
   add: Quad[]; // what people may tell
-}
-const iriOf = (term: Term | undefined) => (term?.kind.case === "iri" ? term.kind.value : "");
-const isOwn = (quad: Quad, robots: readonly Known[]) =>
-  isOwnFact(iriOf(quad.subject), iriOf(quad.predicate), robots);
-// Of what a set adds, what is not for the robots alone to tell.
-export function tellable(set: Pick<MissingSet, "add">, robots: readonly Known[]): Quad[] {
-  return set.add.filter((quad) => !isOwn(quad, robots)).map(quadOf);
 }
 // The ways to make it hold; those that differ only in a thing of which any would do are one way.
 export function waysOf(

@@ -1,4 +1,4 @@
-import { keyLabels } from "../app/commands";
+import { keyLabels } from "./commands";
 
 export function Keys({ keys }: { keys: string }) {
   return (

@@ -1,7 +1,7 @@
 // Addresses of views: every view is a URL that restores it. Paths only; what a view keeps beside its name is in the query.
 // The time that a view shows is in the query as well, and the paths of those that can show the past take it along (past.ts).
 import { useSyncExternalStore } from "react";
-import { leaveField } from "../ui/typed";
+import { leaveField } from "./typed";
 import { followAddress, timeInAddress } from "../api/past";
 
 export type Route =

@@ -3,9 +3,8 @@ import { Bot, ChevronRight, Sparkles } from "lucide-react";
 import { choose, useChoice } from "./address";
 import type { Offer } from "./offers";
 import { PlacePicker } from "./place_picker";
-import type { Place, Places } from "./places";
+import { type Place, type Places, placeWords } from "./places";
 import { arrive, call, useVisitor } from "./visitor";
-import { placeWords } from "./visit";
 import { useWords } from "./words";
 
 export function Choosing({ places, offers }: { places: Places; offers: Offer[] | undefined }) {

@@ -1,5 +1,5 @@
 // When a robot comes: by its way, its speed and who is before the visitor. Pure functions.
-import type { Point } from "../operate/layout";
+import type { Point } from "../hall/layout";
 import type { Sentence } from "./journey";
 
 const usualMS = 0.6; // metres a second of a guide robot in a hall with people

@@ -1,7 +1,7 @@
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
-import { startTheme } from "../app/theme";
-import "../app/base.css";
+import { startTheme } from "../ui/theme";
+import "../ui/base.css";
 import { Visit } from "./visit";
 
 startTheme();

@@ -8,7 +8,7 @@ import { query } from "../api/sparql";
 import { kept } from "../api/storage";
 import { type ListRobotsReply, ListRobotsReplySchema, type RobotStatus } from "../gen/docent/v1/fleet_pb";
 import { ExplainRunReplySchema, type Run, RunSchema, type Wait } from "../gen/docent/v1/workflows_pb";
-import { isLive } from "../operate/states";
+import { isLive } from "../ui/states";
 import { docentNs } from "./offers";
 import { change, fulfilled, lapsed, outbox, renewWish, useVisitor, withdraw } from "./visitor";
 

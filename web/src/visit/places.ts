@@ -1,6 +1,6 @@
 // Booths and regions where visitors are and may go, with the point where a robot stands there.
 import { query } from "../api/sparql";
-import { type Layout, type Point, readLayout, readWkt, shapesQuery } from "../operate/layout";
+import { type Layout, type Point, readLayout, readWkt, shapesQuery } from "../hall/layout";
 
 export interface Place {
   iri: string;
@@ -54,4 +54,8 @@ export function findPlace(list: readonly Place[], named: string): Place | undefi
     list.find((p) => ends(p.iri) === local) ??
     list.find((p) => p.name.toLowerCase() === wanted.toLowerCase())
   );
+}
+
+export function placeWords(place: { name: string; detail: string }): string {
+  return place.detail ? `${place.name} · ${place.detail}` : place.name;
 }

@@ -10,8 +10,7 @@ import { clockOf, type Journey, journeyOf, type Naming, type Reason, type Senten
 import { useMyRun } from "./my_run";
 import type { Offer } from "./offers";
 import { PlacePicker } from "./place_picker";
-import type { Place, Places } from "./places";
-import { placeWords } from "./visit";
+import { type Place, type Places, placeWords } from "./places";
 import { VisitMap } from "./visit_map";
 import { arrive, change, end, select, useOutbox, useVisitor, withdraw } from "./visitor";
 import { useWords } from "./words";

@@ -9,7 +9,7 @@ import { choose, useChoice } from "./address";
 import { Choosing } from "./choosing";
 import { useKept } from "./kept";
 import { readOffers } from "./offers";
-import { findPlace, readPlaces } from "./places";
+import { findPlace, placeWords, readPlaces } from "./places";
 import { Progress } from "./progress";
 import { arrive, useVisitor } from "./visitor";
 import { chooseLanguage, LanguageContext, languages, sayIn, useWords } from "./words";
@@ -101,10 +101,6 @@ function Body() {
       <p className="visit-privacy">{say("privacy")}</p>
     </main>
   );
-}
-
-export function placeWords(place: { name: string; detail: string }): string {
-  return place.detail ? `${place.name} · ${place.detail}` : place.name;
 }
 
 // Says since when there is no connection, and looks for it as long as the live connection does not.

@@ -3,8 +3,8 @@ import { Minus, Plus } from "lucide-react";
 import { useRef, useState } from "react";
 import { flushSync } from "react-dom";
 import type { RobotStatus } from "../gen/docent/v1/fleet_pb";
-import { placeLabels, textBox } from "../operate/label_places";
-import type { Shape } from "../operate/layout";
+import { placeLabels, textBox } from "../hall/label_places";
+import type { Shape } from "../hall/layout";
 import type { Place, Places } from "./places";
 import { useWords } from "./words";
 

@@ -1,7 +1,8 @@
 // Drafts on the server: saved in one browser, gone on with in another; two at the same time; gone when it is deployed.
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { draftIri, sparqlString, writeUpdate } from "../../src/compose/server_drafts";
+import { sparqlString } from "../../src/api/sparql";
+import { draftIri, writeUpdate } from "../../src/compose/server_drafts";
 import { draft, draftNow, patienceMs, seriousFindings } from "./pages";
 import { lacking } from "./processes";
 import { RealStage } from "./real_stage";

@@ -8,7 +8,7 @@ const sheets = readdirSync(source, { recursive: true, encoding: "utf8" }).filter
   name.endsWith(".css"),
 );
 const harmless = new Set(["hall"]); // shapes of an SVG, to which the layout of a view means nothing
-const helpers = "app/base.css"; // small, quiet, row, cut: meant to be added to anything
+const helpers = "ui/base.css"; // small, quiet, row, cut: meant to be added to anything
 
 function selectors(sheet: string): string[] {
   const css = readFileSync(join(source, sheet), "utf8").replace(

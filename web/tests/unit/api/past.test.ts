@@ -1,11 +1,11 @@
 // The past: times in addresses, runs and robots read from facts, marks of the time bar.
 import { describe, expect, it } from "vitest";
-import { readTime, serverIsAhead, shownNow, timeText } from "../../src/api/past";
-import type { Row, Value } from "../../src/api/sparql";
-import { nextMark, readMarks, usualSpan } from "../../src/operate/marks";
-import { readRobots } from "../../src/operate/past_hall";
-import { readRuns, runQuery } from "../../src/operate/past_runs";
-import { readWays, restOf } from "../../src/operate/ways";
+import { readTime, serverIsAhead, shownNow, timeText } from "../../../src/api/past";
+import type { Row, Value } from "../../../src/api/sparql";
+import { nextMark, readMarks, usualSpan } from "../../../src/operate/marks";
+import { readRobots } from "../../../src/facts/past_robots";
+import { readRuns, runQuery } from "../../../src/operate/past_runs";
+import { readWays, restOf } from "../../../src/hall/ways";
 
 const docent = "https://w3id.org/docent#";
 const prov = "http://www.w3.org/ns/prov#";

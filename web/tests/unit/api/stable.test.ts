@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { isSame } from "../../src/api/stable";
+import { isSame } from "../../../src/api/stable";
 
 test("plain data is the same by what is in it, and in its order", () => {
   expect(

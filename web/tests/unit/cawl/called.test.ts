@@ -2,17 +2,17 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { describe, expect, it } from "vitest";
-import { calledFlow, sourceOf, unsetInputs } from "../../src/cawl/called";
-import { readCawl } from "../../src/cawl/document";
-import { Edits } from "../../src/cawl/edits";
-import { applyChanges } from "../../src/cawl/layout_of_text";
-import { unsetFindings } from "../../src/compose/called_flows";
+import { calledFlow, sourceOf, unsetInputs } from "../../../src/cawl/called";
+import { readCawl } from "../../../src/cawl/document";
+import { Edits } from "../../../src/cawl/edits";
+import { applyChanges } from "../../../src/cawl/layout_of_text";
+import { unsetFindings } from "../../../src/compose/called_flows";
 
 const docent = "https://w3id.org/docent#";
 const guide = calledFlow(
   readCawl(
     readFileSync(
-      join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
+      join(import.meta.dirname, "../../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
       "utf8",
     ),
   ),

@@ -2,12 +2,12 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { describe, expect, it } from "vitest";
-import { type CawlDocument, type Flow, partAt, readCawl } from "../../src/cawl/document";
-import { EditRefused, Edits } from "../../src/cawl/edits";
-import { applyChanges } from "../../src/cawl/layout_of_text";
+import { type CawlDocument, type Flow, partAt, readCawl } from "../../../src/cawl/document";
+import { EditRefused, Edits } from "../../../src/cawl/edits";
+import { applyChanges } from "../../../src/cawl/layout_of_text";
 
 const guide = readFileSync(
-  join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
+  join(import.meta.dirname, "../../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
   "utf8",
 );
 

@@ -5,12 +5,12 @@ import { EditorState } from "@codemirror/state";
 import { readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { describe, expect, it } from "vitest";
-import { type CawlDocument, type Flow, readCawl } from "../../src/cawl/document";
-import { EditRefused, Edits } from "../../src/cawl/edits";
-import { applyChanges } from "../../src/cawl/layout_of_text";
-import { Random } from "./random";
+import { type CawlDocument, type Flow, readCawl } from "../../../src/cawl/document";
+import { EditRefused, Edits } from "../../../src/cawl/edits";
+import { applyChanges } from "../../../src/cawl/layout_of_text";
+import { Random } from "../random";
 
-const tree = join(import.meta.dirname, "../../..");
+const tree = join(import.meta.dirname, "../../../..");
 
 function documents(folder: string): string[] {
   return readdirSync(folder).flatMap((name) => {

@@ -1,11 +1,11 @@
 // Conditions with expressions: what must be, what must not be, and how it is said.
 import { describe, expect, it } from "vitest";
-import { eachWayHas, neededRows, senseInRule, senseOfContext } from "../../src/cawl/condition_logic";
-import { type Condition, readCawl } from "../../src/cawl/document";
-import { readExpression, senses } from "../../src/cawl/expression";
-import { conditionRows } from "../../src/cawl/phrases";
-import { rowWords } from "../../src/compose/condition_states";
-import { wishesOf } from "../../src/visit/offers";
+import { eachWayHas, neededRows, senseInRule, senseOfContext } from "../../../src/cawl/condition_logic";
+import { type Condition, readCawl } from "../../../src/cawl/document";
+import { readExpression, senses } from "../../../src/cawl/expression";
+import { conditionRows } from "../../../src/cawl/phrases";
+import { rowWords } from "../../../src/compose/condition_states";
+import { wishesOf } from "../../../src/visit/offers";
 
 const row = (name: string, subject: string, verb: string, object: string) =>
   `<constraint name="${name}"><subject>${subject}</subject><verb>${verb}</verb><object>${object}</object></constraint>`;

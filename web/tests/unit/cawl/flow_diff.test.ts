@@ -1,8 +1,8 @@
 // What a deployment changes: new, changed and gone steps and links.
 import { describe, expect, it } from "vitest";
-import { readCawl } from "../../src/cawl/document";
-import { bothFlows } from "../../src/cawl/flow_diff";
-import { latelyQuery, readLately } from "../../src/operate/lately";
+import { readCawl } from "../../../src/cawl/document";
+import { bothFlows } from "../../../src/cawl/flow_diff";
+import { latelyQuery, readLately } from "../../../src/operate/lately";
 
 const document = (...inner: string[]) =>
   readCawl(`<CAWL name="x"><flow name="f"><source name="s"/>${inner.join("")}<sink name="t"/></flow></CAWL>`);

@@ -1,7 +1,7 @@
 // Which values a run needs at its beginning.
 import { describe, expect, it } from "vitest";
-import { readCawl } from "../../src/cawl/document";
-import { startVariables } from "../../src/cawl/start_values";
+import { readCawl } from "../../../src/cawl/document";
+import { startVariables } from "../../../src/cawl/start_values";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
@@ -15,7 +15,7 @@ describe("the values that a run begins with", () => {
     expect(
       needs(
         readFileSync(
-          join(import.meta.dirname, "../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
+          join(import.meta.dirname, "../../../../scenarios/s01_booth_guide/booth_guide.cawl.xml"),
           "utf8",
         ),
       ),

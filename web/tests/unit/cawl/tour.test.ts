@@ -1,9 +1,9 @@
 // A tour from the map: its text, and its estimated time.
 import { describe, expect, it } from "vitest";
-import { readCawl } from "../../src/cawl/document";
-import { tourChoices, type TourOffer, tourSeconds, tourText } from "../../src/cawl/tour";
-import { newTour, readTour } from "../../src/operate/tour_draft";
-import { roadmapText } from "../../src/operate/legs";
+import { readCawl } from "../../../src/cawl/document";
+import { tourChoices, type TourOffer, tourSeconds, tourText } from "../../../src/cawl/tour";
+import { newTour, readTour } from "../../../src/operate/tour_draft";
+import { roadmapText } from "../../../src/operate/legs";
 
 const stop = (name: string, x: number, more = {}) => ({
   iri: `urn:${name}`,

@@ -1,9 +1,9 @@
 // What a step gives to an operation: what is written into the text, and what comes back from it.
 import { describe, expect, it } from "vitest";
-import { type Flow, readCawl } from "../../src/cawl/document";
-import { Edits } from "../../src/cawl/edits";
-import { applyChanges } from "../../src/cawl/layout_of_text";
-import { shownValue, writtenValue } from "../../src/cawl/values";
+import { type Flow, readCawl } from "../../../src/cawl/document";
+import { Edits } from "../../../src/cawl/edits";
+import { applyChanges } from "../../../src/cawl/layout_of_text";
+import { shownValue, writtenValue } from "../../../src/cawl/values";
 
 const string = "http://www.w3.org/2001/XMLSchema#string";
 const text = `<CAWL name="Two" xmlns:docent="https://w3id.org/docent#">

@@ -11,8 +11,8 @@ import {
   type Socket,
   SubscribeReplySchema,
   variable,
-} from "../../client/src/index";
-import { WatchedAnswer } from "../../client/src/watched_answer";
+} from "../../../client/src/index";
+import { WatchedAnswer } from "../../../client/src/watched_answer";
 
 const xsd = "http://www.w3.org/2001/XMLSchema#";
 const expo = namespace("https://w3id.org/docent/expo#");

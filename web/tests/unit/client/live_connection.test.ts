@@ -1,6 +1,6 @@
 // What a tab follows, against a server that is a script: parts of changes, lost connections, servers without live connections.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { LiveConnection, liveTimes, type Failure, type Socket } from "../../client/src/live_connection";
+import { LiveConnection, liveTimes, type Failure, type Socket } from "../../../client/src/live_connection";
 
 class ScriptedSocket implements Socket {
   readyState = 1;

@@ -1,11 +1,11 @@
 // Drafts of one document in two tabs: what each writes comes to the other; nothing is lost without a word.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { keptIn } from "../../src/api/storage";
-import { DraftSync } from "../../src/compose/draft_sync";
-import { dropDraft, listDrafts, loadDraft } from "../../src/compose/drafts";
-import { baseAt, liveOf, type LiveVersion } from "../../src/compose/load_document";
-import type { Session } from "../../src/compose/session";
-import { Random } from "./random";
+import { keptIn } from "../../../src/api/storage";
+import { DraftSync } from "../../../src/compose/draft_sync";
+import { dropDraft, listDrafts, loadDraft } from "../../../src/flow/drafts";
+import { baseAt, liveOf, type LiveVersion } from "../../../src/compose/load_document";
+import type { Session } from "../../../src/compose/session";
+import { Random } from "../random";
 
 const name = "Tour";
 const key = `docent.draft.${name}`;

@@ -1,8 +1,8 @@
 // Two texts of one beginning put together: nothing of either is lost, or somebody has to choose.
 import { describe, expect, it } from "vitest";
-import { mergeLines, mergeTexts } from "../../src/compose/merge";
-import { hunksOf } from "../../src/compose/text_diff";
-import { Random } from "./random";
+import { mergeLines, mergeTexts } from "../../../src/compose/merge";
+import { hunksOf } from "../../../src/compose/text_diff";
+import { Random } from "../random";
 
 describe("merging", () => {
   it("takes both changes where they are at different places, also at the ends", () => {

@@ -1,10 +1,10 @@
 // What is said of a condition that does not hold.
 import { fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { readMiss } from "../../src/compose/nearest_miss";
-import { matchWords } from "../../src/compose/condition_states";
-import { readCawl } from "../../src/cawl/document";
-import { ExplainReplySchema } from "../../src/gen/docent/v1/context_pb";
+import { readMiss } from "../../../src/compose/nearest_miss";
+import { matchWords } from "../../../src/compose/condition_states";
+import { readCawl } from "../../../src/cawl/document";
+import { ExplainReplySchema } from "../../../src/gen/docent/v1/context_pb";
 
 const expo = "https://w3id.org/docent/expo#";
 const docent = "https://w3id.org/docent#";

@@ -1,11 +1,11 @@
 // Steps that are copied from one workflow into another one.
 import { describe, expect, it, vi } from "vitest";
-import { flowOf, readCawl } from "../../src/cawl/document";
-import { Edits } from "../../src/cawl/edits";
-import { applyChanges } from "../../src/cawl/layout_of_text";
-import { Actions } from "../../src/compose/actions";
-import type { PaletteEntry } from "../../src/compose/palette_data";
-import type { Session } from "../../src/compose/session";
+import { flowOf, readCawl } from "../../../src/cawl/document";
+import { Edits } from "../../../src/cawl/edits";
+import { applyChanges } from "../../../src/cawl/layout_of_text";
+import { Actions } from "../../../src/compose/actions";
+import type { PaletteEntry } from "../../../src/flow/palette_data";
+import type { Session } from "../../../src/compose/session";
 
 vi.stubGlobal("window", { setTimeout });
 const palette: PaletteEntry[] = [

@@ -1,7 +1,7 @@
 // Playing a simulation in ticks: it stops at breakpoints and at its end, whatever the machine does in between.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { playOn, type Shown } from "../../src/compose/playing";
-import type { SimulationEvent } from "../../src/compose/simulation";
+import { playOn, type Shown } from "../../../src/compose/playing";
+import type { SimulationEvent } from "../../../src/compose/simulation";
 
 const events = [0, 4, 20, 23].map((afterS) => ({ afterS })) as SimulationEvent[];
 const begin = { afterS: 0, done: 0 };

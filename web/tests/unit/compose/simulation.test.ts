@@ -13,10 +13,10 @@ import {
   stopsOf,
   type Telling,
   valuesAt,
-} from "../../src/compose/simulation";
-import { classesIn, clockWords, eventWords, lacksOf, noteWords } from "../../src/compose/simulation_words";
-import { SimulateReplySchema } from "../../src/gen/docent/v1/replays_pb";
-import { QuadSchema } from "../../src/gen/docent/v1/term_pb";
+} from "../../../src/compose/simulation";
+import { classesIn, clockWords, eventWords, lacksOf, noteWords } from "../../../src/compose/simulation_words";
+import { SimulateReplySchema } from "../../../src/gen/docent/v1/replays_pb";
+import { QuadSchema } from "../../../src/gen/docent/v1/term_pb";
 
 const expo = "https://w3id.org/docent/expo#";
 const docent = "https://w3id.org/docent#";

@@ -1,8 +1,8 @@
 // How many runs a deployment would start at once.
 import { create } from "@bufbuild/protobuf";
 import { expect, it } from "vitest";
-import { countKeys, keyQueries, startsWords } from "../../src/compose/starts_now";
-import { CompiledConditionSchema } from "../../src/gen/docent/v1/workflows_pb";
+import { countKeys, keyQueries, startsWords } from "../../../src/compose/starts_now";
+import { CompiledConditionSchema } from "../../../src/gen/docent/v1/workflows_pb";
 
 const condition = (place: string, ask = "PREFIX d: <urn:d#>\nASK {\n  ?user d:chose ?service .\n}") =>
   create(CompiledConditionSchema, { place, ask });

@@ -1,6 +1,6 @@
 // Versions that a deployment is proposed to have.
 import { describe, expect, it } from "vitest";
-import { proposedVersion } from "../../src/compose/text_diff";
+import { proposedVersion } from "../../../src/compose/text_diff";
 
 describe("the version of a deployment", () => {
   it("is above the live one", () => {

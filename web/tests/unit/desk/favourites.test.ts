@@ -9,8 +9,8 @@ import {
   mostFavourites,
   readFavourite,
   readFavourites,
-} from "../../src/desk/favourites";
-import { Random } from "./random";
+} from "../../../src/desk/favourites";
+import { Random } from "../random";
 
 const guide: Favourite = { kind: "workflow", name: "BoothGuide", flow: "", title: "", values: {} };
 

@@ -1,7 +1,7 @@
 // What somebody means who types in a field with offers, and in which order verbs are offered.
 import { describe, expect, it } from "vitest";
-import { verbsFor } from "../../src/compose/vocabulary";
-import { type Choice, found, meant } from "../../src/ui/combo";
+import { verbsFor } from "../../../src/facts/vocabulary";
+import { type Choice, found, meant } from "../../../src/ui/combo";
 
 const choices: Choice[] = [
   { value: "$booth", label: "docent:Booth" },

@@ -1,6 +1,6 @@
 // Names on the map: beside their things, and not over what is written there.
 import { expect, it } from "vitest";
-import { placeLabels, textBox } from "../../src/operate/label_places";
+import { placeLabels, textBox } from "../../../src/hall/label_places";
 
 const robot = { key: "R01", x: 0, y: 0, radius: 0.6, text: "R01", size: 0.62 };
 

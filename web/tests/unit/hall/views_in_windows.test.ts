@@ -1,8 +1,8 @@
 // What is seen of drawings in windows of other shapes, and how large their letters are.
 import { describe, expect, it } from "vitest";
-import { beginning, isAnySeen, withPiece } from "../../src/compose/refit";
-import { broughtIntoView, lettersAt, linesOf } from "../../src/operate/hall_drawing";
-import type { Shape } from "../../src/operate/layout";
+import { beginning, isAnySeen, withPiece } from "../../../src/flow/refit";
+import { broughtIntoView, lettersAt, linesOf } from "../../../src/hall/hall_drawing";
+import type { Shape } from "../../../src/hall/layout";
 
 describe("a flow in a window", () => {
   const steps = [

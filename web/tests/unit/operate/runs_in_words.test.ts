@@ -1,11 +1,11 @@
 // A run in words: its history as sentences, how far it is with what it has started, and its version after the next deployment.
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { words } from "../../src/cawl/names";
-import { nextVersion } from "../../src/compose/text_diff";
-import { RunEventSchema, RunSchema } from "../../src/gen/docent/v1/workflows_pb";
-import { progressOf, stateOf, underWay, whereWords } from "../../src/operate/runs_within";
-import { eventsInWords, factsInWords } from "../../src/operate/timeline_words";
+import { words } from "../../../src/cawl/names";
+import { nextVersion } from "../../../src/compose/text_diff";
+import { RunEventSchema, RunSchema } from "../../../src/gen/docent/v1/workflows_pb";
+import { progressOf, stateOf, underWay, whereWords } from "../../../src/operate/runs_within";
+import { eventsInWords, factsInWords } from "../../../src/operate/timeline_words";
 
 const names = { name: (iri: string) => iri.replace(/^.*[#/]/, "") };
 const expo = "https://w3id.org/docent/expo#";

@@ -1,6 +1,6 @@
 // Where a robot's screen is, by what anybody may have told.
 import { expect, it } from "vitest";
-import { screenAddress } from "../../src/operate/screen_address";
+import { screenAddress } from "../../../src/operate/screen_address";
 
 it("a page's server is the screen, and what is no web address is none", () => {
   expect(screenAddress("http://127.0.0.1:8090/booth-7")).toBe("http://127.0.0.1:8090/");

@@ -1,14 +1,14 @@
 // The board: what runs wait for, grouped by what lacks.
 import { fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { limitWords } from "../../src/api/errors";
-import { replaceIris, splitFacts } from "../../src/api/iris";
-import { RobotStatusSchema } from "../../src/gen/docent/v1/fleet_pb";
-import { RunSchema, WaitSchema, type Wait } from "../../src/gen/docent/v1/workflows_pb";
-import { asMeant, factsOf, factWords } from "../../src/operate/fact_words";
-import { reasonWords } from "../../src/operate/reason_words";
-import { exchangeOf, fitFor } from "../../src/operate/exchange";
-import { groupWaits } from "../../src/operate/waits";
+import { limitWords } from "../../../src/api/errors";
+import { replaceIris, splitFacts } from "../../../src/api/iris";
+import { RobotStatusSchema } from "../../../src/gen/docent/v1/fleet_pb";
+import { RunSchema, WaitSchema, type Wait } from "../../../src/gen/docent/v1/workflows_pb";
+import { asMeant, factsOf, factWords } from "../../../src/facts/fact_words";
+import { reasonWords } from "../../../src/operate/reason_words";
+import { exchangeOf, fitFor } from "../../../src/operate/exchange";
+import { groupWaits } from "../../../src/operate/waits";
 
 const expo = "https://w3id.org/docent/expo#";
 const docent = "https://w3id.org/docent#";

@@ -1,8 +1,8 @@
 // Addresses of runs, and names of things that have no label.
 import { expect, it, vi } from "vitest";
-import { nameOf, shortName } from "../../src/api/labels";
-import { parseRoute, paths } from "../../src/app/router";
-import { patternWords, termName } from "../../src/compose/term_name";
+import { nameOf, shortName } from "../../../src/api/labels";
+import { parseRoute, paths } from "../../../src/ui/router";
+import { patternWords, termName } from "../../../src/facts/term_name";
 
 it("the id of a run is encoded once in its address, and comes back whole", () => {
   expect(paths.run("John's%20Service-6", "Greet")).toBe("/runs/John's%20Service-6?node=Greet");
@@ -30,7 +30,7 @@ it("a pattern is a sentence in the property's own words", () => {
 });
 it("a key that is a plus has one label", async () => {
   vi.stubGlobal("navigator", { platform: "Linux" });
-  const { keyLabels } = await import("../../src/app/commands");
+  const { keyLabels } = await import("../../../src/ui/commands");
   expect([keyLabels("+|="), keyLabels("Mod+K"), keyLabels("G R")]).toEqual([
     ["+"],
     ["Ctrl", "K"],

@@ -1,11 +1,11 @@
 // The parts of the visitors' page: what is said of a run, when a robot comes, texts in all languages, what is told once.
 import { create, fromJson, type JsonObject } from "@bufbuild/protobuf";
 import { describe, expect, it, vi } from "vitest";
-import { type PlainError } from "../../src/api/errors";
-import { randomUuid } from "../../src/api/ids";
-import { AssertRequestSchema } from "../../src/gen/docent/v1/context_pb";
-import { RobotStatusSchema } from "../../src/gen/docent/v1/fleet_pb";
-import { RunSchema, WaitSchema } from "../../src/gen/docent/v1/workflows_pb";
+import { type PlainError } from "../../../src/api/errors";
+import { randomUuid } from "../../../src/api/ids";
+import { AssertRequestSchema } from "../../../src/gen/docent/v1/context_pb";
+import { RobotStatusSchema } from "../../../src/gen/docent/v1/fleet_pb";
+import { RunSchema, WaitSchema } from "../../../src/gen/docent/v1/workflows_pb";
 import {
   etaWords,
   secondsInQueue,
@@ -13,11 +13,11 @@ import {
   speedOf,
   withSighting,
   type Sighting,
-} from "../../src/visit/estimate";
-import { journeyOf, type Naming, readPatterns, type Visit } from "../../src/visit/journey";
-import { Outbox, type OutboxPorts } from "../../src/visit/outbox";
-import { findPlace, type Place } from "../../src/visit/places";
-import { chooseLanguage, languages, sayIn } from "../../src/visit/words";
+} from "../../../src/visit/estimate";
+import { journeyOf, type Naming, readPatterns, type Visit } from "../../../src/visit/journey";
+import { Outbox, type OutboxPorts } from "../../../src/visit/outbox";
+import { findPlace, type Place } from "../../../src/visit/places";
+import { chooseLanguage, languages, sayIn } from "../../../src/visit/words";
 
 const expo = "https://w3id.org/docent/expo#";
 const docent = "https://w3id.org/docent#";
