@@ -1,24 +1,16 @@
 // Whether the server answers, for the badge that says so.
-import { useSyncExternalStore } from "react";
+import { createStore } from "./store";
 
 export interface Connection {
   state: "unknown" | "there" | "away";
   since: number; // when it began to be so, in ms since 1970
 }
-let connection: Connection = { state: "unknown", since: Date.now() };
-const listeners = new Set<() => void>();
+const connection = createStore<Connection>({ state: "unknown", since: Date.now() });
 
 function become(state: Connection["state"]) {
-  if (connection.state === state) return;
-  connection = { state, since: Date.now() };
-  for (const listener of listeners) listener();
+  if (connection.get().state !== state) connection.set({ state, since: Date.now() });
 }
 export const serverAnswered = () => become("there");
 export const serverSilent = () => become("away");
 
-export function useConnection(): Connection {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
-    () => connection,
-  );
-}
+export const useConnection = connection.use;

@@ -1,7 +1,9 @@
 // What things are called: by their labels in the graph, else by a short end of their IRI. The labels are asked for once for the whole app.
-import { useEffect, useSyncExternalStore } from "react";
+import { useEffect } from "react";
 import { usePoll } from "./poll";
 import { localName, query, type Value } from "./sparql";
+import { isSame } from "./stable";
+import { createStore } from "./store";
 
 // A thing's name in a language, else in none, else in English, else any: patterns of a query that groups by the thing, and the
 // expression that chooses. A thing may have its name in several languages.
@@ -18,8 +20,7 @@ export const nameChosen = "COALESCE(SAMPLE(?name1), SAMPLE(?name2), SAMPLE(?name
 
 const labelsQuery = `PREFIX docent: <https://w3id.org/docent#> PREFIX schema: <https://schema.org/> PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
 SELECT ?t (${nameChosen} AS ?label) { { SELECT DISTINCT ?t { VALUES ?c { docent:Region docent:Robot docent:Person docent:Visitor docent:Service } ?t a ?c FILTER(isIRI(?t)) } } ${namePatterns("?t")} } GROUP BY ?t LIMIT 5000`;
-let labels: ReadonlyMap<string, string> = new Map();
-const listeners = new Set<() => void>();
+const labels = createStore<ReadonlyMap<string, string>>(new Map());
 
 // To be called once, by the frame of the app.
 export function usePollLabels() {
@@ -34,20 +35,11 @@ export function usePollLabels() {
     10_000,
   );
   useEffect(() => {
-    const next = polled.data;
-    if (!next || (next.size === labels.size && [...next].every(([iri, label]) => labels.get(iri) === label)))
-      return;
-    labels = next;
-    for (const listener of listeners) listener();
+    if (polled.data && !isSame(polled.data, labels.get())) labels.set(polled.data);
   }, [polled.data]);
 }
 // The labels, to draw again when they change.
-export function useLabels(): ReadonlyMap<string, string> {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => void listeners.delete(listener)),
-    () => labels,
-  );
-}
+export const useLabels = labels.use;
 
 const longest = 24;
 // "urn:uuid:162c0914-5b1e-…" as "162c0914…".
@@ -60,7 +52,7 @@ export function nameIn(labels: ReadonlyMap<string, string>, iri: string): string
   return labels.get(iri) || shortName(localName(iri));
 }
 export function nameOf(iri: string): string {
-  return nameIn(labels, iri);
+  return nameIn(labels.get(), iri);
 }
 export function valueWords(value: Value | undefined): string {
   if (!value) return "";

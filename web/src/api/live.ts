@@ -14,13 +14,9 @@ export const live = new LiveConnection(
 );
 if (typeof window !== "undefined") window.addEventListener("online", () => live.hurry());
 
+const subscribeLive = (listener: () => void) => live.subscribe(listener);
 function useLiveState(): LiveState {
-  const [state, setState] = useState<LiveState>(live.state);
-  useEffect(() => {
-    setState(live.state);
-    return live.subscribe(() => setState(live.state));
-  }, []);
-  return state;
+  return useSyncExternalStore(subscribeLive, () => live.state);
 }
 
 const unseenMs = 2000; // a hidden tab gets updates less often

@@ -1,13 +1,12 @@
 // The time that the views of hall and runs show: now, or one of the past. It stands in the address (?t=2026-11-26T10:40:31.072Z),
 // and goes along from view to view.
-import { useSyncExternalStore } from "react";
+import { createStore } from "./store";
 
 const parameter = "t";
 const addressMs = 300; // a time that is dragged comes into the address when it rests
 
-let shownMs: number | null = null;
+const shownMs = createStore<number | null>(null);
 let timer: ReturnType<typeof setTimeout> | undefined;
-const listeners = new Set<() => void>();
 
 export function readTime(search: string): number | null {
   const ms = Date.parse(new URLSearchParams(search).get(parameter) ?? "");
@@ -16,32 +15,30 @@ export function readTime(search: string): number | null {
 // As queries of the past take it.
 export const timeText = (ms: number) => new Date(ms).toISOString();
 
-function become(ms: number | null) {
-  if (ms === shownMs) return;
-  shownMs = ms;
-  for (const listener of listeners) listener();
-}
-
 // Called by the router when the address has changed.
 export function followAddress() {
   clearTimeout(timer);
-  become(readTime(window.location.search));
+  shownMs.set(readTime(window.location.search));
 }
 
 // Null: now, from here on.
 export function showTime(ms: number | null) {
-  become(ms === null ? null : Math.round(ms));
+  shownMs.set(ms === null ? null : Math.round(ms));
   clearTimeout(timer);
   timer = setTimeout(() => {
     const url = new URL(window.location.href);
-    if (shownMs === null) url.searchParams.delete(parameter);
-    else url.searchParams.set(parameter, timeText(shownMs));
+    const text = timeInAddress();
+    if (text === "") url.searchParams.delete(parameter);
+    else url.searchParams.set(parameter, text);
     window.history.replaceState(null, "", url.pathname + url.search);
   }, addressMs);
 }
 
 // For addresses of views that show the past, too: "" now.
-export const timeInAddress = () => (shownMs === null ? "" : timeText(shownMs));
+export function timeInAddress(): string {
+  const ms = shownMs.get();
+  return ms === null ? "" : timeText(ms);
+}
 
 let aheadMs = 0; // of the server's clock
 const leastMs = 1500; // a smaller difference is the way of the answer
@@ -50,11 +47,6 @@ export function serverIsAhead(ms: number) {
 }
 export const serverNow = () => Date.now() + aheadMs;
 // The time that is shown, in ms since 1970, by the server's clock.
-export const shownNow = () => shownMs ?? serverNow();
+export const shownNow = () => shownMs.get() ?? serverNow();
 
-export function usePast(): number | null {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
-    () => shownMs,
-  );
-}
+export const usePast = shownMs.use;

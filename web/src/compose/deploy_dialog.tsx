@@ -1,6 +1,6 @@
 // Before a workflow is deployed: what changes against the one that runs, and what the check says.
 import { CircleAlert, Copy, Rocket, X } from "lucide-react";
-import { useCallback, useMemo, useState, useSyncExternalStore } from "react";
+import { useCallback, useMemo, useState } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { navigate, paths } from "../ui/router";
@@ -25,7 +25,7 @@ export function DeployDialog(props: {
   onClose: () => void;
 }) {
   const { session, document, findings, sync } = props;
-  useSyncExternalStore(sync.subscribe, sync.getTurn);
+  sync.turns.use();
   const deployed = sync.live?.text ?? null;
   const [takesBack, setTakesBack] = useState<string | null>(null); // the text of a live version that may be taken back
   const behind = sync.behind;

@@ -4,6 +4,7 @@
 import { uniqueName } from "../cawl/names";
 import { toast } from "../ui/toasts";
 import { kept } from "../api/storage";
+import { createStore } from "../api/store";
 import {
   askBeforeLeaving,
   type Draft,
@@ -21,12 +22,11 @@ import type { Session } from "./session";
 const restMs = 300;
 
 export class DraftSync {
-  conflict: string | null = null; // the other tab's text
+  readonly conflicts = createStore<string | null>(null); // the other tab's text
   private shared: string; // that both tabs had last
   private timer = 0;
-  private turn = 0; // changes with what is told below
+  readonly turns = createStore(0); // another one with what is told below
   private readonly stops: (() => void)[];
-  private readonly listeners = new Set<() => void>();
 
   constructor(
     private readonly name: string,
@@ -40,18 +40,15 @@ export class DraftSync {
     window.addEventListener("beforeunload", ask);
     window.addEventListener("pagehide", leave);
     this.stops = [
-      session.subscribe(() => this.later()),
+      session.versions.subscribe(() => this.later()),
       watchDraft(name, (draft) => draft && this.takeIn(draft)),
       () => window.removeEventListener("beforeunload", ask),
       () => window.removeEventListener("pagehide", leave),
     ];
   }
-  subscribe = (listener: () => void) => {
-    this.listeners.add(listener);
-    return () => void this.listeners.delete(listener);
-  };
-  getConflict = () => this.conflict;
-  getTurn = () => this.turn;
+  get conflict(): string | null {
+    return this.conflicts.get();
+  }
 
   // The version that the server runs, as far as it is known.
   get live(): LiveVersion | null {
@@ -141,12 +138,11 @@ export class DraftSync {
   }
 
   private become(conflict: string | null) {
-    this.conflict = conflict;
+    this.conflicts.set(conflict);
     this.told();
   }
   private told() {
-    this.turn++;
-    for (const listener of this.listeners) listener();
+    this.turns.set(this.turns.get() + 1);
   }
   private later() {
     window.clearTimeout(this.timer);

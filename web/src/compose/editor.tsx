@@ -23,15 +23,7 @@ import {
   WandSparkles,
   Workflow,
 } from "lucide-react";
-import {
-  useCallback,
-  useEffect,
-  useEffectEvent,
-  useMemo,
-  useRef,
-  useState,
-  useSyncExternalStore,
-} from "react";
+import { useCallback, useEffect, useEffectEvent, useMemo, useRef, useState } from "react";
 import { useNames } from "../api/prefixes";
 import { useStable } from "../api/stable";
 import { kept } from "../api/storage";
@@ -128,7 +120,7 @@ function useSession(
 
 function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const { session, sync, name } = props;
-  useSyncExternalStore(session.subscribe, session.getVersion);
+  session.versions.use();
   const document = session.shown;
   const { live, deployed } = useLiveVersion(document.name || name, sync); // a text that was renamed takes the place of what has its new name
   const { good } = session;
@@ -138,7 +130,7 @@ function Open(props: EditorProps & { session: Session; sync: DraftSync }) {
   const [links, setLinks] = useState<ReadonlySet<string>>(() => new Set());
   const [open, setOpen] = useState<Open>(null);
   const [findingsOpen, setFindingsOpen] = useState(false);
-  const conflict = useSyncExternalStore(sync.subscribe, sync.getConflict);
+  const conflict = sync.conflicts.use();
   const serverDraft = useServerDraft(name, session, sync);
   const panels = usePanels();
   const palette = usePalette();

@@ -1,5 +1,5 @@
 // What is wrong with a document: mistakes of the text at once, and what the server's check says a moment after the last key.
-import { useEffect, useRef, useState, useSyncExternalStore } from "react";
+import { useEffect, useRef, useState } from "react";
 import { workflows } from "../api/client";
 import { plain, type PlainError } from "../api/errors";
 import { type CawlDocument, partAt } from "../cawl/document";
@@ -103,7 +103,7 @@ export function readFindings(document: CawlDocument, diagnostics: readonly Diagn
 }
 
 export function useFindings(session: Session): Findings {
-  const version = useSyncExternalStore(session.subscribe, session.getVersion);
+  const version = session.versions.use();
   const [state, setState] = useState<Findings>(() => ({
     list: readFindings(session.shown, []),
     conditions: [],

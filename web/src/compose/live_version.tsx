@@ -1,6 +1,6 @@
 // The version of the open document that the server runs: looked at all the time, and said where it is not the one that the text
 // began from.
-import { useEffect, useRef, useSyncExternalStore } from "react";
+import { useEffect, useRef } from "react";
 import { workflows } from "../api/client";
 import { plain } from "../api/errors";
 import { usePoll } from "../api/poll";
@@ -38,7 +38,7 @@ export function useLiveVersion(
   name: string,
   sync: DraftSync,
 ): { live: LiveVersion | null; deployed: (text: string, version: string) => void } {
-  useSyncExternalStore(sync.subscribe, sync.getTurn);
+  sync.turns.use();
   const generation = useRef(0); // an answer from before an own deployment is old
   const polled = usePoll(
     `live version ${name}`,

@@ -3,6 +3,7 @@
 import { history, isolateHistory, redo, redoDepth, undo, undoDepth } from "@codemirror/commands";
 import { EditorState, type Extension, Text, Transaction } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
+import { createStore } from "../api/store";
 import { type CawlDocument, flowOf, type Flow, readCawl } from "../cawl/document";
 import { EditRefused, Edits } from "../cawl/edits";
 import { announce, toast } from "../ui/toasts";
@@ -16,9 +17,8 @@ export class Session {
   private pending = 0; // timer of a text that is not read yet
   private revealing = 0; // timer of a place that is shown
   good: CawlDocument | null; // the newest without mistakes of the text
-  version = 0; // changes with each text
+  readonly versions = createStore(0); // another one with each text
   refreshed = 0; // changes when the whole text was replaced, and the canvas should show all of it
-  private readonly listeners = new Set<() => void>();
 
   constructor(text: string, extensions: Extension) {
     this.view = new EditorView({
@@ -52,11 +52,9 @@ export class Session {
     this.good = this.model.problems.length === 0 ? this.model : null;
   }
 
-  subscribe = (listener: () => void) => {
-    this.listeners.add(listener);
-    return () => void this.listeners.delete(listener);
-  };
-  getVersion = () => this.version;
+  get version(): number {
+    return this.versions.get();
+  }
 
   // The model of the text as it is now.
   get document(): CawlDocument {
@@ -80,8 +78,7 @@ export class Session {
     this.pending = 0;
     this.model = readCawl(text, changed ? this.model : undefined, changed);
     if (this.model.problems.length === 0) this.good = this.model;
-    this.version++;
-    for (const listener of this.listeners) listener();
+    this.versions.set(this.version + 1);
   }
 
   // Makes an edit of the flow as one step of undo. What can't be done is said, and nothing changes. Returns what `make` gives.

@@ -1,5 +1,6 @@
 // What can be done in the view that is open: the source of Ctrl-K, of the keys, and of the list of keys.
-import { useEffect, useRef, useSyncExternalStore } from "react";
+import { useEffect, useRef } from "react";
+import { createStore } from "../api/store";
 
 export interface Command {
   title: string;
@@ -15,12 +16,8 @@ export interface Command {
 
 type Source = { current: readonly Command[] };
 const sources = new Set<Source>();
-const listeners = new Set<() => void>();
-let version = 0;
-function changed() {
-  version++;
-  for (const listener of listeners) listener();
-}
+const version = createStore(0);
+const changed = () => version.set(version.get() + 1);
 
 // Offers commands as long as the component is there.
 export function useCommands(commands: readonly Command[]) {
@@ -39,12 +36,7 @@ export function useCommands(commands: readonly Command[]) {
 export function allCommands(): Command[] {
   return [...sources].reverse().flatMap((source) => [...source.current]);
 }
-export function useCommandsVersion(): number {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
-    () => version,
-  );
-}
+export const useCommandsVersion = version.use;
 
 export const isMac = /Mac|iPhone|iPad/.test(navigator.platform);
 export function keyLabels(keys: string): string[] {

@@ -1,6 +1,6 @@
 // Addresses of views: every view is a URL that restores it. Paths only; what a view keeps beside its name is in the query.
 // The time that a view shows is in the query as well, and the paths of those that can show the past take it along (past.ts).
-import { useSyncExternalStore } from "react";
+import { createStore } from "../api/store";
 import { leaveField } from "./typed";
 import { followAddress, timeInAddress } from "../api/past";
 
@@ -74,14 +74,10 @@ function query(values: Record<string, string>): string {
   return text ? `?${text}` : "";
 }
 
-const listeners = new Set<() => void>();
-function subscribe(listener: () => void) {
-  listeners.add(listener);
-  return () => void listeners.delete(listener);
-}
+const address = createStore("");
 function changed() {
   followAddress();
-  for (const listener of listeners) listener();
+  address.set(window.location.href);
 }
 // To be called once, at the start.
 export function startRouter() {
@@ -105,6 +101,6 @@ export function navigate(path: string, replace = false) {
 }
 
 export function useRoute(): Route {
-  const href = useSyncExternalStore(subscribe, () => window.location.href);
-  return parseRoute(new URL(href));
+  address.use();
+  return parseRoute(new URL(window.location.href));
 }

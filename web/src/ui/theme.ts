@@ -1,12 +1,12 @@
 // Light or dark: as the system has it, until somebody chooses.
-import { useSyncExternalStore } from "react";
+import { createStore } from "../api/store";
 import { kept } from "../api/storage";
 
 export type Theme = "system" | "light" | "dark";
 const key = "docent.theme";
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
-const listeners = new Set<() => void>();
 let chosen: Theme = readChosen();
+const shown = createStore(themeShown());
 
 function readChosen(): Theme {
   const stored = kept.getItem(key);
@@ -14,7 +14,7 @@ function readChosen(): Theme {
 }
 function apply() {
   document.documentElement.dataset["theme"] = themeShown();
-  for (const listener of listeners) listener();
+  shown.set(themeShown());
 }
 export function themeShown(): "light" | "dark" {
   return chosen === "system" ? (dark.matches ? "dark" : "light") : chosen;
@@ -31,9 +31,4 @@ export function startTheme() {
   dark.addEventListener("change", apply);
   apply();
 }
-export function useTheme(): "light" | "dark" {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
-    themeShown,
-  );
-}
+export const useTheme = shown.use;

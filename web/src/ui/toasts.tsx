@@ -1,6 +1,6 @@
 // Short messages of what was done or could not be done; also spoken to screen readers.
 import { CircleAlert, CircleCheck, X } from "lucide-react";
-import { useSyncExternalStore } from "react";
+import { createStore } from "../api/store";
 
 interface Toast {
   id: number;
@@ -9,38 +9,25 @@ interface Toast {
   detail: string;
   action?: { label: string; run: () => void };
 }
-let toasts: readonly Toast[] = [];
-let spoken = "";
+const toasts = createStore<readonly Toast[]>([]);
+const spoken = createStore("");
 let nextId = 1;
-const listeners = new Set<() => void>();
-function changed() {
-  for (const listener of listeners) listener();
-}
-function subscribe(listener: () => void) {
-  listeners.add(listener);
-  return () => void listeners.delete(listener);
-}
 
 export function toast(kind: Toast["kind"], title: string, detail = "", action?: Toast["action"]) {
   const id = nextId++;
-  toasts = [...toasts.slice(-3), { id, kind, title, detail, ...(action && { action }) }];
-  changed();
+  toasts.set([...toasts.get().slice(-3), { id, kind, title, detail, ...(action && { action }) }]);
   window.setTimeout(() => dismiss(id), kind === "bad" ? 9000 : 4500);
 }
 function dismiss(id: number) {
-  toasts = toasts.filter((t) => t.id !== id);
-  changed();
+  toasts.set(toasts.get().filter((t) => t.id !== id));
 }
 
 // Says something to screen readers alone.
-export function announce(words: string) {
-  spoken = words;
-  changed();
-}
+export const announce = spoken.set;
 
 export function Toasts() {
-  const shown = useSyncExternalStore(subscribe, () => toasts);
-  const words = useSyncExternalStore(subscribe, () => spoken);
+  const shown = toasts.use();
+  const words = spoken.use();
   return (
     <>
       <div className="unseen" aria-live="polite">

@@ -1,5 +1,5 @@
 // The page's address: the place of the code that was scanned, and what is being chosen. Back leads to the choice before.
-import { useSyncExternalStore } from "react";
+import { createStore } from "../api/store";
 
 export interface Choice {
   at: string; // as the code or the link names it
@@ -8,26 +8,16 @@ export interface Choice {
   step: string; // "at", "service" or "booth": that is chosen again
 }
 const names = ["at", "service", "booth", "step"] as const;
-const listeners = new Set<() => void>();
-const tell = () => listeners.forEach((listener) => listener());
+const address = createStore(window.location.search);
+const tell = () => address.set(window.location.search);
+window.addEventListener("popstate", tell);
 
 export function readChoice(search: string): Choice {
   const values = new URLSearchParams(search);
   return Object.fromEntries(names.map((name) => [name, values.get(name) ?? ""])) as unknown as Choice;
 }
 export function useChoice(): Choice {
-  const search = useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener);
-      window.addEventListener("popstate", listener);
-      return () => {
-        listeners.delete(listener);
-        window.removeEventListener("popstate", listener);
-      };
-    },
-    () => window.location.search,
-  );
-  return readChoice(search);
+  return readChoice(address.use());
 }
 export function choose(values: Partial<Choice>, replace = false) {
   const search = new URLSearchParams(window.location.search);

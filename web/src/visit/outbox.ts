@@ -1,5 +1,6 @@
 // What the visitor tells, until the server has it: kept in this browser, sent in order, sent again after a failure. Each
 // telling has an id, so that the server takes it once.
+import { createStore } from "../api/store";
 import { fromJson, toJson, type JsonValue } from "@bufbuild/protobuf";
 import { type AssertRequest, AssertRequestSchema } from "../gen/docent/v1/context_pb";
 import type { PlainError } from "../api/errors";
@@ -20,18 +21,15 @@ export class Outbox {
   private busy = false;
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
-  private readonly listeners = new Set<() => void>();
-  state: OutboxState = { kind: "empty" };
+  readonly states = createStore<OutboxState>({ kind: "empty" });
 
   constructor(private readonly ports: OutboxPorts) {
     this.waiting = this.read();
     if (this.waiting.length > 0) this.become({ kind: "sending" });
   }
-  subscribe = (listener: () => void): (() => void) => {
-    this.listeners.add(listener);
-    return () => void this.listeners.delete(listener);
-  };
-  current = (): OutboxState => this.state;
+  get state(): OutboxState {
+    return this.states.get();
+  }
 
   put(request: AssertRequest) {
     this.waiting.push(request);
@@ -72,8 +70,7 @@ export class Outbox {
   }
 
   private become(state: OutboxState) {
-    this.state = state;
-    for (const listener of [...this.listeners]) listener();
+    this.states.set(state);
   }
   private keep() {
     this.ports.storage.setItem(

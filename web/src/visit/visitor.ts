@@ -1,7 +1,7 @@
 // The visitor of this browser: a random number, where it is, what it has chosen. All of it is told to the server as facts of a
 // source of its own.
+import { createStore } from "../api/store";
 import { create } from "@bufbuild/protobuf";
-import { useSyncExternalStore } from "react";
 import { context, workflows } from "../api/client";
 import { plain } from "../api/errors";
 import { randomUuid } from "../api/ids";
@@ -54,8 +54,7 @@ function read(): Visitor {
     return fresh();
   }
 }
-let visitor = read();
-const listeners = new Set<() => void>();
+const store = createStore(read());
 export const outbox = new Outbox({ storage: kept, send, plain });
 async function send(request: AssertRequest) {
   await context.assert(request, { timeoutMs: 10_000 });
@@ -67,19 +66,12 @@ window.addEventListener("online", () => void outbox.flush());
 void outbox.flush();
 
 export function change(values: Partial<Visitor>) {
-  visitor = { ...visitor, ...values };
+  const visitor = { ...store.get(), ...values };
   kept.setItem(key, JSON.stringify(visitor));
-  for (const listener of [...listeners]) listener();
+  store.set(visitor);
 }
-export function useVisitor(): Visitor {
-  return useSyncExternalStore(
-    (listener) => (listeners.add(listener), () => listeners.delete(listener)),
-    () => visitor,
-  );
-}
-export function useOutbox() {
-  return useSyncExternalStore(outbox.subscribe, outbox.current);
-}
+export const useVisitor = store.use;
+export const useOutbox = outbox.states.use;
 
 const literal = (lexical: string, datatype = "", language = ""): Term =>
   create(TermSchema, { kind: { case: "literal", value: { lexical, datatype, language } } });
@@ -94,14 +86,14 @@ function tell(add: Quad[], remove: Quad[] = [], lifetimeMs = livesMs) {
     outbox.put(
       create(AssertRequestSchema, {
         requestId: randomUuid(),
-        source: visitor.id,
+        source: store.get().id,
         add,
         remove,
         ...(add.length > 0 && { lifetimeMs: BigInt(lifetimeMs) }),
       }),
     );
 }
-const wish = (service: string) => tell([fact(visitor.id, "chose", service)], [], wishLivesMs);
+const wish = (service: string) => tell([fact(store.get().id, "chose", service)], [], wishLivesMs);
 
 // "Guest 4F2A", for those who look at the hall.
 export function guestName(id: string): string {
@@ -109,17 +101,18 @@ export function guestName(id: string): string {
 }
 
 export function arrive(place: string) {
+  const visitor = store.get();
   const before = visitor.at;
   change({ at: place });
   if (visitor.asked && before !== place) tell([fact(visitor.id, "isAt", place)]);
 }
 export function call(service: string, booth: string) {
-  const { id, at } = visitor;
+  const { id, at, run, past } = store.get();
   change({
     service,
     booth,
     asked: true,
-    past: visitor.run || visitor.past,
+    past: run || past,
     run: "",
     met: "",
     toldMs: Date.now(),
@@ -134,6 +127,7 @@ export function call(service: string, booth: string) {
 }
 // While the page is open, the wish is told again before its lifetime ends. One whose lifetime has ended is not: that would start another run.
 export function renewWish() {
+  const visitor = store.get();
   const { asked, service, toldMs } = visitor;
   const now = Date.now();
   if (
@@ -152,12 +146,12 @@ export function lapsed(v: Pick<Visitor, "toldMs">, now: number): boolean {
 }
 export function select(booth: string) {
   change({ booth });
-  tell([fact(visitor.id, "selected", booth)]);
+  tell([fact(store.get().id, "selected", booth)]);
 }
 // What was wished is no longer told; the page may still show how it went.
 export function fulfilled() {
-  const { id, service, booth, toldMs } = visitor;
-  if (!visitor.asked || toldMs === 0) return;
+  const { id, service, booth, asked, toldMs } = store.get();
+  if (!asked || toldMs === 0) return;
   change({ toldMs: 0 });
   tell(
     [],
@@ -166,13 +160,14 @@ export function fulfilled() {
 }
 // The next wish is another one.
 export function withdraw() {
-  if (!visitor.asked) return;
+  const { asked, run, past } = store.get();
+  if (!asked) return;
   fulfilled();
-  change({ asked: false, past: visitor.run || visitor.past, run: "" });
+  change({ asked: false, past: run || past, run: "" });
 }
 // Ends the run as well, as soon as there is a network.
 export async function end(): Promise<void> {
-  const { run } = visitor;
+  const { run } = store.get();
   withdraw();
   for (let pauseMs = 1000; run !== ""; pauseMs = Math.min(pauseMs * 2, 15_000)) {
     try {
@@ -186,6 +181,7 @@ export async function end(): Promise<void> {
 }
 export function rate(run: string, stars: number, text: string, language: string) {
   const id = `urn:uuid:${randomUuid()}`;
+  const visitor = store.get();
   change({ rated: run });
   outbox.put(
     create(AssertRequestSchema, {

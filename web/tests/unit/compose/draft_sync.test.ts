@@ -63,7 +63,7 @@ class Tab {
     this.sync = new DraftSync(name, this as unknown as Session, live, base);
     browser.tabs.push(this);
   }
-  subscribe = (listener: () => void) => ((this.changed = listener), () => undefined);
+  versions = { subscribe: (listener: () => void) => ((this.changed = listener), () => undefined) };
   mergeIn(text: string) {
     this.edit(text);
   }
