@@ -1,6 +1,6 @@
 // The properties of what is selected: a step, a link, several steps, or the flow itself.
 import { ChevronDown, Copy, Plus, Trash2, X } from "lucide-react";
-import { useEffect, useRef, useState, type ReactNode } from "react";
+import { useEffect, useRef, useState, type ReactNode, type Ref } from "react";
 import { shorten } from "../api/sparql";
 import {
   type CawlDocument,
@@ -48,6 +48,7 @@ export interface PropertiesProps {
   onJump: (finding: Finding) => void;
   onCopy: () => void;
   runs: readonly Trial[]; // that a step can be tried on
+  nameField: Ref<HTMLInputElement>; // of a step
 }
 
 export function Properties(props: PropertiesProps) {
@@ -61,6 +62,7 @@ export function Properties(props: PropertiesProps) {
 
 // A field that is done when it is left or by Enter; Escape takes back what was typed.
 export function Field(props: {
+  ref?: Ref<HTMLInputElement>; // of one line
   label: string;
   value: string;
   onDone: (value: string) => void;
@@ -95,7 +97,7 @@ export function Field(props: {
   return (
     <label className="property">
       {!props.hideLabel && <span>{props.label}</span>}
-      {props.lines ? <textarea rows={props.lines} {...common} /> : <input {...common} />}
+      {props.lines ? <textarea rows={props.lines} {...common} /> : <input ref={props.ref} {...common} />}
       {props.hint && <small className="faint">{props.hint}</small>}
     </label>
   );
@@ -153,7 +155,13 @@ function StepProperties(props: PropertiesProps & { step: Step }) {
         <span className="tag accent">
           {step.kind === "node" ? "Step" : step.kind === "source" ? "Begin" : "End"}
         </span>
-        <Field label="Name" hideLabel value={step.name} onDone={(name) => actions.rename(step, name)} />
+        <Field
+          ref={props.nameField}
+          label="Name"
+          hideLabel
+          value={step.name}
+          onDone={(name) => actions.rename(step, name)}
+        />
         {step.kind === "node" && (
           <button className="button plain icon small" title="Copy" aria-label="Copy" onClick={props.onCopy}>
             <Copy size={14} />
