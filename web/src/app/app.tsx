@@ -13,7 +13,7 @@ import {
   Unplug,
   Workflow,
 } from "lucide-react";
-import { lazy, Suspense, useState } from "react";
+import { lazy, Suspense, useRef, useState } from "react";
 import { useServerClock } from "../api/clock";
 import { useConnection } from "../api/connection";
 import { usePollLabels } from "../api/labels";
@@ -59,6 +59,7 @@ const isAtFact = create(QuadSchema, { predicate: iriTerm("https://w3id.org/docen
 const timed = ["hall", "runs", "board", "run"]; // views that can show the past
 
 export function App() {
+  const view = useRef<HTMLDivElement>(null);
   const route = useRoute();
   const theme = useTheme();
   usePast(); // links take the time along
@@ -107,11 +108,7 @@ export function App() {
   ]);
   return (
     <div className="shell">
-      <a
-        className="skip"
-        href="#view"
-        onClick={(e) => (e.preventDefault(), document.getElementById("view")?.focus())}
-      >
+      <a className="skip" href="#view" onClick={(e) => (e.preventDefault(), view.current?.focus())}>
         Skip the menu
       </a>
       <nav className="rail" aria-label="Views">
@@ -154,7 +151,7 @@ export function App() {
           {theme === "dark" ? <Sun size={16} /> : <Moon size={16} />}
         </button>
       </nav>
-      <div className="page" id="view" tabIndex={-1}>
+      <div className="page" id="view" ref={view} tabIndex={-1}>
         <Stale />
         <Guard key={routeKey(route)}>
           <Suspense fallback={<div className="view" aria-busy="true" />}>

@@ -1,6 +1,6 @@
 // What a simulation waits for at its end, and the form that tells a fact in it.
 import { ChevronRight, Hourglass, Megaphone } from "lucide-react";
-import { useEffect, useEffectEvent, useRef, useState } from "react";
+import { useState } from "react";
 import type { Names } from "../api/prefixes";
 import type { SimulatedWait, SimulateReply } from "../gen/docent/v1/replays_pb";
 import { FactFields, quadOfRow } from "../facts/tell";
@@ -119,11 +119,6 @@ export function TellForm({
 }) {
   const [row, setRow] = useState(first);
   const [error, setError] = useState("");
-  const form = useRef<HTMLFormElement>(null);
-  const focusGap = useEffectEvent(() => {
-    if (focused) form.current?.querySelectorAll("input")[first.indexOf("")]?.focus();
-  });
-  useEffect(() => focusGap(), []);
   const tell = () => {
     try {
       onTell({ afterS: atS, quad: quadOfRow(row, names.prefixes), remove });
@@ -135,8 +130,14 @@ export function TellForm({
     }
   };
   return (
-    <form className="simulate-tell" ref={form} onSubmit={(e) => (e.preventDefault(), tell())}>
-      <FactFields row={row} names={names} {...(classes && { classes })} onChange={setRow} />
+    <form className="simulate-tell" onSubmit={(e) => (e.preventDefault(), tell())}>
+      <FactFields
+        row={row}
+        names={names}
+        {...(classes && { classes })}
+        {...(focused && { focused: first.indexOf("") })}
+        onChange={setRow}
+      />
       <button className="button small" type="submit" disabled={row.some((word) => word.trim() === "")}>
         <Megaphone size={12} />
         Tell it at {clockWords(atS)}

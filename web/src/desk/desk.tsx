@@ -40,6 +40,7 @@ export default function Desk({ search }: { search: string }) {
   const [asking, setAsking] = useState<{ favourite: Favourite; entry: PaletteEntry; edit: boolean } | null>(
     null,
   );
+  const starts = useRef<(HTMLButtonElement | null)[]>([]); // the large buttons
   useEffect(() => void (document.title = "Front desk – Docent"), []);
   // Changes of favourites that came by a link change the address, those of one's own what the browser keeps.
   const put = (next: Favourite[]) => {
@@ -74,7 +75,7 @@ export default function Desk({ search }: { search: string }) {
       group: "Front desk",
       icon: Star,
       keys: `${i + 1}`,
-      run: () => document.querySelectorAll<HTMLButtonElement>(".desk-start")[i]?.click(),
+      run: () => starts.current[i]?.click(),
     })),
   ]);
   const offered = palette.entries.filter((e) => e.kind !== "operation");
@@ -144,6 +145,7 @@ export default function Desk({ search }: { search: string }) {
               names={names}
               editing={editing}
               number={i + 1}
+              startButton={(button) => void (starts.current[i] = button)}
               onAsk={(entry, edit) => setAsking({ favourite, entry, edit })}
               onRemove={() => put(shown.filter((_, k) => k !== i))}
             />
@@ -215,6 +217,7 @@ function Tile(props: {
   names: Names;
   editing: boolean;
   number: number;
+  startButton: (button: HTMLButtonElement | null) => void;
   onAsk: (entry: PaletteEntry, edit: boolean) => void;
   onRemove: () => void;
 }) {
@@ -258,6 +261,7 @@ function Tile(props: {
   return (
     <li className="desk-tile">
       <button
+        ref={props.startButton}
         className="desk-start"
         disabled={busy || missing}
         onClick={touch}

@@ -38,11 +38,13 @@ export function FactFields({
   row,
   names,
   classes = [],
+  focused,
   onChange,
 }: {
   row: readonly string[];
   names: Names;
   classes?: readonly (string | undefined)[];
+  focused?: number; // the field that has the keys at first
   onChange: (row: string[]) => void;
 }) {
   const vocabulary = useVocabulary(names.prefixes);
@@ -64,6 +66,7 @@ export function FactFields({
           placeholder={label.toLowerCase()}
           value={row[k] ?? ""}
           choices={k === 1 ? verbs : things(classes[k])}
+          autoFocus={k === focused}
           onChange={(value) => onChange(["", "", ""].map((_, l) => (l === k ? value : (row[l] ?? ""))))}
         />
       ))}

@@ -79,9 +79,10 @@ export default function Hall({ picked }: { picked: string }) {
     if (at) setCamera((c) => broughtIntoView(c, layout.data, at));
     if (iri !== pickedIri) pick(iri);
   };
+  const [asked, setAsked] = useState(""); // of whom somebody is about to tell the place
   const tellPlace = (iri: string) => {
     find(iri);
-    window.setTimeout(() => document.querySelector<HTMLSelectElement>(".tell-place select")?.focus(), 400);
+    setAsked(iri);
   };
   const trails = useTrails(robots.data?.robots, past);
   useEffect(() => void (document.title = "Hall – Docent"), []);
@@ -226,6 +227,8 @@ export default function Hall({ picked }: { picked: string }) {
             robots={list}
             layout={layout.data}
             names={names}
+            asked={asked === pickedIri}
+            onAsked={() => setAsked("")}
             onClose={() => pick("")}
             again={robots.again}
           />

@@ -35,6 +35,8 @@ export function Details(props: {
   layout: Layout | undefined;
   way: Way | undefined;
   names: Names;
+  asked: boolean; // the field of its place is to have the keys
+  onAsked: () => void; // it has them
   onClose: () => void;
   again: () => void;
 }) {
@@ -87,6 +89,8 @@ export function Details(props: {
             name={robot?.label || names.name(iri)}
             layout={props.layout}
             names={names}
+            asked={props.asked}
+            onAsked={props.onAsked}
             again={facts.again}
           />
         )}

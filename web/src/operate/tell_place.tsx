@@ -1,7 +1,7 @@
 // Where a person or robot is, told by a person who sees it; and any other fact of it.
 import { create } from "@bufbuild/protobuf";
 import { MapPin, MessageSquarePlus } from "lucide-react";
-import { useState } from "react";
+import { useEffect, useEffectEvent, useRef, useState } from "react";
 import { context } from "../api/client";
 import { randomUuid } from "../api/ids";
 import type { Names } from "../api/prefixes";
@@ -18,14 +18,26 @@ export function TellPlace({
   name,
   layout,
   names,
+  asked,
+  onAsked,
   again,
 }: {
   iri: string;
   name: string;
   layout: Layout | undefined;
   names: Names;
+  asked: boolean; // the field of the place is to have the keys
+  onAsked: () => void; // it has them
   again: () => void;
 }) {
+  const field = useRef<HTMLSelectElement>(null);
+  const focus = useEffectEvent(() => {
+    field.current?.focus();
+    onAsked();
+  });
+  useEffect(() => {
+    if (asked) focus();
+  }, [asked]);
   const [place, setPlace] = useState("");
   const [telling, setTelling] = useState(false);
   const places = (kind: string) =>
@@ -52,6 +64,7 @@ export function TellPlace({
       <label className="row">
         <span className="quiet">is at</span>
         <select
+          ref={field}
           className="field small grow"
           aria-label={`${name} is at`}
           value={place}
