@@ -7,7 +7,8 @@ import { expect, inject, onTestFinished } from "vitest";
 
 const web = join(import.meta.dirname, "../..");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-export const patienceMs = 1000 * Number(process.env["DOCENT_PATIENCE_S"] ?? 300); // for what comes at once on an idle machine; others may have nearly all of a busy one
+// For one thing that is waited for, which comes at once on an idle machine.
+export const patienceMs = 1000 * Number(process.env["DOCENT_PATIENCE_S"] ?? 30);
 
 export interface PageOptions {
   dark?: boolean;
