@@ -44,19 +44,19 @@ export default function Compose(props: {
   return (
     <main className="view">
       <div className="wide" style={{ maxWidth: 860 }}>
-        <p className="row faint small" style={{ gap: 4, marginBottom: 10 }}>
+        <p className="row faint small" style={{ gap: "var(--space-2)", marginBottom: "var(--space-5)" }}>
           <Link href={paths.documents()}>Workflows</Link>
           <ChevronRight size={12} />
           {props.name}
         </p>
         <h1>{loaded.hidden ? `${props.name} is deployed` : `How does ${props.name} begin?`}</h1>
-        <p className="quiet" style={{ margin: "6px 0 22px" }}>
+        <p className="quiet" style={{ margin: "var(--space-3) 0 var(--space-9)" }}>
           {loaded.hidden
             ? "This server does not give the text of deployed workflows. Open its file, or begin again from a template."
             : "Take the template that is nearest. All of it can be changed."}
         </p>
         <TemplateCards templates={templates} onChoose={(template) => begin(template.text(props.name))} />
-        <p style={{ marginTop: 18 }}>
+        <p style={{ marginTop: "var(--space-8)" }}>
           <button className="button" onClick={() => void openFile().then((file) => file && begin(file.text))}>
             <FileUp size={14} />
             Open a file

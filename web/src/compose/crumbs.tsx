@@ -30,7 +30,7 @@ export function Crumbs({ via }: { via: string }) {
   return (
     <nav className="crumbs" aria-label="Opened from">
       {opened.map((o, i) => (
-        <span key={i} className="row" style={{ gap: 6 }}>
+        <span key={i} className="row" style={{ gap: "var(--space-3)" }}>
           <Link href={path(i)} className="cut" title={`${o.step} of ${o.name}`}>
             {o.flow && o.flow !== o.name ? `${o.name} / ${o.flow}` : o.name}
           </Link>

@@ -92,7 +92,7 @@ export default function Documents() {
   return (
     <main className="view">
       <div className="wide">
-        <div className="row" style={{ marginBottom: 6 }}>
+        <div className="row" style={{ marginBottom: "var(--space-3)" }}>
           <h1 className="grow">Workflows</h1>
           <button className="button" onClick={() => void open()}>
             <FileUp size={14} />
@@ -103,11 +103,11 @@ export default function Documents() {
             New workflow
           </button>
         </div>
-        <p className="quiet" style={{ marginBottom: 22 }}>
+        <p className="quiet" style={{ marginBottom: "var(--space-9)" }}>
           What robots do for people here: steps, and the situations that open them.
         </p>
         {!storage.open() && (
-          <div className="notice wait" role="status" style={{ marginBottom: 16 }}>
+          <div className="notice wait" role="status" style={{ marginBottom: "var(--space-8)" }}>
             <Unplug size={15} />
             <div>
               <b>This browser keeps nothing: drafts are not kept.</b> Its storage is blocked. What you write
@@ -116,7 +116,7 @@ export default function Documents() {
           </div>
         )}
         {polled.error && !polled.data && (
-          <div className="notice wait" style={{ marginBottom: 16 }}>
+          <div className="notice wait" style={{ marginBottom: "var(--space-8)" }}>
             <Unplug size={15} />
             <div>
               <b>{polled.error.title}.</b> {polled.error.detail} You can write drafts meanwhile.
@@ -249,7 +249,7 @@ function NameDialog(props: { template: Template; taken: ReadonlySet<string>; onC
         <div className="sheet-head">
           <h2>{props.template.title}</h2>
         </div>
-        <div className="sheet-body" style={{ display: "grid", gap: 8 }}>
+        <div className="sheet-body" style={{ display: "grid", gap: "var(--space-4)" }}>
           <label className="quiet small" htmlFor="new-name">
             Name of the workflow
           </label>

@@ -88,13 +88,13 @@ export function FindingsPanel(props: {
           </>
         )}
         {errors > 0 && (
-          <span className="row" style={{ gap: 5 }}>
+          <span className="row" style={{ gap: "var(--space-2)" }}>
             <CircleAlert size={14} className="bad" />
             {errors} to mend
           </span>
         )}
         {warnings > 0 && (
-          <span className="row" style={{ gap: 5 }}>
+          <span className="row" style={{ gap: "var(--space-2)" }}>
             <TriangleAlert size={14} className="warn" />
             {warnings} to look at
           </span>

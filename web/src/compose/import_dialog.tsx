@@ -77,7 +77,7 @@ export function ImportDialog(props: { onImported: (entries: PaletteEntry[]) => v
           <X size={15} />
         </button>
       </div>
-      <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+      <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
         <div className="segments" role="radiogroup" aria-label="From">
           {sources.map(([k, title]) => (
             <button
@@ -130,7 +130,7 @@ export function ImportDialog(props: { onImported: (entries: PaletteEntry[]) => v
           </div>
         )}
         {templates && (
-          <ul className="import-list" style={{ maxHeight: 200, overflow: "auto", display: "grid", gap: 4 }}>
+          <ul className="import-list" style={{ maxHeight: 200, overflow: "auto", display: "grid", gap: "var(--space-2)" }}>
             {templates.map((t) => (
               <li key={`${t.service} ${t.operation}`}>
                 <b>{words(t.operation)}</b>{" "}

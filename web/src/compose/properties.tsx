@@ -411,7 +411,7 @@ function Several(props: PropertiesProps) {
             .join(" and ")}
         </span>
       </header>
-      <div className="property-body row" style={{ padding: "0 14px 14px" }}>
+      <div className="property-body row" style={{ padding: "0 var(--space-7) var(--space-7)" }}>
         <button className="button small" onClick={props.onCopy}>
           <Copy size={13} />
           Copy

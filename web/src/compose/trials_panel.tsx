@@ -49,7 +49,7 @@ export function TrialsPanel(props: {
           </span>
         )}
         {trials.differing > 0 && (
-          <span className="row" style={{ gap: 5 }}>
+          <span className="row" style={{ gap: "var(--space-2)" }}>
             <GitCompareArrows size={14} className="warn" />
             {trials.differing} of {kept} {kept === 1 ? "test" : "tests"} would go differently
           </span>

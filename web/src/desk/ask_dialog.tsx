@@ -95,7 +95,7 @@ export function AskDialog(props: {
             <X size={15} />
           </button>
         </div>
-        <div className="sheet-body" style={{ display: "grid", gap: 12 }}>
+        <div className="sheet-body" style={{ display: "grid", gap: "var(--space-6)" }}>
           {edit && (
             <label className="property">
               <span>Text on the button</span>

@@ -128,7 +128,7 @@ export function TellDialog(props: {
           <X size={15} />
         </button>
       </div>
-      <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+      <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
         <p className="quiet">
           {props.patterns.length > 0 ? (
             <>

@@ -127,7 +127,7 @@ export function StartDialog(props: {
           <X size={15} />
         </button>
       </div>
-      <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+      <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
         <p className="quiet">
           {needed.length > 0 ? `It needs ${listed(needed)}.` : "It needs no values."}
           {found.length > 0 &&

@@ -128,7 +128,7 @@ export function AnotherRobot({
               <X size={15} />
             </button>
           </div>
-          <div className="sheet-body" style={{ display: "grid", gap: 6 }}>
+          <div className="sheet-body" style={{ display: "grid", gap: "var(--space-3)" }}>
             <p className="quiet">
               {exchange.how === "retry"
                 ? `${node.name} begins again with the robot that you choose.`

@@ -78,7 +78,7 @@ export function ReserveDialog({
             <X size={15} />
           </button>
         </div>
-        <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+        <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
           <p className="quiet">
             Other runs take it only if they are of a higher priority. What a run holds already it keeps.
           </p>

@@ -124,7 +124,7 @@ export function RunActions({
               <X size={15} />
             </button>
           </div>
-          <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+          <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
             <p>{busyWords(busy)}</p>
             <p className="quiet">
               A pause lets it do so, and nothing new begins. A step that is stopped begins again when the run
@@ -155,7 +155,7 @@ export function RunActions({
               <X size={15} />
             </button>
           </div>
-          <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+          <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
             <p className="quiet">
               Its commands are cancelled; its robot is free when it has stopped. A cancelled run does not come
               back.

@@ -124,7 +124,7 @@ export default function RunPage({ id, node }: { id: string; node: string }) {
           {run.workflow}
         </Link>
         {!run.parent && at === null && (
-          <span className="wide-only row" style={{ gap: 2 }}>
+          <span className="wide-only row" style={{ gap: "var(--space-1)" }}>
             <RunTest run={run} />
           </span>
         )}

@@ -161,7 +161,7 @@ export default function Runs(props: { state: string; workflow: string }) {
           </table>
         )}
         {runs.length > count && (
-          <p style={{ padding: 16, textAlign: "center" }}>
+          <p style={{ padding: "var(--space-8)", textAlign: "center" }}>
             <button className="button" onClick={() => setCount(count + shownAtOnce)}>
               Show {Math.min(shownAtOnce, runs.length - count)} more of {runs.length}
             </button>

@@ -38,7 +38,7 @@ export function ServiceDialog({
             <X size={15} />
           </button>
         </div>
-        <div className="sheet-body" style={{ display: "grid", gap: 10 }}>
+        <div className="sheet-body" style={{ display: "grid", gap: "var(--space-5)" }}>
           <p className="quiet">It gets no further command until it is put in service.</p>
           <input
             className="field"

@@ -98,7 +98,7 @@ export function Timeline({
     .filter(({ event, words }) => words && (!picked || event.node === picked));
   if (shown.length === 0)
     return (
-      <p className="faint small" style={{ padding: "10px 14px" }}>
+      <p className="faint small" style={{ padding: "var(--space-5) var(--space-7)" }}>
         {until.length === 0 && at !== null
           ? "Nothing had happened yet."
           : events.length === 0
